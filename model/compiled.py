@@ -1,0 +1,66 @@
+"""One decorator: numba's compiler where it is installed, plain Python where it is not.
+
+Compiled code is kept in a folder of the user's, named after the content of this package: numba
+itself looks at each file alone and would go on using code that it compiled from an older version
+of another file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from .user_cache import user_cache
+
+try:
+    import numba
+
+    IS_COMPILED = not numba.config.DISABLE_JIT
+except ImportError:
+    numba = None
+    IS_COMPILED = False
+
+INTERPRETED_WARNING = (
+    "numba is not installed: the solver runs interpreted, some hundred times slower, with the same "
+    "numbers (pip install numba)"
+)
+_KEPT_VERSIONS = 8
+
+
+def _code_cache() -> str:
+    """The folder for code compiled from exactly these sources; "" (numba's own choice) if none can
+    be made. Only the newest few versions are kept."""
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(source.read_bytes())
+    versions = user_cache() / "compiled"
+    folder = versions / digest.hexdigest()[:16]
+    try:
+        if not folder.is_dir():
+            folder.mkdir(parents=True, exist_ok=True)
+            by_age = sorted(versions.iterdir(), key=lambda p: p.stat().st_mtime, reverse=True)
+            for old in by_age[_KEPT_VERSIONS:]:
+                shutil.rmtree(old, ignore_errors=True)
+    except OSError:
+        return ""
+    return str(folder)
+
+
+_CODE_CACHE = _code_cache() if IS_COMPILED else ""
+
+
+def compiled(function: Callable) -> Callable:
+    """Compile `function` with numba, cached on disk, or return it as it is without numba.
+
+    The arithmetic is IEEE in both cases (no fast-math), so the numbers are the same.
+    """
+    if numba is None:
+        return function
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = _CODE_CACHE or before
+    try:
+        return numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+    finally:
+        numba.config.CACHE_DIR = before

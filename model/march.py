@@ -1,0 +1,210 @@
+"""The loop over steps from one communication point to the next, compiled.
+
+Chooses each step's length, repeats what is rejected, and keeps what has to be kept at every step:
+the energy ledger, the amplitudes, and the watch for the false wall-to-wall state.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from .assembly import Structure
+from .compiled import compiled
+from .control import ADAPTIVE, error_indicator, next_step, shorter_step
+from .energy import FLOWS, powers
+from .excitation import Spin
+from .step import try_step
+
+DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+# A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
+# the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
+# step takes one away, and at TRAPPED_SCORE (some twenty crossings) the state is called false.
+CROSSING_STEPS = 2
+CROSSING_SCORE = 3.0
+TRAPPED_SCORE = 60.0
+
+RECORD = np.dtype(
+    [
+        (name, "f8")
+        for name in (
+            "t",  # time [s]
+            "t_ref",  # since then the speed has been linear in time: [s], [rad/s], [rad/s2], [rad]
+            "omega_ref",
+            "alpha",
+            "theta_ref",
+            "omega",  # at t [rad/s]
+            "theta",  # at t [rad]
+            "h",  # wished step length [s]
+            "h_last",
+            "h_smallest",
+            "h_largest",
+            "error",  # of the last step, relative [1]
+            "torque",  # of the drive, at t [N.m]
+            "turn",  # angle at which the present revolution began [rad]
+            "trapped_at",  # time at which the false state was first seen [s], or NaN
+            "failed_at",  # time of the step that failed [s], and its length [s]
+            "failed_h",
+        )
+    ]
+    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped")]
+)
+
+
+class Memory(NamedTuple):
+    """What a run remembers besides the motion; every array changes in place.
+
+    record: shape (1,) of dtype `RECORD`; work, power: of `FLOWS`, shape (6,) [J], [W]; peaks: shape
+    (3, 2, discs): largest |x| and |y - y_static| [m] of the present revolution, of the one before,
+    and since the last communication point; bounce: shape (bearings, 4): direction of the last contact (cos, sin),
+    steps since then, score of crossings.
+    """
+
+    record: np.ndarray
+    work: np.ndarray
+    power: np.ndarray
+    peaks: np.ndarray
+    bounce: np.ndarray
+
+
+def new_memory(structure: Structure) -> Memory:
+    """Memory of a run that has not begun."""
+    memory = Memory(
+        record=np.zeros(1, dtype=RECORD).view(np.recarray),
+        work=np.zeros(len(FLOWS)),
+        power=np.zeros(len(FLOWS)),
+        peaks=np.zeros((3, 2, len(structure.disc_dof))),
+        bounce=np.zeros((len(structure.contacts), 4)),
+    )
+    memory.record[0].trapped_at = np.nan
+    return memory
+
+
+@compiled
+def spin_at(record, t):
+    """Rotation at time t [s]: the speed is linear in time, the angle its integral."""
+    r = record[0]
+    since = t - r.t_ref
+    return Spin(
+        r.omega_ref + r.alpha * since,
+        r.alpha,
+        r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
+    )
+
+
+@compiled
+def _watch_amplitudes(structure, static, motion, memory):
+    """Largest displacements of the discs, over the last whole revolution and what has passed of
+    the present one."""
+    r = memory.record[0]
+    peaks = memory.peaks
+    if abs(r.theta - r.turn) >= 2.0 * math.pi:
+        r.turn = r.theta
+        peaks[1] = peaks[0]
+        peaks[0] = 0.0
+    for i in range(len(structure.disc_dof)):
+        q = motion.q[structure.disc_dof[i]]
+        x = abs(q.real)
+        y = abs(q.imag - static[i])
+        for window in (0, 2):
+            peaks[window, 0, i] = max(peaks[window, 0, i], x)
+            peaks[window, 1, i] = max(peaks[window, 1, i], y)
+
+
+@compiled
+def _watch_bounces(structure, motion, memory):
+    """Count the steps in which a journal keeps hitting opposite walls within a step or two."""
+    r = memory.record[0]
+    contacts = structure.contacts
+    n = structure.M.shape[1]
+    bounce = memory.bounce
+    for j in range(len(contacts)):
+        bounce[j, 2] += 1.0
+        bounce[j, 3] = max(0.0, bounce[j, 3] - 1.0)
+        if motion.force[j] != 0.0:
+            d = motion.q[contacts[j].dof] - motion.q[n + j]
+            e = d / abs(d)
+            is_opposite = e.real * bounce[j, 0] + e.imag * bounce[j, 1] < -0.5
+            if is_opposite and bounce[j, 2] <= CROSSING_STEPS:
+                bounce[j, 3] = min(2.0 * TRAPPED_SCORE, bounce[j, 3] + CROSSING_SCORE)
+            bounce[j, 0] = e.real
+            bounce[j, 1] = e.imag
+            bounce[j, 2] = 0.0
+        if bounce[j, 3] >= TRAPPED_SCORE:
+            r.trapped += 1
+            if math.isnan(r.trapped_at):
+                r.trapped_at = r.t
+
+
+@compiled
+def _commit(h, loads, structure, static, motion, trial, memory, work, spin):
+    """Make the trial state the present one and do the bookkeeping of an accepted step."""
+    r = memory.record[0]
+    for i in range(len(motion.q)):
+        motion.q[i] = trial.q[i]
+        motion.v[i] = trial.v[i]
+        motion.a[i] = trial.a[i]
+        motion.r[i] = trial.r[i]
+        motion.jerk[i] = trial.jerk[i]
+    for j in range(len(motion.force)):
+        motion.force[j] = trial.force[j]
+    r.steps += 1
+    r.h_last = h
+    r.omega = spin.omega
+    r.theta = spin.theta
+    for i in range(len(memory.power)):
+        memory.work[i] += 0.5 * h * memory.power[i]
+    r.torque = powers(structure, spin, loads, motion, work.scratch, work.free, memory.power)
+    for i in range(len(memory.power)):
+        memory.work[i] += 0.5 * h * memory.power[i]
+    _watch_amplitudes(structure, static, motion, memory)
+    _watch_bounces(structure, motion, memory)
+
+
+@compiled
+def advance(structure, scheme, control, static, t_end, loads, motion, trial, memory, work):
+    """March to t_end [s] with constant loads, shape (bodies,) [N]; returns DONE or why not.
+
+    Steps are cut to equal parts of what remains, so that none is a sliver. On failure the state is
+    that after the last accepted step.
+    """
+    r = memory.record[0]
+    memory.peaks[2] = 0.0
+    is_adaptive = control.mode == ADAPTIVE
+    shortest = control.h_min * (1.0 + 1e-5)
+    parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
+    while parts >= 1.0:
+        h = (t_end - r.t) / parts
+        wished = r.h
+        while True:
+            t = t_end if parts == 1.0 else r.t + h
+            spin = spin_at(memory.record, t)
+            status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+            r.newton += iterations
+            error = 0.0
+            if status == DONE and is_adaptive:
+                error = error_indicator(control, h, r.steps == 0, motion, trial)
+            if status == DONE and (not is_adaptive or error <= control.eps_max or h <= shortest):
+                break
+            if not is_adaptive or h <= shortest:
+                r.failed_at = r.t
+                r.failed_h = h
+                return status
+            r.rejected += 1
+            wished = (
+                shorter_step(control, h, error) if status == DONE else max(control.h_min, h / 2)
+            )
+            parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
+            h = (t_end - r.t) / parts
+        r.t = t
+        r.error = error
+        r.h = next_step(control, wished, h, error) if is_adaptive else wished
+        r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
+        r.h_largest = max(r.h_largest, wished)
+        _commit(h, loads, structure, static, motion, trial, memory, work, spin)
+        parts = parts - 1.0
+        if is_adaptive and parts >= 1.0:
+            parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
+    return DONE

@@ -1,0 +1,104 @@
+"""What can be read of a run, as one flat array: the names, and the kernel that fills it."""
+
+from __future__ import annotations
+
+import math
+
+from .assembly import Structure
+from .compiled import compiled
+from .contact import contact_force
+from .energy import FLOWS, STORES, energies
+from .excitation import Spin, contact_angle
+
+_DISC = ("x", "y", "x_amp", "y_amp")
+_BEARING = ("psi", "fn", "ft", "x", "y", "housing_x", "housing_y", "contact")
+_SOLVER = (
+    "h_last",
+    "steps",
+    "rejected",
+    "newton",
+    "error",
+    "h_min_used",
+    "h_max_used",
+    "trapped",
+    "trapped_at",
+)
+
+
+def observed_names(structure: Structure) -> tuple[str, ...]:
+    """Names of the observed quantities, in the order of the array that `observe` fills.
+
+    Units: displacements [m], angles [rad], forces [N], torque [N.m], energies [J], times [s].
+    """
+    names = ["phi", "w", "tau"]
+    for i in range(1, len(structure.disc_dof) + 1):
+        names += [f"disc[{i}].{name}" for name in _DISC]
+    for j in range(1, len(structure.contacts) + 1):
+        names += [f"bearing[{j}].{name}" for name in _BEARING]
+    names += [f"solver.{name}" for name in _SOLVER]
+    names += [f"energy.{name}" for name in STORES]
+    names += [f"energy.{name}" for name in ("drive_work", "external_work")]
+    names += [f"energy.{name}_loss" for name in FLOWS[2:]]
+    return (*names, "energy.residual")
+
+
+@compiled
+def total_energy(structure, spin, motion, scratch, stores):
+    """Energy of the machine [J]; fills stores, shape (4,) [J]."""
+    energies(structure, spin, motion, scratch, stores)
+    return stores[0] + stores[1] + stores[2] + stores[3]
+
+
+@compiled
+def observe(structure, static, energy_at_start, motion, memory, scratch, stores, out):
+    """Fill `out` in the order of `observed_names`; energy_at_start [J]."""
+    contacts = structure.contacts
+    n = structure.M.shape[1]
+    r = memory.record[0]
+    out[0] = r.theta
+    out[1] = r.omega
+    out[2] = r.torque
+    at = 3
+    for i in range(len(structure.disc_dof)):
+        q = motion.q[structure.disc_dof[i]]
+        out[at] = q.real
+        out[at + 1] = q.imag
+        for axis in range(2):
+            peaks = memory.peaks
+            out[at + 2 + axis] = max(peaks[0, axis, i], peaks[1, axis, i], peaks[2, axis, i])
+        at += 4
+    for j in range(len(contacts)):
+        housing = motion.q[n + j]
+        d = motion.q[contacts[j].dof] - housing
+        d_dot = motion.v[contacts[j].dof] - motion.v[n + j]
+        force, normal, delta, rate, sliding = contact_force(contacts[j], d, d_dot, r.omega)
+        out[at] = contact_angle(d)
+        out[at + 1] = normal
+        out[at + 2] = 0.0 if normal == 0.0 else -(force * d.conjugate()).imag / abs(d)
+        out[at + 3] = d.real
+        out[at + 4] = d.imag
+        out[at + 5] = housing.real
+        out[at + 6] = housing.imag
+        out[at + 7] = 1.0 if normal > 0.0 else 0.0
+        at += 8
+    out[at] = r.h_last
+    out[at + 1] = r.steps
+    out[at + 2] = r.rejected
+    out[at + 3] = r.newton
+    out[at + 4] = r.error
+    out[at + 5] = r.h_smallest
+    out[at + 6] = r.h_largest
+    out[at + 7] = r.trapped
+    out[at + 8] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
+    at += 9
+    spin = Spin(r.omega, r.alpha, r.theta)
+    energy = total_energy(structure, spin, motion, scratch, stores)
+    for i in range(len(stores)):
+        out[at + i] = stores[i]
+    at += len(stores)
+    work = memory.work
+    for i in range(len(work)):
+        out[at + i] = work[i]
+    at += len(work)
+    losses = work[2] + work[3] + work[4] + work[5]
+    out[at] = energy - energy_at_start - work[0] - work[1] + losses

@@ -1,0 +1,163 @@
+"""What a user chooses about the integration, with the named presets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from . import schemes
+from .control import (
+    ADAPTIVE,
+    FIXED,
+    INCREMENT_NORM,
+    LI_ZENG_WIBERG,
+    MIXED_NORM,
+    ZIENKIEWICZ_XIE,
+    Control,
+)
+
+# The parameters that each method takes.
+METHODS = {
+    "newmark": (),
+    "hht": ("alpha_f",),
+    "wbz": ("alpha_m",),
+    "generalized-alpha": ("alpha_f", "alpha_m"),
+    "chung-hulbert": ("rho",),
+}
+MODES = {"fixed": FIXED, "adaptive": ADAPTIVE}
+# name: (indicator, whether with the constant that is right for generalized-alpha)
+INDICATORS = {
+    "zienkiewicz-xie": (ZIENKIEWICZ_XIE, False),
+    "zienkiewicz-xie-corrected": (ZIENKIEWICZ_XIE, True),
+    "li-zeng-wiberg": (LI_ZENG_WIBERG, False),
+    "li-zeng-wiberg-corrected": (LI_ZENG_WIBERG, True),
+}
+NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
+
+
+class SettingsError(ValueError):
+    """Settings that no run can have; the message names the setting, its value and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Integrator and step control.
+
+    method: one of `METHODS`, with the parameters that it takes of alpha_f, alpha_m, rho [1];
+    mode: `fixed` or `adaptive`; h: step length, in adaptive mode the first [s]; h_min, h_max [s];
+    eps_min, eps_max: limits of the relative error [1]; indicator: one of `INDICATORS`; norm:
+    `increment` or `mixed`, the latter with atol [m] and rtol [1].
+    """
+
+    method: str = "chung-hulbert"
+    alpha_f: float = 0.0
+    alpha_m: float = 0.0
+    rho: float = 0.2
+    mode: str = "fixed"
+    h: float = 5e-4
+    h_min: float = 0.004
+    h_max: float = 0.02
+    eps_min: float = 0.1
+    eps_max: float = 0.3
+    indicator: str = "zienkiewicz-xie"
+    norm: str = "increment"
+    atol: float = 1e-6
+    rtol: float = 1e-3
+
+    def __post_init__(self) -> None:
+        for name, allowed in (
+            ("method", METHODS),
+            ("mode", MODES),
+            ("indicator", INDICATORS),
+            ("norm", NORMS),
+        ):
+            if getattr(self, name) not in allowed:
+                raise SettingsError(
+                    f"solver.{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}"
+                )
+        for name in ("h", "h_min", "h_max", "eps_min", "eps_max", "atol", "rtol"):
+            value = getattr(self, name)
+            if not math.isfinite(value) or value <= 0:
+                raise SettingsError(f"solver.{name} = {value:g}: must be > 0 and finite")
+        if self.mode == "adaptive":
+            if not self.h_min <= self.h <= self.h_max:
+                raise SettingsError(
+                    f"solver.h = {self.h:g} s: must lie between solver.h_min = {self.h_min:g} s and "
+                    f"solver.h_max = {self.h_max:g} s"
+                )
+            if not self.eps_min < self.eps_max:
+                raise SettingsError(
+                    f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = {self.eps_max:g}"
+                )
+        try:
+            self.scheme()
+        except schemes.SchemeError as error:
+            raise SettingsError(f"solver.{error}") from error
+
+    def scheme(self) -> schemes.Scheme:
+        """The integrator's parameters; raises `schemes.SchemeError` for impossible ones."""
+        if self.method == "newmark":
+            return schemes.newmark()
+        if self.method == "hht":
+            return schemes.hht(self.alpha_f)
+        if self.method == "wbz":
+            return schemes.wbz(self.alpha_m)
+        if self.method == "generalized-alpha":
+            return schemes.generalized_alpha(self.alpha_f, self.alpha_m)
+        return schemes.chung_hulbert(self.rho)
+
+    def control(self) -> Control:
+        """The step control, in the form that the compiled loop takes."""
+        scheme = self.scheme()
+        indicator, is_corrected = INDICATORS[self.indicator]
+        shift = (scheme.alpha_m - scheme.alpha_f) / 2 if is_corrected else 0.0
+        return Control(
+            mode=MODES[self.mode],
+            h=self.h,
+            h_min=self.h_min,
+            h_max=self.h_max,
+            eps_min=self.eps_min,
+            eps_max=self.eps_max,
+            indicator=indicator,
+            beta_error=scheme.beta + shift,
+            norm=NORMS[self.norm],
+            atol=self.atol,
+            rtol=self.rtol,
+        )
+
+
+PRESETS = {
+    # Chung and Hulbert with strong high-frequency damping: no run fell into the false state.
+    "robust": Settings(method="chung-hulbert", rho=0.2, h=5e-4),
+    # Paper A's run: Figs 3 to 6.
+    "paper": Settings(method="generalized-alpha", alpha_f=0.1, alpha_m=0.08, h=0.004),
+    # Paper A's run with variable step: Figs 11 to 15.
+    "paper-adaptive": Settings(
+        method="generalized-alpha", alpha_f=0.1, alpha_m=0.08, h=0.004, mode="adaptive"
+    ),
+    # Paper B's moderate dissipation, Abaqus' default for contact.
+    "moderate": Settings(method="hht", alpha_f=math.sqrt(2) - 1, h=5e-4),
+}
+DEFAULT_PRESET = "robust"
+
+
+def choose(preset: str = DEFAULT_PRESET, **changes: str | float) -> Settings:
+    """A preset with some settings changed.
+
+    Raises `SettingsError` for impossible ones, for a method without the parameters that it takes,
+    and for a parameter that the method does not take.
+    """
+    if preset not in PRESETS:
+        raise SettingsError(f"solver.preset = {preset!r}: must be one of {', '.join(PRESETS)}")
+    base = PRESETS[preset]
+    method = changes.get("method", base.method)
+    if method in METHODS:
+        for name in ("alpha_f", "alpha_m", "rho"):
+            if name in changes and name not in METHODS[method]:
+                raise SettingsError(
+                    f"solver.{name} = {changes[name]:g}: {method} does not take it; "
+                    "set solver.method too"
+                )
+            if name in METHODS[method] and method != base.method and name not in changes:
+                raise SettingsError(f"solver.method = {method}: needs solver.{name} too")
+    return replace(base, **changes)

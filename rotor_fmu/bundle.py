@@ -1,0 +1,110 @@
+"""What goes into the FMU, and building it."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import shutil
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+from xml.etree.ElementTree import fromstring, indent, tostring
+
+from pythonfmu.builder import FmuBuilder
+
+import model
+from model.rotor_toml import parse_rotor, rig_toml
+
+FMU_NAME = "RotorBearing.fmu"
+REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
+_HERE = Path(__file__).parent
+_OWN_MODULES = ("about", "interface", "description", "slave")
+_ZIP_DATE = (1980, 1, 1, 0, 0, 0)
+_DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host: Python 3.11 or newer with
+numpy and scipy; with numba it runs some hundred times faster. No network, no licence, no files
+but its own and a cache of compiled code in the user's cache folder ($ROTOR_FMU_CACHE).
+"""
+
+
+def build(out: Path, rotor_toml: str | None = None) -> Path:
+    """Build `RotorBearing.fmu` in the folder `out` and return its path.
+
+    rotor_toml: TOML text of the rotor, by default the paper's rig. Raises `RotorError` for an
+    impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
+    """
+    toml = rig_toml() if rotor_toml is None else rotor_toml
+    parse_rotor(toml)
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
+        folder = Path(name)
+        package = _write_package(folder, toml)
+        script = folder / f"{package.name}_entry.py"
+        shutil.copyfile(_HERE / "entry.py", script)
+        documents = folder / "documentation"
+        documents.mkdir()
+        (documents / "externalDependencies.txt").write_text(_DEPENDENCIES, encoding="utf-8")
+        requirements = folder / "requirements.txt"
+        requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
+        raw = folder / "raw.fmu"
+        search_path = list(sys.path)
+        try:
+            FmuBuilder.build_FMU(
+                script,
+                dest=raw,
+                project_files=[package, requirements],
+                documentation_folder=documents,
+            )
+        finally:
+            sys.path[:] = search_path
+        # written beside its place and moved there, so that nothing half-written is ever found
+        unfinished = out / (FMU_NAME + ".part")
+        _repack(raw, unfinished)
+        return unfinished.replace(out / FMU_NAME)
+
+
+def _sources() -> dict[str, str]:
+    """The package's modules by their path in it; `model` becomes a subpackage."""
+    root = Path(model.__file__).parent
+    files = {f"model/{p.relative_to(root).as_posix()}": p for p in root.rglob("*.py")}
+    files |= {f"{name}.py": _HERE / f"{name}.py" for name in _OWN_MODULES}
+    texts = {path: file.read_text(encoding="utf-8") for path, file in sorted(files.items())}
+    return {
+        path: text
+        if path.startswith("model/")
+        else re.sub(r"(?m)^from model\b", "from .model", text)
+        for path, text in texts.items()
+    }
+
+
+def _write_package(folder: Path, toml: str) -> Path:
+    """Write the FMU's package, named after its content, and return its folder."""
+    contents = _sources() | {"__init__.py": "", "rotor.toml": toml}
+    digest = hashlib.sha256()
+    for path, text in sorted(contents.items()):
+        digest.update(f"{path}\0{text}\0".encode())
+    package = folder / f"rotorbearing_{digest.hexdigest()[:12]}"
+    for path, text in contents.items():
+        target = package / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    return package
+
+
+def _repack(raw: Path, target: Path) -> None:
+    """Copy a zip file sorted, with one date, indented XML and without caches."""
+    with zipfile.ZipFile(raw) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as sink:
+        for name in sorted(source.namelist()):
+            if "__pycache__" in name or name.endswith("/"):
+                continue
+            data = source.read(name)
+            if name == "modelDescription.xml":
+                root = fromstring(data.decode("utf-8"))
+                indent(root)
+                data = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(
+                    root, encoding="utf-8"
+                )
+            info = zipfile.ZipInfo(name, _ZIP_DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            sink.writestr(info, data)

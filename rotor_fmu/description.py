@@ -1,0 +1,85 @@
+"""modelDescription.xml beyond what pythonfmu writes, made from the variable table."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element, SubElement
+
+from .interface import UNITS, Variable
+
+_ORDER = (
+    "CoSimulation",
+    "UnitDefinitions",
+    "TypeDefinitions",
+    "LogCategories",
+    "DefaultExperiment",
+    "ModelVariables",
+    "ModelStructure",
+)
+
+
+def guid(table: Sequence[Variable], content: str) -> str:
+    """Identifier that changes with the interface and with the code behind it, and with nothing else."""
+    return str(uuid.uuid5(uuid.NAMESPACE_URL, f"rotor-fmu {content} {table!r}"))
+
+
+def complete(root: Element, table: Sequence[Variable], generated: str) -> Element:
+    """Add units, limits, dependencies and initial unknowns to pythonfmu's description `root`."""
+    root.set("generationDateAndTime", generated)
+    root.append(_unit_definitions(table))
+    for element, variable in zip(root.find("ModelVariables"), table, strict=True):
+        _describe(element, variable)
+    root.remove(root.find("ModelStructure"))
+    root.append(_model_structure(table))
+    root[:] = sorted(root, key=lambda child: _ORDER.index(child.tag))
+    return root
+
+
+def _describe(element: Element, variable: Variable) -> None:
+    value = element[0]
+    if variable.kind == "Real":
+        unit = UNITS[variable.unit]
+        value.set("unit", unit.name)
+        if unit.display:
+            value.set("displayUnit", unit.display[0])
+        if variable.nominal is not None:
+            value.set("nominal", repr(variable.nominal))
+    if variable.kind != "Boolean":
+        for key, limit in (("min", variable.low), ("max", variable.high)):
+            if limit is not None:
+                value.set(key, repr(limit))
+
+
+def _unit_definitions(table: Sequence[Variable]) -> Element:
+    used = {v.unit for v in table if v.kind == "Real"}
+    definitions = Element("UnitDefinitions")
+    for unit in UNITS.values():
+        if unit.name not in used:
+            continue
+        node = SubElement(definitions, "Unit", name=unit.name)
+        SubElement(node, "BaseUnit", {base: str(exponent) for base, exponent in unit.base.items()})
+        if unit.display:
+            name, factor = unit.display
+            SubElement(node, "DisplayUnit", name=name, factor=repr(factor))
+    return definitions
+
+
+def _model_structure(table: Sequence[Variable]) -> Element:
+    """Outputs with what they depend on within an instant, and the initial unknowns.
+
+    At an instant the displacements are states, and no input reaches them; the contact forces depend
+    on the speed through friction and damping, the torque on every input.
+    """
+    structure = Element("ModelStructure")
+    inputs = [str(i) for i, v in enumerate(table, 1) if v.causality == "input"]
+    outputs = SubElement(structure, "Outputs")
+    for index, variable in enumerate(table, 1):
+        if variable.causality == "output":
+            depends = " ".join(inputs) if variable.name == "tau" else ""
+            SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
+    unknowns = SubElement(structure, "InitialUnknowns")
+    for index, variable in enumerate(table, 1):
+        if variable.causality == "output":
+            SubElement(unknowns, "Unknown", index=str(index))
+    return structure

@@ -1,0 +1,309 @@
+"""The FMU's variables: one table, from which the description, the slave, the command line and the
+documents are made."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from model.assembly import assemble
+from model.observe import observed_names
+from model.rotor import Rotor
+from model.settings import DEFAULT_PRESET, INDICATORS, METHODS, MODES, NORMS, PRESETS
+
+AS_PRESET = "as the preset"
+_BIG = 1e9
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: exponents of the SI base units, and how people want to see it (name, factor)."""
+
+    name: str
+    base: dict[str, int]
+    display: tuple[str, float] | None = None
+
+
+UNITS = {
+    unit.name: unit
+    for unit in (
+        Unit("m", {"m": 1}, ("um", 1e6)),
+        Unit("rad", {"rad": 1}, ("deg", 180 / math.pi)),
+        Unit("rad/s", {"rad": 1, "s": -1}, ("rpm", 30 / math.pi)),
+        Unit("rad/s2", {"rad": 1, "s": -2}),
+        Unit("s", {"s": 1}),
+        Unit("kg", {"kg": 1}),
+        Unit("N", {"kg": 1, "m": 1, "s": -2}),
+        Unit("N.m", {"kg": 1, "m": 2, "s": -2}),
+        Unit("N/m", {"kg": 1, "s": -2}),
+        Unit("N.s/m", {"kg": 1, "s": -1}),
+        Unit("J", {"kg": 1, "m": 2, "s": -2}),
+        Unit("m/s2", {"m": 1, "s": -2}),
+        Unit("1", {}),
+    )
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable of the FMU.
+
+    kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a key of
+    `UNITS` (Reals); choices: the names of an Integer's values, from 0; unset: the start value of a
+    solver parameter that leaves it to the preset.
+    """
+
+    name: str
+    kind: str
+    causality: str
+    text: str
+    unit: str = "1"
+    start: float | int | bool | None = None
+    low: float | None = None
+    high: float | None = None
+    nominal: float | None = None
+    choices: tuple[str, ...] = field(default=())
+    is_unset_at_start: bool = False
+
+    @property
+    def is_observed(self) -> bool:
+        """Whether the model computes it."""
+        return self.causality in ("output", "local")
+
+
+def interface(rotor: Rotor) -> tuple[Variable, ...]:
+    """All variables of a rotor's FMU: inputs, parameters, then what the model computes in the order
+    of `observed_names`."""
+    return (*_inputs(rotor), *_parameters(rotor), *_observed(rotor))
+
+
+def _inputs(rotor: Rotor) -> list[Variable]:
+    def load(name: str, axis: str, where: str) -> Variable:
+        direction = "to the right (+x)" if axis == "x" else "upwards (+y)"
+        return Variable(
+            f"{name}.f{axis}",
+            "Real",
+            "input",
+            f"external force on {where}, {direction}",
+            "N",
+            0.0,
+            nominal=10.0,
+        )
+
+    table = [
+        Variable(
+            "speed",
+            "Real",
+            "input",
+            "speed of rotation about z, x towards y; continued linearly from its last two values "
+            "until the next communication point",
+            "rad/s",
+            400.0,
+            nominal=100.0,
+        )
+    ]
+    for i, disc in enumerate(rotor.discs, 1):
+        where = f"disc {i} at z = {rotor.nodes[disc.node - 1]:g} m"
+        table += [load(f"disc[{i}]", axis, where) for axis in "xy"]
+    if rotor.coupling is not None:
+        where = f"the coupling at z = {rotor.nodes[rotor.coupling.node - 1]:g} m"
+        table += [load("coupling", axis, where) for axis in "xy"]
+    return table
+
+
+def _parameters(rotor: Rotor) -> list[Variable]:
+    def real(name: str, unit: str, start: float, text: str, low: float | None = 0.0) -> Variable:
+        nominal = abs(start) or 1.0
+        return Variable(
+            name, "Real", "parameter", text, unit, float(start), low=low, nominal=nominal
+        )
+
+    table = [
+        real(
+            "speed_rate",
+            "rad/s2",
+            0.0,
+            "rate of the speed over the first communication step, when there is no earlier value",
+            low=None,
+        )
+    ]
+    for j, b in enumerate(rotor.bearings, 1):
+        table += [
+            real(f"bearing[{j}].{name}", unit, getattr(b, name), f"bearing {j}: {text}")
+            for name, unit, text in (
+                ("clearance", "m", "radial clearance"),
+                ("mu", "1", "coefficient of friction"),
+                ("k", "N/m", "contact stiffness"),
+                ("c", "N.s/m", "contact damping"),
+                ("kx", "N/m", "horizontal stiffness of the housing's springs"),
+                ("ky", "N/m", "vertical stiffness of the housing's springs"),
+                ("cx", "N.s/m", "horizontal damping of the housing"),
+                ("cy", "N.s/m", "vertical damping of the housing"),
+                ("mass", "kg", "mass of the housing"),
+            )
+        ]
+    for i, disc in enumerate(rotor.discs, 1):
+        table += [
+            real(f"disc[{i}].e", "m", disc.e, f"disc {i}: eccentricity of the centre of mass"),
+            real(
+                f"disc[{i}].phase", "rad", disc.phase, f"disc {i}: angle of the eccentricity", None
+            ),
+        ]
+    return [
+        *table,
+        real("shaft.eta_v", "s", rotor.eta_v, "viscous internal damping of the shaft"),
+        real("shaft.eta_h", "1", rotor.eta_h, "hysteretic internal damping of the shaft"),
+        Variable(
+            "shaft.rotating_damping",
+            "Boolean",
+            "parameter",
+            "whether the internal damping turns with the shaft (Zorzi and Nelson)",
+            start=rotor.rotating_damping,
+        ),
+        real("gravity", "m/s2", rotor.gravity, "gravity, downwards (-y)"),
+        *_solver_parameters(),
+    ]
+
+
+def _solver_parameters() -> list[Variable]:
+    def choice(name: str, names: tuple[str, ...], start: int, text: str) -> Variable:
+        listed = ", ".join(f"{i} {n}" for i, n in enumerate(names))
+        return Variable(
+            f"solver.{name}",
+            "Integer",
+            "parameter",
+            f"{text}: {listed}",
+            start=start,
+            low=0,
+            high=len(names) - 1,
+            choices=names,
+            is_unset_at_start=names[0] == AS_PRESET,
+        )
+
+    def real(name: str, unit: str, unset: float, low: float, high: float, text: str) -> Variable:
+        return Variable(
+            f"solver.{name}",
+            "Real",
+            "parameter",
+            f"{text}; {unset:g}: {AS_PRESET}",
+            unit,
+            unset,
+            low,
+            high,
+            is_unset_at_start=True,
+        )
+
+    presets = tuple(PRESETS)
+    return [
+        choice("preset", presets, presets.index(DEFAULT_PRESET), "named set of settings"),
+        choice("method", (AS_PRESET, *METHODS), 0, "integrator"),
+        # 1 leaves no implicit equation, so that it is free to mean "as the preset"
+        real("alpha_f", "1", 1.0, -1.0, 1.0, "alpha_f of hht and generalized-alpha"),
+        real("alpha_m", "1", 1.0, -1.0, 1.0, "alpha_m of wbz and generalized-alpha"),
+        real("rho", "1", -1.0, -1.0, 1.0, "spectral radius at infinity of chung-hulbert"),
+        choice("adaptive", (AS_PRESET, *MODES), 0, "step length"),
+        real("h", "s", 0.0, 0.0, 1.0, "step length, the first one if adaptive"),
+        real("h_min", "s", 0.0, 0.0, 1.0, "shortest step of the adaptive mode"),
+        real("h_max", "s", 0.0, 0.0, 1.0, "longest step of the adaptive mode"),
+        real("eps_min", "1", 0.0, 0.0, _BIG, "relative error below which the step grows"),
+        real("eps_max", "1", 0.0, 0.0, _BIG, "relative error above which the step is repeated"),
+        choice("indicator", (AS_PRESET, *INDICATORS), 0, "error indicator of the adaptive mode"),
+        choice("norm", (AS_PRESET, *NORMS), 0, "what the error is relative to"),
+        real("atol", "m", 0.0, 0.0, 1.0, "absolute part of the mixed norm"),
+        real("rtol", "1", 0.0, 0.0, 1.0, "relative part of the mixed norm"),
+    ]
+
+
+# What the model computes, by the last part of the name: kind, causality, unit, nominal, text.
+_TEXTS = {
+    "phi": ("Real", "output", "rad", 100.0, "angle of rotation, integral of the speed"),
+    "w": ("Real", "local", "rad/s", 100.0, "speed of rotation reached"),
+    "tau": (
+        "Real",
+        "output",
+        "N.m",
+        0.1,
+        "torque that the drive must supply to turn the rotor at its speed",
+    ),
+    "disc.x": ("Real", "output", "m", 1e-4, "displacement to the right"),
+    "disc.y": ("Real", "output", "m", 1e-4, "displacement upwards, at rest below 0 by the sag"),
+    "disc.x_amp": ("Real", "local", "m", 1e-4, "largest abs(x) over the last revolution"),
+    "disc.y_amp": (
+        "Real",
+        "local",
+        "m",
+        1e-4,
+        "largest abs(y - y at rest) over the last revolution",
+    ),
+    "bearing.psi": (
+        "Real",
+        "output",
+        "rad",
+        1.0,
+        "contact angle, 0 to the right, 3 pi / 2 at the bottom",
+    ),
+    "bearing.fn": ("Real", "output", "N", 10.0, "normal contact force"),
+    "bearing.ft": ("Real", "local", "N", 1.0, "friction force that brakes the rotor"),
+    "bearing.x": ("Real", "local", "m", 1e-4, "journal relative to the housing, to the right"),
+    "bearing.y": ("Real", "local", "m", 1e-4, "journal relative to the housing, upwards"),
+    "bearing.housing_x": ("Real", "local", "m", 1e-4, "displacement of the housing to the right"),
+    "bearing.housing_y": ("Real", "local", "m", 1e-6, "displacement of the housing upwards"),
+    "bearing.contact": ("Boolean", "output", "1", None, "whether journal and housing touch"),
+    "solver.h_last": ("Real", "local", "s", 1e-3, "length of the last step"),
+    "solver.steps": ("Integer", "local", "1", None, "steps taken"),
+    "solver.rejected": ("Integer", "local", "1", None, "steps rejected and repeated"),
+    "solver.newton": ("Integer", "local", "1", None, "iterations of the contact problem"),
+    "solver.error": ("Real", "local", "1", 0.1, "error indicator of the last step"),
+    "solver.h_min_used": ("Real", "local", "s", 1e-3, "shortest step length chosen"),
+    "solver.h_max_used": ("Real", "local", "s", 1e-3, "longest step length chosen"),
+    "solver.trapped": (
+        "Integer",
+        "local",
+        "1",
+        None,
+        "steps in the false state (a journal jumping from wall to wall, by the integrator); should be 0",
+    ),
+    "solver.trapped_at": (
+        "Real",
+        "local",
+        "s",
+        1.0,
+        "time at which the false state was first seen; -1: never",
+    ),
+    "energy.kinetic": ("Real", "local", "J", 100.0, "kinetic energy, rotation included"),
+    "energy.elastic": ("Real", "local", "J", 0.01, "elastic energy of shaft and housing springs"),
+    "energy.gravity": ("Real", "local", "J", 0.01, "potential energy of gravity"),
+    "energy.compression": ("Real", "local", "J", 1e-6, "elastic energy of the contacts"),
+    "energy.drive_work": ("Real", "local", "J", 100.0, "work of the drive since the start"),
+    "energy.external_work": (
+        "Real",
+        "local",
+        "J",
+        1.0,
+        "work of the external forces since the start",
+    ),
+    "energy.structure_loss": ("Real", "local", "J", 1.0, "dissipated in the shaft since the start"),
+    "energy.housing_loss": ("Real", "local", "J", 1.0, "dissipated in the housings' dampers"),
+    "energy.contact_loss": ("Real", "local", "J", 0.1, "dissipated by the contacts' damping"),
+    "energy.friction_loss": ("Real", "local", "J", 100.0, "dissipated by friction"),
+    "energy.residual": (
+        "Real",
+        "local",
+        "J",
+        0.1,
+        "energy that the integrator made (or, negative, lost)",
+    ),
+}
+
+
+def _observed(rotor: Rotor) -> list[Variable]:
+    table = []
+    for name in observed_names(assemble(rotor)):
+        part, _, quantity = name.rpartition(".")
+        kind_of_part, _, index = part.rstrip("]").partition("[")
+        kind, causality, unit, nominal, text = _TEXTS[
+            f"{kind_of_part}.{quantity}" if part else name
+        ]
+        where = f"{kind_of_part} {index}: " if index else ""
+        table.append(Variable(name, kind, causality, where + text, unit, nominal=nominal))
+    return table

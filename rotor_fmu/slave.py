@@ -1,0 +1,280 @@
+"""The FMI 2.0 slave: a thin skin over `model.simulation.Simulation`."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import sys
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from pythonfmu import (
+    Boolean,
+    DefaultExperiment,
+    Fmi2Causality,
+    Fmi2Initial,
+    Fmi2Slave,
+    Fmi2Variability,
+    Integer,
+    Real,
+)
+from pythonfmu.enums import Fmi2Status
+
+from model.equilibrium import EquilibriumError
+from model.rotor import Rotor, RotorError
+from model.rotor_toml import parse_rotor, rig_toml
+from model.settings import SettingsError, choose
+from model.simulation import Simulation, StepFailure
+
+from .about import RELEASED, __version__
+from .description import complete, guid
+from .interface import Variable, interface
+
+# What the master may be off in its time, of a step or absolutely [s].
+_TIME_TOLERANCE = 1e-9
+_KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
+
+
+class FmuError(RuntimeError):
+    """What the host is told when a call cannot be carried out."""
+
+
+def _own_rotor() -> Rotor:
+    """The rotor that was built into this FMU, or outside of one the rig of the paper."""
+    built_in = Path(__file__).with_name("rotor.toml")
+    return parse_rotor(built_in.read_text(encoding="utf-8") if built_in.exists() else rig_toml())
+
+
+def settings_from(table: tuple[Variable, ...], values: dict[str, float]) -> dict[str, str | float]:
+    """Arguments of `model.settings.choose` from values of the `solver.` parameters by name; those
+    that are left to the preset are left out."""
+    chosen = {}
+    for variable in table:
+        if variable.causality != "parameter" or not variable.name.startswith("solver."):
+            continue
+        value = values[variable.name]
+        if variable.is_unset_at_start and value == variable.start:
+            continue
+        name = variable.name.removeprefix("solver.")
+        name = "mode" if name == "adaptive" else name
+        chosen[name] = variable.choices[value] if variable.choices else value
+    return chosen
+
+
+class RotorBearing(Fmi2Slave):
+    """A flexible rotor that rubs in clearance bearings, driven by its speed."""
+
+    description = "Flexible rotor with discs that rubs in two clearance bearings with dry friction"
+    author = "The rotor-fmu authors"
+    license = "MIT"
+    version = __version__
+    copyright = "The rotor-fmu authors"
+    content = Path(__file__).parent.name
+
+    _rotor = _own_rotor()
+    _table = interface(_rotor)
+    _names = {variable.name: i for i, variable in enumerate(_table)}
+    _observed_at = next(i for i, variable in enumerate(_table) if variable.is_observed)
+    _loads = tuple(
+        (f"{body}.fx", f"{body}.fy")
+        for body in (
+            *(f"disc[{i}]" for i in range(1, len(_rotor.discs) + 1)),
+            *(("coupling",) if _rotor.coupling else ()),
+        )
+    )
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__(**kwargs)
+        self.guid = guid(self._table, self.content)
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
+        self._values = [v.start if v.start is not None else 0.0 for v in self._table]
+        self._load_at = [(self._names[x], self._names[y]) for x, y in self._loads]
+        self._speed_at = self._names["speed"]
+        self._simulation: Simulation | None = None
+        self._start_time = 0.0
+        self._is_initializing = False
+        self._is_running = False
+        self._is_stale = False
+        for index, variable in enumerate(self._table):
+            self.register_variable(self._fmi_variable(index, variable))
+
+    def _fmi_variable(self, index: int, variable: Variable) -> Real | Integer | Boolean:
+        is_parameter = variable.causality == "parameter"
+        if is_parameter:
+            variability = Fmi2Variability.fixed
+        elif variable.kind == "Real":
+            variability = Fmi2Variability.continuous
+        else:
+            variability = Fmi2Variability.discrete
+        return _KINDS[variable.kind](
+            variable.name,
+            causality=Fmi2Causality[variable.causality],
+            variability=variability,
+            initial=Fmi2Initial.exact
+            if is_parameter
+            else Fmi2Initial.calculated
+            if variable.is_observed
+            else None,
+            description=variable.text,
+            getter=lambda: self._values[index],
+            setter=lambda value: self._set([index], [value]),
+        )
+
+    def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
+        """The model description, completed from the variable table."""
+        return complete(super().to_xml(model_options or {}), self._table, RELEASED)
+
+    # --- life of an instance -----------------------------------------------------------------
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Remember when the simulation starts [s]."""
+        self._start_time = start_time
+
+    def enter_initialization_mode(self) -> None:
+        """From here on the outputs can be read."""
+        self._is_initializing = True
+        self._is_stale = True
+
+    def exit_initialization_mode(self) -> None:
+        """Build the simulation from the values that are set now."""
+        self._guard(self._refresh)
+        self._is_initializing = False
+        self._is_running = True
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """March from current_time [s] over step_size [s]."""
+        self._guard(self._march, current_time, step_size)
+        return True
+
+    def _march(self, current_time: float, step_size: float) -> None:
+        simulation = self._simulation
+        slack = _TIME_TOLERANCE * max(1.0, abs(current_time))
+        if not abs(current_time - simulation.time) <= slack:
+            raise FmuError(
+                f"doStep from {current_time:.9g} s: the FMU stands at {simulation.time:.9g} s; "
+                "communication steps must follow each other without gap or overlap"
+            )
+        if not (step_size > 0 and math.isfinite(step_size)):
+            raise FmuError(f"doStep over {step_size:g} s: the step must be > 0")
+        values = self._values
+        loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
+        self._is_stale = True
+        simulation.advance(current_time + step_size, values[self._speed_at], loads)
+
+    # --- values ------------------------------------------------------------------------------
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values of Real variables."""
+        self._guard(self._refresh)
+        values = self._values
+        return [values[vr] for vr in vrs]
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Values of Integer variables."""
+        return [int(value) for value in self.get_real(vrs)]
+
+    def get_boolean(self, vrs: list[int]) -> list[bool]:
+        """Values of Boolean variables."""
+        return [bool(value) for value in self.get_real(vrs)]
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set Real variables."""
+        self._guard(self._set, vrs, values)
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set Integer variables."""
+        self._guard(self._set, vrs, values)
+
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Set Boolean variables."""
+        self._guard(self._set, vrs, values)
+
+    def _set(self, vrs: list[int], values: list[float]) -> None:
+        for vr, value in zip(vrs, values, strict=True):
+            variable = self._table[vr]
+            if not math.isfinite(value):
+                raise FmuError(f"{variable.name} = {value}: must be a finite number")
+            if variable.causality == "parameter" and self._is_running:
+                raise FmuError(
+                    f"{variable.name}: a fixed parameter cannot be set after initialization"
+                )
+            if variable.is_observed:
+                raise FmuError(f"{variable.name}: is computed and cannot be set")
+            if variable.choices and not 0 <= value < len(variable.choices):
+                raise FmuError(
+                    f"{variable.name} = {value}: must be an integer from 0 to {len(variable.choices) - 1}"
+                )
+            self._values[vr] = value
+        if not self._is_running:
+            self._simulation = None
+            self._is_stale = True
+
+    def _refresh(self) -> None:
+        """Bring what the model computes up to date, building the model first if need be."""
+        if not self._is_stale or not (self._is_initializing or self._is_running):
+            return
+        if self._simulation is None:
+            self._simulation = self._build()
+        self._values[self._observed_at :] = self._simulation.observed.tolist()
+        self._is_stale = False
+
+    def _build(self) -> Simulation:
+        values = {
+            variable.name: value for variable, value in zip(self._table, self._values, strict=True)
+        }
+        rotor = self._rotor
+        for variable in self._table:
+            is_rotors = variable.causality == "parameter" and not variable.name.startswith(
+                "solver."
+            )
+            if (
+                is_rotors
+                and variable.name != "speed_rate"
+                and values[variable.name] != variable.start
+            ):
+                rotor = rotor.with_value(variable.name, values[variable.name])
+        return Simulation(
+            rotor,
+            choose(**settings_from(self._table, values)),
+            t=self._start_time,
+            speed=values["speed"],
+            rate=values["speed_rate"],
+            warn=self._warn,
+        )
+
+    # --- what goes wrong ---------------------------------------------------------------------
+
+    def _guard(self, call: object, *arguments: object) -> None:
+        """Carry out a call; on failure tell the host in one plain sentence.
+
+        pythonfmu drops references that it does not own when an exception leaves a callback, and
+        later calls then crash the host: one extra reference each prevents that.
+        """
+        try:
+            call(*arguments)
+        except (
+            FmuError,
+            RotorError,
+            SettingsError,
+            EquilibriumError,
+            StepFailure,
+            ArithmeticError,
+        ) as error:
+            message = self._say("error", str(error), Fmi2Status.error)
+            for held in (self, self.log_queue, type(self)):
+                ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))
+            raise FmuError(message) from None
+
+    def _warn(self, message: str) -> None:
+        self._say("warning", message, Fmi2Status.warning)
+
+    def _say(self, level: str, message: str, status: Fmi2Status) -> str:
+        # a percent sign would be read as a printf format by the host's logger
+        plain = message.replace("%", " percent")
+        self.log(plain, status)
+        # hosts drop messages unless logging was switched on
+        print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
+        return plain
