@@ -20,8 +20,11 @@ from .compiled import compiled
 
 @compiled
 def contact_force(bearing, d, d_dot, omega):
-    """Contact of one bearing (a record of `assembly.CONTACT`): complex force on the journal [N], normal force n [N], penetration delta
-    [m], its rate [m/s] and the sliding speed v_t [m/s]; d [m], d_dot [m/s], omega [rad/s]."""
+    """Contact of one bearing, a record of `assembly.CONTACT`.
+
+    d [m], d_dot [m/s], omega [rad/s]. Returns the complex force on the journal [N], the normal
+    force n [N], the penetration delta [m], its rate [m/s] and the sliding speed v_t [m/s].
+    """
     r = abs(d)
     delta = r - bearing.clearance
     if delta <= 0.0:

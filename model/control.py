@@ -16,8 +16,8 @@ SAFETY = 0.9
 class Control(NamedTuple):
     """How the step length is chosen.
 
-    mode: FIXED or ADAPTIVE; h, h_min, h_max [s]; eps_min, eps_max: limits of the relative error [1];
-    indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with beta_error in the place of beta; norm:
+    mode: FIXED or ADAPTIVE; h, h_min, h_max [s]; eps_min, eps_max: limits of the relative error
+    [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with beta_error in the place of beta; norm:
     INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1].
     """
 
@@ -38,8 +38,8 @@ class Control(NamedTuple):
 def error_indicator(control, h, is_first, old, new):
     """Relative local error of the displacements after one step [1]; fills new.jerk.
 
-    Zienkiewicz and Xie 1991 (paper A, eq. 13): (beta - 1/6) h^2 |a1 - a0|, 1/6 exactly. Li, Zeng and
-    Wiberg 1993 (eqs 11, 12): h^3 / 12 |(6 beta - 1/2) j1 - (3/2 - 6 beta) j0| with
+    Zienkiewicz and Xie 1991 (paper A, eq. 13): (beta - 1/6) h^2 |a1 - a0|, 1/6 exactly.
+    Li, Zeng and Wiberg 1993 (eqs 11, 12): h^3 / 12 |(6 beta - 1/2) j1 - (3/2 - 6 beta) j0| with
     j1 = 2 (a1 - a0) / h - j0, started with j0 = (a1 - a0) / h.
     """
     beta = control.beta_error

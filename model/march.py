@@ -58,8 +58,8 @@ class Memory(NamedTuple):
 
     record: shape (1,) of dtype `RECORD`; work, power: of `FLOWS`, shape (6,) [J], [W]; peaks: shape
     (3, 2, discs): largest |x| and |y - y_static| [m] of the present revolution, of the one before,
-    and since the last communication point; bounce: shape (bearings, 4): direction of the last contact (cos, sin),
-    steps since then, score of crossings.
+    and since the last communication point; bounce: shape (bearings, 4): direction of the last
+    contact (cos, sin), steps since then, score of crossings.
     """
 
     record: np.ndarray

@@ -71,7 +71,7 @@ def observe(structure, static, energy_at_start, motion, memory, scratch, stores,
         housing = motion.q[n + j]
         d = motion.q[contacts[j].dof] - housing
         d_dot = motion.v[contacts[j].dof] - motion.v[n + j]
-        force, normal, delta, rate, sliding = contact_force(contacts[j], d, d_dot, r.omega)
+        force, normal, _, _, _ = contact_force(contacts[j], d, d_dot, r.omega)
         out[at] = contact_angle(d)
         out[at + 1] = normal
         out[at + 2] = 0.0 if normal == 0.0 else -(force * d.conjugate()).imag / abs(d)

@@ -166,7 +166,7 @@ class Bearing:
 
 @dataclass(frozen=True)
 class Support:
-    """A linear isotropic spring and damper from a node to ground: stiffness [N/m], damping [N.s/m]."""
+    """A linear isotropic spring [N/m] and damper [N.s/m] from a node to ground."""
 
     node: int
     stiffness: float

@@ -36,7 +36,7 @@ NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
 
 
 class SettingsError(ValueError):
-    """Settings that no run can have; the message names the setting, its value and what is allowed."""
+    """Settings that no run can have; names the setting, its value and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -82,12 +82,13 @@ class Settings:
         if self.mode == "adaptive":
             if not self.h_min <= self.h <= self.h_max:
                 raise SettingsError(
-                    f"solver.h = {self.h:g} s: must lie between solver.h_min = {self.h_min:g} s and "
-                    f"solver.h_max = {self.h_max:g} s"
+                    f"solver.h = {self.h:g} s: must lie between solver.h_min = {self.h_min:g} s "
+                    f"and solver.h_max = {self.h_max:g} s"
                 )
             if not self.eps_min < self.eps_max:
                 raise SettingsError(
-                    f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = {self.eps_max:g}"
+                    f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = "
+                    f"{self.eps_max:g}"
                 )
         try:
             self.scheme()

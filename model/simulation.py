@@ -93,8 +93,8 @@ class Simulation:
         if not is_unconditionally_stable(self._scheme):
             self._warn(
                 f"{settings.method} with alpha_f = {self._scheme.alpha_f:g}, alpha_m = "
-                f"{self._scheme.alpha_m:g} is unstable: its spectral radius for fast oscillations is "
-                f"{self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
+                f"{self._scheme.alpha_m:g} is unstable: its spectral radius for fast oscillations "
+                f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
             )
         self._loads = np.zeros(len(self.structure.load_dof), dtype=complex)
         self._motion = new_motion(self.structure)
@@ -179,8 +179,8 @@ class Simulation:
         if record.trapped and not self._has_warned:
             self._has_warned = True
             self._warn(
-                f"false state since t = {record.trapped_at:.4g} s: a journal jumps from wall to wall "
-                "of its clearance every step or two, which is the integrator's doing; do not trust "
+                f"false state since t = {record.trapped_at:.4g} s: a journal jumps from wall to "
+                "wall of its clearance every step or two, which is the integrator's doing; do not trust "
                 "this run: take the preset robust, or a smaller solver.h"
             )
 
@@ -233,18 +233,25 @@ class Simulation:
 
     def _failure(self, status: int) -> str:
         record = self._memory.record[0]
-        where = f"t = {record.failed_at:.6g} s, speed {record.omega:.4g} rad/s, step {record.failed_h:.3g} s"
+        where = (
+            f"t = {record.failed_at:.6g} s, speed {record.omega:.4g} rad/s, "
+            f"step {record.failed_h:.3g} s"
+        )
         if status == march.NOT_CONVERGED:
             reason = "the contact forces did not converge"
             advice = "try a smaller solver.h, or the preset robust"
         else:
             q = np.abs(self._motion.q[: self.structure.M.shape[1] : 2])
             node = int(np.argmax(np.where(np.isfinite(q), q, math.inf))) + 1
-            reason = f"the solution diverged (node {node} past {self.structure.bound:.3g} m or not finite)"
+            reason = (
+                f"the solution diverged (node {node} past {self.structure.bound:.3g} m "
+                "or not finite)"
+            )
             advice = "try the preset robust, or a smaller solver.h"
             if not is_unconditionally_stable(self._scheme):
                 advice = (
-                    f"the scheme is unstable (spectral radius {self._scheme.rho_infinity:.4g} > 1): "
+                    "the scheme is unstable (spectral radius "
+                    f"{self._scheme.rho_infinity:.4g} > 1): "
                     "take alpha_m <= alpha_f <= 0.5"
                 )
         return f"{where}: {reason}; {advice}"

@@ -19,11 +19,11 @@ from model.rotor_toml import parse_rotor, rig_toml
 FMU_NAME = "RotorBearing.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
-_OWN_MODULES = ("about", "interface", "description", "slave")
+_OWN_MODULES = ("about", "interface", "binding", "description", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
-_DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host: Python 3.11 or newer with
-numpy and scipy; with numba it runs some hundred times faster. No network, no licence, no files
-but its own and a cache of compiled code in the user's cache folder ($ROTOR_FMU_CACHE).
+_DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host: Python 3.11 or newer
+with numpy and scipy; with numba it runs some hundred times faster. No network, no licence, no
+files but its own and a cache of compiled code in the user's cache folder ($ROTOR_FMU_CACHE).
 """
 
 
@@ -77,18 +77,32 @@ def _sources() -> dict[str, str]:
     }
 
 
-def _write_package(folder: Path, toml: str) -> Path:
-    """Write the FMU's package, named after its content, and return its folder."""
+def _contents(toml: str) -> tuple[str, dict[str, str]]:
+    """Name of the FMU's package, which follows its content, and the content by path."""
     contents = _sources() | {"__init__.py": "", "rotor.toml": toml}
     digest = hashlib.sha256()
     for path, text in sorted(contents.items()):
         digest.update(f"{path}\0{text}\0".encode())
-    package = folder / f"rotorbearing_{digest.hexdigest()[:12]}"
+    return f"rotorbearing_{digest.hexdigest()[:12]}", contents
+
+
+def _write_package(folder: Path, toml: str) -> Path:
+    name, contents = _contents(toml)
+    package = folder / name
     for path, text in contents.items():
         target = package / path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(text, encoding="utf-8")
     return package
+
+
+def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
+    """Whether `fmu` is what `build` would make now."""
+    name, _ = _contents(rig_toml() if rotor_toml is None else rotor_toml)
+    if not fmu.is_file() or not zipfile.is_zipfile(fmu):
+        return False
+    with zipfile.ZipFile(fmu) as archive:
+        return f"resources/{name}_entry.py" in archive.namelist()
 
 
 def _repack(raw: Path, target: Path) -> None:

@@ -20,7 +20,7 @@ _ORDER = (
 
 
 def guid(table: Sequence[Variable], content: str) -> str:
-    """Identifier that changes with the interface and with the code behind it, and with nothing else."""
+    """Identifier that follows the interface and the code behind it, and nothing else."""
     return str(uuid.uuid5(uuid.NAMESPACE_URL, f"rotor-fmu {content} {table!r}"))
 
 

@@ -6,6 +6,7 @@ import ctypes
 import math
 import sys
 from pathlib import Path
+from typing import ClassVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -24,10 +25,11 @@ from pythonfmu.enums import Fmi2Status
 from model.equilibrium import EquilibriumError
 from model.rotor import Rotor, RotorError
 from model.rotor_toml import parse_rotor, rig_toml
-from model.settings import SettingsError, choose
+from model.settings import SettingsError
 from model.simulation import Simulation, StepFailure
 
 from .about import RELEASED, __version__
+from .binding import build_simulation, load_names
 from .description import complete, guid
 from .interface import Variable, interface
 
@@ -46,22 +48,6 @@ def _own_rotor() -> Rotor:
     return parse_rotor(built_in.read_text(encoding="utf-8") if built_in.exists() else rig_toml())
 
 
-def settings_from(table: tuple[Variable, ...], values: dict[str, float]) -> dict[str, str | float]:
-    """Arguments of `model.settings.choose` from values of the `solver.` parameters by name; those
-    that are left to the preset are left out."""
-    chosen = {}
-    for variable in table:
-        if variable.causality != "parameter" or not variable.name.startswith("solver."):
-            continue
-        value = values[variable.name]
-        if variable.is_unset_at_start and value == variable.start:
-            continue
-        name = variable.name.removeprefix("solver.")
-        name = "mode" if name == "adaptive" else name
-        chosen[name] = variable.choices[value] if variable.choices else value
-    return chosen
-
-
 class RotorBearing(Fmi2Slave):
     """A flexible rotor that rubs in clearance bearings, driven by its speed."""
 
@@ -74,22 +60,15 @@ class RotorBearing(Fmi2Slave):
 
     _rotor = _own_rotor()
     _table = interface(_rotor)
-    _names = {variable.name: i for i, variable in enumerate(_table)}
+    _names: ClassVar[dict[str, int]] = {v.name: i for i, v in enumerate(_table)}
     _observed_at = next(i for i, variable in enumerate(_table) if variable.is_observed)
-    _loads = tuple(
-        (f"{body}.fx", f"{body}.fy")
-        for body in (
-            *(f"disc[{i}]" for i in range(1, len(_rotor.discs) + 1)),
-            *(("coupling",) if _rotor.coupling else ()),
-        )
-    )
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
         self.guid = guid(self._table, self.content)
         self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
-        self._load_at = [(self._names[x], self._names[y]) for x, y in self._loads]
+        self._load_at = [(self._names[x], self._names[y]) for x, y in load_names(self._rotor)]
         self._speed_at = self._names["speed"]
         self._simulation: Simulation | None = None
         self._start_time = 0.0
@@ -204,9 +183,8 @@ class RotorBearing(Fmi2Slave):
             if variable.is_observed:
                 raise FmuError(f"{variable.name}: is computed and cannot be set")
             if variable.choices and not 0 <= value < len(variable.choices):
-                raise FmuError(
-                    f"{variable.name} = {value}: must be an integer from 0 to {len(variable.choices) - 1}"
-                )
+                highest = len(variable.choices) - 1
+                raise FmuError(f"{variable.name} = {value}: must be an integer from 0 to {highest}")
             self._values[vr] = value
         if not self._is_running:
             self._simulation = None
@@ -222,28 +200,8 @@ class RotorBearing(Fmi2Slave):
         self._is_stale = False
 
     def _build(self) -> Simulation:
-        values = {
-            variable.name: value for variable, value in zip(self._table, self._values, strict=True)
-        }
-        rotor = self._rotor
-        for variable in self._table:
-            is_rotors = variable.causality == "parameter" and not variable.name.startswith(
-                "solver."
-            )
-            if (
-                is_rotors
-                and variable.name != "speed_rate"
-                and values[variable.name] != variable.start
-            ):
-                rotor = rotor.with_value(variable.name, values[variable.name])
-        return Simulation(
-            rotor,
-            choose(**settings_from(self._table, values)),
-            t=self._start_time,
-            speed=values["speed"],
-            rate=values["speed_rate"],
-            warn=self._warn,
-        )
+        values = dict(zip(self._names, self._values, strict=True))
+        return build_simulation(self._rotor, self._table, values, self._start_time, self._warn)
 
     # --- what goes wrong ---------------------------------------------------------------------
 

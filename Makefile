@@ -1,0 +1,36 @@
+# Needs Python 3.11+ with pip; everything else goes into .venv.
+PYTHON ?= python3
+VENV := .venv
+ifeq ($(OS),Windows_NT)
+BIN := $(VENV)/Scripts
+else
+BIN := $(VENV)/bin
+endif
+
+.PHONY: run-down reproduce test test-all lint clean
+
+$(VENV)/made: pyproject.toml
+	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint]"
+	touch $(VENV)/made
+
+run-down: $(VENV)/made
+	$(BIN)/rotor-fmu run-down --out out/run_down
+
+reproduce: $(VENV)/made
+	$(BIN)/rotor-fmu reproduce --out out/reproduce
+
+test: $(VENV)/made
+	$(BIN)/python -m pytest
+
+test-all: $(VENV)/made
+	$(BIN)/python -m pytest -m "slow or not slow"
+
+lint: $(VENV)/made
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+clean:
+	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

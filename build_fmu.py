@@ -1,0 +1,11 @@
+"""Build RotorBearing.fmu: python build_fmu.py [--rotor FILE.toml] [--out DIR]."""
+
+import typer
+
+from rotor_fmu.cli import build_command
+from rotor_fmu.errors import run
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    app.command()(build_command)
+    run(app)

@@ -1,0 +1,72 @@
+"""How the command line ends: one line on standard error and a status."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import typer
+
+from model.equilibrium import EquilibriumError
+from model.rotor import RotorError
+from model.schemes import SchemeError
+from model.settings import SettingsError
+
+from .signals import SignalError
+
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+
+class InputError(ValueError):
+    """What a user gave that cannot be; names the thing, its value and what is allowed."""
+
+
+class RunFailed(RuntimeError):
+    """A run that did not reach its end."""
+
+
+_BAD_INPUTS = (InputError, SignalError, RotorError, SettingsError, SchemeError, EquilibriumError)
+
+
+def run(app: Callable[..., object]) -> None:
+    """Run a typer application; end the process with a status and, if it failed, one line."""
+    try:
+        sys.exit(app(standalone_mode=False) or 0)
+    except typer.Exit as error:
+        sys.exit(error.exit_code)
+    except (KeyboardInterrupt, typer.Abort):
+        _end("stopped; nothing unfinished was written", INTERRUPTED)
+    except RunFailed as error:
+        _end(str(error), FAILED)
+    except typer.TyperException as error:
+        _end(" ".join(error.format_message().split()), BAD_INPUT)
+    except _BAD_INPUTS as error:
+        _end(str(error), BAD_INPUT)
+
+
+def _end(message: str, status: int) -> None:
+    print(f"rotor-fmu: {message}", file=sys.stderr)
+    sys.exit(status)
+
+
+def writable_folder(path: Path) -> Path:
+    """The folder, made if need be; `InputError` if it cannot be written to."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        probe = path / ".rotor-fmu-probe"
+        probe.write_bytes(b"")
+        probe.unlink()
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(f"--out {path}: cannot be written to: {reason}") from error
+    return path
+
+
+def read_text(option: str, path: Path) -> str:
+    """A text file that a user named; `InputError` if it cannot be read."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not UTF-8 text"
+        raise InputError(f"{option} {path}: cannot be read: {reason}") from error

@@ -1,0 +1,202 @@
+"""A run, through the built FMU with FMPy or directly through the model, and what is read of it."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from model.rotor import Rotor
+from model.simulation import StepFailure
+
+from .binding import build_simulation, load_names
+from .interface import Variable
+from .signals import Signals
+
+Progress = Callable[[float], None]
+_PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
+_NEAR_PEAK = 0.15  # [Hz]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run at its communication points.
+
+    t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: `ok`,
+    `false state` or what went wrong; messages: of the solver; wall_s [s].
+    """
+
+    t: np.ndarray
+    columns: Mapping[str, np.ndarray]
+    status: str
+    messages: tuple[str, ...]
+    wall_s: float
+
+    @property
+    def hz(self) -> np.ndarray:
+        """Speed of rotation [Hz], shape (n,)."""
+        return self.columns["w"] / (2 * math.pi)
+
+
+def run_fmu(
+    fmu: Path,
+    table: Sequence[Variable],
+    parameters: Mapping[str, float],
+    signals: Signals,
+    stop: float,
+    step: float,
+    progress: Progress = lambda t: None,
+) -> Run:
+    """Drive a built FMU with FMPy to `stop` [s] in communication steps of `step` [s].
+
+    A run that fails is returned up to its last good communication point, with the reason.
+    """
+    recorded = [v.name for v in table if v.is_observed]
+    messages: list[str] = []
+    recorder = None
+
+    def log(environment: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        if status in (fmpy.fmi2.fmi2Warning, fmpy.fmi2.fmi2Error):
+            messages.append(text.decode("utf-8", "replace"))
+
+    def step_finished(t: float, its_recorder: fmpy.simulation.Recorder) -> bool:
+        nonlocal recorder
+        recorder = its_recorder
+        progress(t)
+        return True
+
+    folder = fmpy.extract(str(fmu))
+    begun = time.perf_counter()
+    failure = None
+    try:
+        fmpy.simulate_fmu(
+            folder,
+            validate=False,
+            start_time=0.0,
+            stop_time=stop,
+            output_interval=step,
+            start_values=dict(parameters),
+            input=signals.as_structured(),
+            output=recorded,
+            logger=log,
+            debug_logging=True,
+            step_finished=step_finished,
+        )
+    except fmpy.fmi1.FMICallException as error:
+        failure = messages[-1] if messages else str(error)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    wall = time.perf_counter() - begun
+    if recorder is None:
+        empty = {name: np.zeros(0) for name in recorded}
+        return Run(np.zeros(0), empty, f"failed: {failure}", tuple(messages), wall)
+    rows = recorder.result()
+    columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
+    return Run(np.asarray(rows["time"]), columns, _status(failure, columns), tuple(messages), wall)
+
+
+def run_direct(
+    rotor: Rotor,
+    table: Sequence[Variable],
+    parameters: Mapping[str, float],
+    signals: Signals,
+    stop: float,
+    step: float,
+    progress: Progress = lambda t: None,
+) -> Run:
+    """The same run without an FMU: same steps, same inputs, same numbers."""
+    values = {v.name: v.start for v in table if not v.is_observed}
+    values |= parameters | {name: signals.at(name, 0.0) for name in signals.values}
+    messages: list[str] = []
+    begun = time.perf_counter()
+    simulation = build_simulation(rotor, table, values, 0.0, messages.append)
+    loads = load_names(rotor)
+    failure = None
+    t, n = 0.0, 0
+    times, rows = [t], [simulation.observed.copy()]
+    while t < stop and not math.isclose(t, stop):
+        target = min((n + 1) * step, stop)
+        forces = np.array([complex(signals.at(x, t), signals.at(y, t)) for x, y in loads])
+        try:
+            # the sum that an FMU makes of the current time and the step size
+            simulation.advance(t + (target - t), signals.at("speed", t), forces)
+        except StepFailure as error:
+            failure = str(error)
+            messages.append(failure)
+            break
+        t, n = target, n + 1
+        times.append(t)
+        rows.append(simulation.observed.copy())
+        progress(t)
+    wall = time.perf_counter() - begun
+    columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
+    return Run(np.array(times), columns, _status(failure, columns), tuple(messages), wall)
+
+
+def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
+    if failure is not None:
+        return f"failed: {failure}"
+    return "false state" if columns["solver.trapped"][-1] > 0 else "ok"
+
+
+def summary(run: Run) -> dict[str, object]:
+    """The figures of a run-down: peaks of the last disc for t > 2 s, the last bearing's psi there,
+    and what the solver did; None where a run did not come that far.
+
+    energy_residual: energy that the integrator made, relative to all that was dissipated [1].
+    """
+    c = run.columns
+    last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
+    steps = last["solver.steps"]
+    losses = sum(last[name] for name in last if name.endswith("_loss"))
+    return {
+        **_peaks(run),
+        "steps": int(steps),
+        "rejected": int(last["solver.rejected"]),
+        "newton_per_step": last["solver.newton"] / steps if steps else None,
+        "h_min": last["solver.h_min_used"],
+        "h_max": last["solver.h_max_used"],
+        "h_last": last["solver.h_last"],
+        "wall_s": run.wall_s,
+        "energy_residual": last["energy.residual"] / losses if losses else None,
+        "trapped_steps": int(last["solver.trapped"]),
+        "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
+        "status": run.status,
+        "messages": list(run.messages),
+    }
+
+
+def last_index(run: Run, part: str) -> int:
+    """Number of the last disc or bearing of a run."""
+    return sum(1 for name in run.columns if name.startswith(part) and name.endswith("].x"))
+
+
+def _peaks(run: Run) -> dict[str, object]:
+    keys = ("x_peak_um", "x_peak_hz", "y_peak_um", "y_peak_hz", "y_static_um")
+    figures: dict[str, object] = dict.fromkeys((*keys, "psi_at_x_peak_deg", "circulation_hz"))
+    c, hz = run.columns, run.hz
+    disc = f"disc[{last_index(run, 'disc')}]"
+    if len(hz):
+        figures["y_static_um"] = float(c[f"{disc}.y"][0]) * 1e6
+    late = np.flatnonzero(run.t > _PEAKS_AFTER)
+    if not len(late):
+        return figures
+    for axis in "xy":
+        at = late[np.argmax(c[f"{disc}.{axis}_amp"][late])]
+        figures[f"{axis}_peak_um"] = float(c[f"{disc}.{axis}_amp"][at]) * 1e6
+        figures[f"{axis}_peak_hz"] = float(hz[at])
+    bearings = last_index(run, "bearing")
+    if bearings:
+        psi = c[f"bearing[{bearings}].psi"]
+        near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
+        figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
+        round_trip = late[psi[late] < 1.0]
+        if len(round_trip):
+            figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
+    return figures
