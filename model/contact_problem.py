@@ -3,7 +3,8 @@
     w = w_free + W F(d, d'),   d = d0 + b_d w,   d' = d0' + b_v w
 
 w: relative accelerations of journal and housing [m/s2], one complex number a bearing; W:
-flexibility of the step [1/kg]; d0, d0': predicted displacement and velocity; b_d = beta h^2, b_v = gamma h.
+flexibility of the step [1/kg]; d0, d0': predicted displacement and velocity; b_d = beta h^2,
+b_v = gamma h.
 Accelerations, not displacements, are the unknowns: with displacements very short steps lose digits.
 """
 
@@ -32,7 +33,7 @@ TOLERANCE = 1e-9  # of the clearance, on Newton's last correction of a displacem
 
 class ContactProblem(NamedTuple):
     """Arrays of the problem for m bearings: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N], each
-    complex of shape (m,); flexibility W [1/kg], shape (2 m, 2 m), real, of (x, y) pairs; scratch."""
+    complex of shape (m,); flexibility W [1/kg], shape (2 m, 2 m), of (x, y) pairs; scratch."""
 
     d0: np.ndarray
     d0_dot: np.ndarray

@@ -87,9 +87,10 @@ def powers(structure, spin, loads, motion, scratch, column, out):
 
 
 @compiled
-def energies(structure, spin, motion, scratch, out):
-    """Fill out, shape (4,) [J], in the order of `STORES`: kinetic (lateral, spin and what couples
-    them), elastic (shaft, supports, housing springs), gravity, compression of the contacts."""
+def total_energy(structure, spin, motion, scratch, out):
+    """Energy of the machine [J]. Fills out, shape (4,) [J], in the order of `STORES`: kinetic
+    (lateral, spin and what couples them), elastic (shaft, supports, housing springs), gravity,
+    compression of the contacts."""
     contacts = structure.contacts
     n = structure.M.shape[1]
     kinetic = 0.5 * _quadratic(structure.M, motion.v, scratch)
@@ -121,3 +122,4 @@ def energies(structure, spin, motion, scratch, out):
     out[1] = elastic
     out[2] = gravity
     out[3] = compression
+    return kinetic + elastic + gravity + compression

@@ -12,11 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 from .assembly import Structure
+from .band import solve
 from .compiled import compiled
 from .control import ADAPTIVE, error_indicator, next_step, shorter_step
-from .energy import FLOWS, powers
+from .energy import FLOWS, powers, total_energy
 from .excitation import Spin
-from .step import try_step
+from .step import residual, try_step
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
@@ -42,6 +43,7 @@ RECORD = np.dtype(
             "h_smallest",
             "h_largest",
             "error",  # of the last step, relative [1]
+            "energy_at_start",  # of the machine [J]
             "torque",  # of the drive, at t [N.m]
             "turn",  # angle at which the present revolution began [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
@@ -59,7 +61,8 @@ class Memory(NamedTuple):
     record: shape (1,) of dtype `RECORD`; work, power: of `FLOWS`, shape (6,) [J], [W]; peaks: shape
     (3, 2, discs): largest |x| and |y - y_static| [m] of the present revolution, of the one before,
     and since the last communication point; bounce: shape (bearings, 4): direction of the last
-    contact (cos, sin), steps since then, score of crossings.
+    contact (cos, sin), steps since then, score of crossings; rest: heights of
+    the discs at rest, shape (discs,) [m].
     """
 
     record: np.ndarray
@@ -67,6 +70,7 @@ class Memory(NamedTuple):
     power: np.ndarray
     peaks: np.ndarray
     bounce: np.ndarray
+    rest: np.ndarray
 
 
 def new_memory(structure: Structure) -> Memory:
@@ -77,6 +81,7 @@ def new_memory(structure: Structure) -> Memory:
         power=np.zeros(len(FLOWS)),
         peaks=np.zeros((3, 2, len(structure.disc_dof))),
         bounce=np.zeros((len(structure.contacts), 4)),
+        rest=np.zeros(len(structure.disc_dof)),
     )
     memory.record[0].trapped_at = np.nan
     return memory
@@ -95,7 +100,14 @@ def spin_at(record, t):
 
 
 @compiled
-def _watch_amplitudes(structure, static, motion, memory):
+def spin_now(record):
+    """Rotation at the time reached."""
+    r = record[0]
+    return Spin(r.omega, r.alpha, r.theta)
+
+
+@compiled
+def _watch_amplitudes(structure, motion, memory):
     """Largest displacements of the discs, over the last whole revolution and what has passed of
     the present one."""
     r = memory.record[0]
@@ -107,7 +119,7 @@ def _watch_amplitudes(structure, static, motion, memory):
     for i in range(len(structure.disc_dof)):
         q = motion.q[structure.disc_dof[i]]
         x = abs(q.real)
-        y = abs(q.imag - static[i])
+        y = abs(q.imag - memory.rest[i])
         for window in (0, 2):
             peaks[window, 0, i] = max(peaks[window, 0, i], x)
             peaks[window, 1, i] = max(peaks[window, 1, i], y)
@@ -139,7 +151,7 @@ def _watch_bounces(structure, motion, memory):
 
 
 @compiled
-def _commit(h, loads, structure, static, motion, trial, memory, work, spin):
+def _commit(h, loads, structure, motion, trial, memory, work, spin):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
     for i in range(len(motion.q)):
@@ -159,17 +171,51 @@ def _commit(h, loads, structure, static, motion, trial, memory, work, spin):
     r.torque = powers(structure, spin, loads, motion, work.scratch, work.free, memory.power)
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * memory.power[i]
-    _watch_amplitudes(structure, static, motion, memory)
+    _watch_amplitudes(structure, motion, memory)
     _watch_bounces(structure, motion, memory)
 
 
 @compiled
-def advance(structure, scheme, control, static, t_end, loads, motion, trial, memory, work):
-    """March to t_end [s] with constant loads, shape (bodies,) [N]; returns DONE or why not.
+def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work):
+    """Take up the speed [rad/s], its rate [rad/s2] and the loads [N] of a new interval.
 
-    Steps are cut to equal parts of what remains, so that none is a sliver. On failure the state is
-    that after the last accepted step.
+    Carries residual, accelerations and powers over the jump; at the start the accelerations are
+    those of the equation of motion. A jump of the speed is work that the drive does in no time.
     """
+    r = memory.record[0]
+    before = total_energy(structure, spin_now(memory.record), motion, work.scratch, work.stores)
+    r.t_ref = r.t
+    r.theta_ref = r.theta
+    r.omega = speed
+    r.omega_ref = speed
+    r.alpha = rate
+    spin = spin_now(memory.record)
+    after = total_energy(structure, spin, motion, work.scratch, work.stores)
+    if is_start:
+        r.energy_at_start = after
+    else:
+        memory.work[0] += after - before
+    n = structure.M.shape[1]
+    change, change_of_housing = work.free, work.problem.w
+    for i in range(n):
+        change[i, 0] = 0.0 if is_start else motion.r[i]
+    for j in range(len(structure.contacts)):
+        change_of_housing[j] = 0.0 if is_start else motion.r[n + j]
+    residual(structure, spin, loads, motion)
+    for i in range(n):
+        change[i, 0] = motion.r[i] - change[i, 0]
+    solve(structure.M_factors, change)
+    for i in range(n):
+        motion.a[i] -= change[i, 0]
+    for j in range(len(structure.contacts)):
+        change_of_housing[j] = motion.r[n + j] - change_of_housing[j]
+        motion.a[n + j] -= change_of_housing[j] / structure.contacts[j].mass
+    r.torque = powers(structure, spin, loads, motion, work.scratch, work.free, memory.power)
+
+
+@compiled
+def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work):
+    """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
     memory.peaks[2] = 0.0
     is_adaptive = control.mode == ADAPTIVE
@@ -203,8 +249,22 @@ def advance(structure, scheme, control, static, t_end, loads, motion, trial, mem
         r.h = next_step(control, wished, h, error) if is_adaptive else wished
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
-        _commit(h, loads, structure, static, motion, trial, memory, work, spin)
+        _commit(h, loads, structure, motion, trial, memory, work, spin)
         parts = parts - 1.0
         if is_adaptive and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
     return DONE
+
+
+@compiled
+def advance(structure, scheme, control, t_end, speed, loads, motion, trial, memory, work):
+    """March to t_end [s]; returns DONE or why not.
+
+    speed: now [rad/s], continued linearly from the last two given; loads: constant until t_end,
+    shape (bodies,) [N]. On failure the state is that after the last accepted step.
+    """
+    r = memory.record[0]
+    since = r.t - r.t_ref
+    rate = (speed - r.omega_ref) / since if since > 0.0 else r.alpha
+    begin_interval(structure, speed, rate, loads, False, motion, memory, work)
+    return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)

@@ -7,7 +7,7 @@ import math
 from .assembly import Structure
 from .compiled import compiled
 from .contact import contact_force
-from .energy import FLOWS, STORES, energies
+from .energy import FLOWS, STORES, total_energy
 from .excitation import Spin, contact_angle
 
 _DISC = ("x", "y", "x_amp", "y_amp")
@@ -43,15 +43,8 @@ def observed_names(structure: Structure) -> tuple[str, ...]:
 
 
 @compiled
-def total_energy(structure, spin, motion, scratch, stores):
-    """Energy of the machine [J]; fills stores, shape (4,) [J]."""
-    energies(structure, spin, motion, scratch, stores)
-    return stores[0] + stores[1] + stores[2] + stores[3]
-
-
-@compiled
-def observe(structure, static, energy_at_start, motion, memory, scratch, stores, out):
-    """Fill `out` in the order of `observed_names`; energy_at_start [J]."""
+def observe(structure, motion, memory, work, out):
+    """Fill `out` in the order of `observed_names`."""
     contacts = structure.contacts
     n = structure.M.shape[1]
     r = memory.record[0]
@@ -92,13 +85,14 @@ def observe(structure, static, energy_at_start, motion, memory, scratch, stores,
     out[at + 8] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
     at += 9
     spin = Spin(r.omega, r.alpha, r.theta)
-    energy = total_energy(structure, spin, motion, scratch, stores)
+    stores = work.stores
+    energy = total_energy(structure, spin, motion, work.scratch, stores)
     for i in range(len(stores)):
         out[at + i] = stores[i]
     at += len(stores)
-    work = memory.work
-    for i in range(len(work)):
-        out[at + i] = work[i]
-    at += len(work)
-    losses = work[2] + work[3] + work[4] + work[5]
-    out[at] = energy - energy_at_start - work[0] - work[1] + losses
+    flows = memory.work
+    for i in range(len(flows)):
+        out[at + i] = flows[i]
+    at += len(flows)
+    losses = flows[2] + flows[3] + flows[4] + flows[5]
+    out[at] = energy - r.energy_at_start - flows[0] - flows[1] + losses

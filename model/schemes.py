@@ -1,26 +1,55 @@
-"""One-step implicit time integrators: parameters, stability, spectral radius.
+"""One-step implicit time integrators: the generalized-alpha family and its parameters.
 
-All are the generalized-alpha family with paper A's signs (Zigulic et al. 2003, eqs 6 to 10;
-Chung and Hulbert 1993), its misprints mended:
+With paper A's signs (Zigulic et al. 2003, eqs 6 to 10; Chung and Hulbert 1993), its misprints
+mended:
 
     q1 = q0 + h v0 + h^2 ((1/2 - beta) a0 + beta a1)
     v1 = v0 + h ((1 - gamma) a0 + gamma a1)
     M ((1 - alpha_m) a1 + alpha_m a0) + (1 - alpha_f) r1 + alpha_f r0 = 0
 
-with r = C v + K q - f. Paper B's alpha_B is alpha_m, its alpha_H is alpha_f, Abaqus' alpha is
--alpha_f.
+with r = C v + K q - f. Paper B's (Ishikawa and Koguchi) alpha_B is alpha_m, its alpha_H is alpha_f,
+Abaqus' ALPHA is -alpha_f.
 """
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import polynomial
+
+from .spectral import Coefficients, balance, spectral_radius
+
+__all__ = [
+    "LARGEST",
+    "MODERATE_DISSIPATION",
+    "TRANSIENT_FIDELITY",
+    "Scheme",
+    "SchemeError",
+    "amplification",
+    "chung_hulbert",
+    "energy_momentum_alpha_f",
+    "energy_momentum_beta",
+    "general",
+    "generalized_alpha",
+    "hht",
+    "is_unconditionally_stable",
+    "newmark",
+    "rebound",
+    "roots_at_infinity",
+    "spectral_radius",
+    "wbz",
+]
+
+# Past it the squares and products of the parameters lose their meaning.
+LARGEST = 1e6
+_ROUNDING = 1e-12
 
 
 class SchemeError(ValueError):
-    """Parameters with which no implicit step can be made."""
+    """Parameters with which no step can be made."""
 
 
 class Scheme(NamedTuple):
@@ -34,7 +63,43 @@ class Scheme(NamedTuple):
     @property
     def rho_infinity(self) -> float:
         """Spectral radius for h omega -> infinity [1]: above 1 the scheme is unstable."""
-        return spectral_radius(self, math.inf)
+        return max(abs(root) for root in roots_at_infinity(self))
+
+    def amplification(self, w: float, xi: float = 0.0) -> np.ndarray:
+        """See `amplification`."""
+        return amplification(self, w, xi)
+
+    def characteristic(self) -> tuple[Coefficients, Coefficients, Coefficients]:
+        """See `spectral.Method`."""
+        am, af, beta, gamma = self
+        force = (1, 1 - af)
+        return (
+            (0, 0, 1, 1 - am),
+            tuple(polynomial.polymul((0, 1, gamma), force)),
+            tuple(polynomial.polymul((1, 0.5 + gamma, beta), force)),
+        )
+
+
+def general(alpha_f: float, alpha_m: float, beta: float, gamma: float) -> Scheme:
+    """Any member of the family, stable and consistent or not.
+
+    Raises `SchemeError` for parameters that leave no implicit equation: an alpha outside [-1, 1),
+    beta <= 0; or that are past all reason, above 1e6.
+    """
+    _check_alphas(alpha_f, alpha_m)
+    if not 0 < beta <= LARGEST:
+        raise SchemeError(
+            f"beta = {beta:g}: must be above 0 in an implicit step and at most {LARGEST:g}"
+        )
+    if not abs(gamma) <= LARGEST:
+        raise SchemeError(f"gamma = {gamma:g}: must be between {-LARGEST:g} and {LARGEST:g}")
+    return Scheme(alpha_m, alpha_f, beta, gamma)
+
+
+def _check_alphas(alpha_f: float, alpha_m: float) -> None:
+    for name, value in (("alpha_f", alpha_f), ("alpha_m", alpha_m)):
+        if not math.isfinite(value) or value >= 1 or value < -1:
+            raise SchemeError(f"{name} = {value:g}: must be at least -1 and below 1")
 
 
 def generalized_alpha(alpha_f: float, alpha_m: float) -> Scheme:
@@ -45,18 +110,19 @@ def generalized_alpha(alpha_f: float, alpha_m: float) -> Scheme:
 
     Raises `SchemeError` for parameters that leave no implicit equation.
     """
-    for name, value in (("alpha_f", alpha_f), ("alpha_m", alpha_m)):
-        if not math.isfinite(value) or value >= 1 or value < -1:
-            raise SchemeError(f"{name} = {value:g}: must be at least -1 and below 1")
+    _check_alphas(alpha_f, alpha_m)
     difference = alpha_f - alpha_m
     if difference <= -1:
         raise SchemeError(f"alpha_f - alpha_m = {difference:g}: must be above -1 (beta would be 0)")
     return Scheme(alpha_m, alpha_f, (1 + difference) ** 2 / 4, 0.5 + difference)
 
 
-def newmark() -> Scheme:
-    """Newmark's average acceleration, beta = 1/4, gamma = 1/2 (Newmark 1959)."""
-    return generalized_alpha(0.0, 0.0)
+def newmark(beta: float = 0.25, gamma: float = 0.5) -> Scheme:
+    """Newmark 1959: average acceleration by default; linear acceleration is beta = 1/6.
+
+    Raises `SchemeError` for beta <= 0 and where one is past all reason.
+    """
+    return general(0.0, 0.0, beta, gamma)
 
 
 def hht(alpha_f: float) -> Scheme:
@@ -85,10 +151,7 @@ def amplification(scheme: Scheme, w: float, xi: float = 0.0) -> np.ndarray:
     w = omega h [rad], which may be infinite; xi: physical damping ratio [1]. (Paper B, eq. 15.)
     """
     am, af, beta, gamma = scheme
-    # Divided by w^2, so that infinitely stiff needs no case of its own.
-    inertia = 0.0 if math.isinf(w) else 1 / w**2 if w else 1.0
-    damping = 0.0 if math.isinf(w) else 2 * xi / w if w else 0.0
-    stiffness = 1.0 if w else 0.0
+    inertia, damping, stiffness = balance(w, xi)
     left = np.array(
         [
             [1, 0, -beta],
@@ -102,16 +165,66 @@ def amplification(scheme: Scheme, w: float, xi: float = 0.0) -> np.ndarray:
     return np.linalg.solve(left, right)
 
 
-def spectral_radius(scheme: Scheme, w: float, xi: float = 0.0) -> float:
-    """Largest modulus of the amplification matrix's eigenvalues [1] (paper B, eq. 16)."""
-    if math.isinf(w):
-        difference = scheme.alpha_f - scheme.alpha_m
-        return max(
-            abs(difference - 1) / (difference + 1), abs(scheme.alpha_f / (1 - scheme.alpha_f))
-        )
-    return float(np.abs(np.linalg.eigvals(amplification(scheme, w, xi))).max())
+def roots_at_infinity(scheme: Scheme) -> tuple[complex, complex, complex]:
+    """Eigenvalues of the amplification matrix for h omega -> infinity [1].
+
+    The pair of beta z^2 + (1/2 + gamma - 2 beta) z + (1/2 - gamma + beta) = 0 and
+    -alpha_f / (1 - alpha_f). With D = alpha_f - alpha_m, gamma = 1/2 + D and beta = (1 + D)^2 / 4
+    the pair is (D - 1) / (D + 1) twice.
+    """
+    _, af, beta, gamma = scheme
+    discriminant = (0.5 + gamma) ** 2 - 4 * beta
+    # a double root must not be torn apart by the square root of a rounding error
+    if abs(discriminant) < _ROUNDING:
+        discriminant = 0.0
+    root = cmath.sqrt(discriminant)
+    middle = 2 * beta - 0.5 - gamma
+    return (middle - root) / (2 * beta), (middle + root) / (2 * beta), complex(-af / (1 - af))
 
 
 def is_unconditionally_stable(scheme: Scheme) -> bool:
-    """Whether no undamped oscillation grows at any step length (paper A, eq. 10)."""
-    return scheme.alpha_m <= scheme.alpha_f <= 0.5
+    """Whether no undamped oscillation grows at any step length.
+
+    Routh-Hurwitz for all w; with gamma = 1/2 - alpha_m + alpha_f it is paper A's (10),
+    alpha_m <= alpha_f <= 1/2 and beta >= 1/4 + (alpha_f - alpha_m) / 2, and for Newmark
+    2 beta >= gamma >= 1/2.
+    """
+    am, af, beta, gamma = scheme
+    m, f, g, b = 1 - 2 * am, 1 - 2 * af, 2 * gamma - 1, 4 * beta - 2 * gamma
+    conditions = (m, f * b, b + f * g, f + g, f + g - m, g * (b + f * f + f * g))
+    return all(condition >= -_ROUNDING for condition in conditions)
+
+
+def energy_momentum_beta(alpha_m: float, alpha_f: float) -> float:
+    """beta that conserves energy and momentum in a frictionless impact [1] (paper B, eq. 12).
+
+    Raises `SchemeError` for alpha_m = 1.
+    """
+    if alpha_m == 1:
+        raise SchemeError("alpha_m = 1: must not be 1")
+    return (-2 * alpha_m**2 + alpha_m * (3 + 2 * alpha_f) - 2) / (alpha_m - 1) / 4
+
+
+def energy_momentum_alpha_f(alpha_m: float) -> float:
+    """alpha_f for which eq. (12)'s beta is also eq. (8)'s [1] (paper B, eqs 13 and 14).
+
+    sqrt(2) - 1 for alpha_m = 0. Raises `SchemeError` unless alpha_m < 1.
+    """
+    if not alpha_m < 1:
+        raise SchemeError(f"alpha_m = {alpha_m:g}: must be below 1")
+    root = math.sqrt(2 * alpha_m**2 - 3 * alpha_m + 2)
+    return (alpha_m**2 - alpha_m + 1 - root) / (alpha_m - 1)
+
+
+def rebound(scheme: Scheme) -> float:
+    """Speed of a free node after it touched a wall for one step, over its speed before [1].
+
+    -v_{n+2} / v_n with d_{n+1} = d_n, a_n = 0 and the contact force acting at t_{n+1} alone: 1 is
+    eq. (12), above 1 an impact creates energy.
+    """
+    am, _, beta, gamma = scheme
+    return (1 - gamma * am / (1 - am)) / beta - 1
+
+
+MODERATE_DISSIPATION = hht(math.sqrt(2) - 1)
+TRANSIENT_FIDELITY = hht(0.05)

@@ -8,18 +8,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from . import march
+from . import calls, march
 from .assembly import assemble
-from .band import solve
-from .compiled import INTERPRETED_WARNING, IS_COMPILED, compiled
-from .energy import STORES, powers
+from .compiled import INTERPRETED_WARNING, IS_COMPILED
 from .equilibrium import static_equilibrium
-from .excitation import Spin
-from .observe import observe, observed_names, total_energy
+from .observe import observed_names
 from .rotor import Rotor
 from .schemes import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .step import Motion, new_motion, new_workspace, residual
+from .step import Motion, new_motion, new_workspace
 
 
 class StepFailure(RuntimeError):
@@ -35,31 +32,6 @@ _has_said_interpreted = False
 
 def _warn(message: str) -> None:
     warnings.warn(message, RotorWarning, stacklevel=3)
-
-
-@compiled
-def _turn_over(structure, spin, loads, is_start, motion, memory, work):
-    """Carry the state into an interval with new speed or loads: residual, accelerations and powers
-    as they are right after the jump. At the start the accelerations are those of the equation."""
-    n = structure.M.shape[1]
-    nb = len(structure.contacts)
-    before = work.free
-    for i in range(n):
-        before[i, 0] = 0.0 if is_start else motion.r[i]
-    for j in range(nb):
-        work.problem.w[j] = 0.0 if is_start else motion.r[n + j]
-    residual(structure, spin, loads, motion)
-    for i in range(n):
-        before[i, 0] = motion.r[i] - before[i, 0]
-    solve(structure.M_factors, before)
-    for i in range(n):
-        motion.a[i] = -before[i, 0] if is_start else motion.a[i] - before[i, 0]
-    for j in range(nb):
-        change = (motion.r[n + j] - work.problem.w[j]) / structure.contacts[j].mass
-        motion.a[n + j] = -change if is_start else motion.a[n + j] - change
-    memory.record[0].torque = powers(
-        structure, spin, loads, motion, work.scratch, work.free, memory.power
-    )
 
 
 class Simulation:
@@ -101,21 +73,17 @@ class Simulation:
         self._trial = new_motion(self.structure)
         self._work = new_workspace(self.structure)
         self._memory = march.new_memory(self.structure)
-        self._stores = np.zeros(len(STORES))
         self._observed = np.zeros(len(self.names))
-        self._is_fresh = False
         self._has_warned = False
 
         q = static_equilibrium(self.structure)
         self._motion.q[:] = q
-        self.static = q[self.structure.disc_dof].imag.copy()
+        self._memory.rest[:] = q[self.structure.disc_dof].imag
         record = self._memory.record[0]
-        record.t = record.t_ref = t
+        record.t = t
         record.h = settings.h
-        record.omega = record.omega_ref = speed
-        record.alpha = rate
-        self._begin_interval(speed, rate, is_start=True)
-        self._energy_at_start = self._energy()
+        self._arguments = calls.plain(self.structure, self._motion, self._memory, self._work)
+        calls.start(*self._arguments, speed, rate, self._loads, self._observed)
 
     @property
     def time(self) -> float:
@@ -130,18 +98,6 @@ class Simulation:
     @property
     def observed(self) -> np.ndarray:
         """Everything that can be read, in the order of `names` (a live array)."""
-        if not self._is_fresh:
-            observe(
-                self.structure,
-                self.static,
-                self._energy_at_start,
-                self._motion,
-                self._memory,
-                self._work.scratch,
-                self._stores,
-                self._observed,
-            )
-            self._is_fresh = True
         return self._observed
 
     def read(self, name: str) -> float:
@@ -155,33 +111,27 @@ class Simulation:
         the coupling, shape (bodies,) [N], constant until `to`. Raises `StepFailure`, the state then
         being that after the last good step.
         """
-        record = self._memory.record[0]
-        since = record.t - record.t_ref
-        rate = (speed - record.omega_ref) / since if since > 0 else record.alpha
-        new_loads = self._loads if loads is None else loads
-        self._loads[:] = new_loads
-        self._begin_interval(speed, rate, is_start=False)
-        status = march.advance(
-            self.structure,
-            self._scheme,
-            self._control,
-            self.static,
+        if loads is not None:
+            self._loads[:] = loads
+        status = calls.advance(
+            *self._arguments,
+            tuple(self._scheme),
+            tuple(self._control),
             to,
+            speed,
             self._loads,
-            self._motion,
-            self._trial,
-            self._memory,
-            self._work,
+            tuple(self._trial),
+            self._observed,
         )
-        self._is_fresh = False
         if status != march.DONE:
             raise StepFailure(self._failure(status))
+        record = self._memory.record[0]
         if record.trapped and not self._has_warned:
             self._has_warned = True
             self._warn(
                 f"false state since t = {record.trapped_at:.4g} s: a journal jumps from wall to "
-                "wall of its clearance every step or two, which is the integrator's doing; do not trust "
-                "this run: take the preset robust, or a smaller solver.h"
+                "wall of its clearance every step or two, which is the integrator's doing; do not "
+                "trust this run: take the preset robust, or a smaller solver.h"
             )
 
     def snapshot(self) -> tuple[np.ndarray, ...]:
@@ -192,7 +142,7 @@ class Simulation:
         """Go back to a snapshot of this or of an equal simulation."""
         for array, saved in zip(self._state(), snapshot, strict=True):
             array[...] = saved
-        self._is_fresh = False
+        calls.look(*self._arguments, self._observed)
 
     def _state(self) -> tuple[np.ndarray, ...]:
         return (*self._motion, *self._memory, self._loads)
@@ -202,34 +152,6 @@ class Simulation:
         if not IS_COMPILED and not _has_said_interpreted:
             _has_said_interpreted = True
             self._warn(INTERPRETED_WARNING)
-
-    def _spin(self) -> Spin:
-        record = self._memory.record[0]
-        return Spin(float(record.omega), float(record.alpha), float(record.theta))
-
-    def _energy(self) -> float:
-        return total_energy(
-            self.structure, self._spin(), self._motion, self._work.scratch, self._stores
-        )
-
-    def _begin_interval(self, speed: float, rate: float, is_start: bool) -> None:
-        record = self._memory.record[0]
-        before = self._energy()
-        record.t_ref = record.t
-        record.theta_ref = record.theta
-        record.omega = record.omega_ref = speed
-        record.alpha = rate
-        _turn_over(
-            self.structure,
-            self._spin(),
-            self._loads,
-            is_start,
-            self._motion,
-            self._memory,
-            self._work,
-        )
-        # A jump of the prescribed speed is work that the drive does in no time.
-        self._memory.work[0] += 0.0 if is_start else self._energy() - before
 
     def _failure(self, status: int) -> str:
         record = self._memory.record[0]

@@ -16,6 +16,7 @@ from .band import add_product, factorize, solve
 from .compiled import compiled
 from .contact import contact_force
 from .contact_problem import ContactProblem, new_contact_problem, solve_contacts
+from .energy import STORES
 from .excitation import add_applied, circulation
 
 
@@ -43,6 +44,7 @@ class Workspace(NamedTuple):
     free: np.ndarray
     scratch: np.ndarray
     housing: np.ndarray
+    stores: np.ndarray
     problem: ContactProblem
 
 
@@ -63,6 +65,7 @@ def new_workspace(structure: Structure) -> Workspace:
         free=np.zeros((n, 1), dtype=complex),
         scratch=np.zeros(n, dtype=complex),
         housing=np.zeros((nb, 2)),
+        stores=np.zeros(len(STORES)),
         problem=new_contact_problem(nb),
     )
 

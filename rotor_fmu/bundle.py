@@ -21,9 +21,10 @@ REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
 _OWN_MODULES = ("about", "interface", "binding", "description", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
-_DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host: Python 3.11 or newer
-with numpy and scipy; with numba it runs some hundred times faster. No network, no licence, no
-files but its own and a cache of compiled code in the user's cache folder ($ROTOR_FMU_CACHE).
+_DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
+Python 3.11 or newer with numpy and scipy; with numba it runs some hundred times faster.
+No network, no licence, no files but its own and a cache of compiled code in the user's
+cache folder ($ROTOR_FMU_CACHE).
 """
 
 
@@ -96,9 +97,14 @@ def _write_package(folder: Path, toml: str) -> Path:
     return package
 
 
+def package_name(rotor_toml: str | None = None) -> str:
+    """Name of the package that `build` would put into the FMU now; it follows the content."""
+    return _contents(rig_toml() if rotor_toml is None else rotor_toml)[0]
+
+
 def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
     """Whether `fmu` is what `build` would make now."""
-    name, _ = _contents(rig_toml() if rotor_toml is None else rotor_toml)
+    name = package_name(rotor_toml)
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
     with zipfile.ZipFile(fmu) as archive:

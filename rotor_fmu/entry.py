@@ -5,12 +5,17 @@ imported from a copy in the user's cache: so the compiled code of its first run 
 builds in one process do not meet, and the extraction folder may be deleted.
 """
 
+import ctypes
 import importlib
 import runpy
 import shutil
 import sys
 import tempfile
 from pathlib import Path
+
+# For each instance the wrapper runs this script and then drops a reference to the module's globals
+# that it never took: without one more each time, the third instance in a process would crash.
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 RESOURCES = Path(__file__).resolve().parent
 PACKAGE = Path(__file__).stem.removesuffix("_entry")

@@ -40,9 +40,19 @@ def run(app: Callable[..., object]) -> None:
     except RunFailed as error:
         _end(str(error), FAILED)
     except typer.TyperException as error:
-        _end(" ".join(error.format_message().split()), BAD_INPUT)
+        _end(_one_line(error), BAD_INPUT)
     except _BAD_INPUTS as error:
         _end(str(error), BAD_INPUT)
+
+
+def _one_line(error: typer.TyperException) -> str:
+    """The parser's complaint in one line, with the value that it leaves out."""
+    text = " ".join(error.format_message().split())
+    for option in getattr(getattr(error, "param", None), "opts", ()):
+        if option in sys.argv[1:-1]:
+            value = sys.argv[sys.argv.index(option) + 1]
+            return f"{option} {value}: {text}"
+    return text
 
 
 def _end(message: str, status: int) -> None:

@@ -261,7 +261,7 @@ _TEXTS = {
         "local",
         "1",
         None,
-        "steps in the false state (the integrator makes a journal jump from wall to wall); should be 0",
+        "steps in the false state, a journal jumping from wall to wall by the integrator's doing",
     ),
     "solver.trapped_at": (
         "Real",

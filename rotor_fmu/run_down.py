@@ -16,6 +16,7 @@ from model.rotor import Rotor
 from model.simulation import StepFailure
 
 from .binding import build_simulation, load_names
+from .errors import RunFailed
 from .interface import Variable
 from .signals import Signals
 
@@ -62,8 +63,9 @@ def run_fmu(
     recorder = None
 
     def log(environment: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
-        if status in (fmpy.fmi2.fmi2Warning, fmpy.fmi2.fmi2Error):
-            messages.append(text.decode("utf-8", "replace"))
+        if status != fmpy.fmi2.fmi2OK:
+            # the wrapper puts a line of its own before the message of an exception
+            messages.append(text.decode("utf-8", "replace").splitlines()[-1])
 
     def step_finished(t: float, its_recorder: fmpy.simulation.Recorder) -> bool:
         nonlocal recorder
@@ -75,8 +77,11 @@ def run_fmu(
     begun = time.perf_counter()
     failure = None
     try:
+        instance = _instantiate(fmu, folder, log)
         fmpy.simulate_fmu(
             folder,
+            fmu_instance=instance,
+            model_description=fmpy.read_model_description(folder),
             validate=False,
             start_time=0.0,
             stop_time=stop,
@@ -84,8 +89,6 @@ def run_fmu(
             start_values=dict(parameters),
             input=signals.as_structured(),
             output=recorded,
-            logger=log,
-            debug_logging=True,
             step_finished=step_finished,
         )
     except fmpy.fmi1.FMICallException as error:
@@ -99,6 +102,16 @@ def run_fmu(
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
     return Run(np.asarray(rows["time"]), columns, _status(failure, columns), tuple(messages), wall)
+
+
+def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> object:
+    description = fmpy.read_model_description(folder)
+    try:
+        return fmpy.instantiate_fmu(
+            folder, description, "CoSimulation", debug_logging=True, logger=log
+        )
+    except Exception as error:  # FMPy raises nothing more specific
+        raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
 def run_direct(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import ClassVar
 from xml.etree.ElementTree import Element
@@ -40,6 +41,20 @@ _KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
 
 class FmuError(RuntimeError):
     """What the host is told when a call cannot be carried out."""
+
+    def __repr__(self) -> str:
+        """The sentence alone: the wrapper logs the representation."""
+        return str(self)
+
+
+_EXPECTED = (
+    FmuError,
+    RotorError,
+    SettingsError,
+    EquilibriumError,
+    StepFailure,
+    ArithmeticError,
+)
 
 
 def _own_rotor() -> Rotor:
@@ -205,34 +220,29 @@ class RotorBearing(Fmi2Slave):
 
     # --- what goes wrong ---------------------------------------------------------------------
 
-    def _guard(self, call: object, *arguments: object) -> None:
+    def _guard(self, call: Callable[..., object], *arguments: object) -> None:
         """Carry out a call; on failure tell the host in one plain sentence.
 
         pythonfmu drops references that it does not own when an exception leaves a callback, and
-        later calls then crash the host: one extra reference each prevents that.
+        later calls then crash the host: one extra reference each prevents that. It also hands
+        queued messages to the host's logger while the exception is pending, which may itself be
+        Python: so the queue is emptied, and the exception is the message.
         """
         try:
             call(*arguments)
-        except (
-            FmuError,
-            RotorError,
-            SettingsError,
-            EquilibriumError,
-            StepFailure,
-            ArithmeticError,
-        ) as error:
-            message = self._say("error", str(error), Fmi2Status.error)
+        except _EXPECTED as error:
+            message = self._say("error", str(error))
+            self.log_queue.clear()
             for held in (self, self.log_queue, type(self)):
                 ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))
             raise FmuError(message) from None
 
     def _warn(self, message: str) -> None:
-        self._say("warning", message, Fmi2Status.warning)
+        self.log(self._say("warning", message), Fmi2Status.warning)
 
-    def _say(self, level: str, message: str, status: Fmi2Status) -> str:
-        # a percent sign would be read as a printf format by the host's logger
+    def _say(self, level: str, message: str) -> str:
+        """Print a message, since hosts drop them unless logging was switched on; returns it without
+        percent signs, which the host's logger would read as a printf format."""
         plain = message.replace("%", " percent")
-        self.log(plain, status)
-        # hosts drop messages unless logging was switched on
         print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
         return plain

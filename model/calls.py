@@ -1,0 +1,73 @@
+"""The compiled functions that Python calls, taking named tuples as plain ones.
+
+numba recognizes a named tuple by its layout and takes those of two packages (two builds of the FMU
+in one process, say) for each other; it then works out all types anew at every call, which costs
+more than the steps. Plain tuples have no class to mistake.
+"""
+
+from __future__ import annotations
+
+from . import march
+from .assembly import Structure
+from .compiled import compiled
+from .contact_problem import ContactProblem
+from .control import Control
+from .march import Memory
+from .observe import observe
+from .schemes import Scheme
+from .step import Motion, Workspace
+
+
+def plain(structure, motion, memory, work):
+    """The named tuples of a run as the plain ones that the functions below take."""
+    return tuple(structure), tuple(motion), tuple(memory), (*work[:-1], tuple(work.problem))
+
+
+@compiled
+def _workspace(work):
+    return Workspace(
+        work[0],
+        work[1],
+        work[2],
+        work[3],
+        work[4],
+        work[5],
+        work[6],
+        ContactProblem(*work[7]),
+    )
+
+
+@compiled
+def start(structure, motion, memory, work, speed, rate, loads, observed):
+    """`march.begin_interval` at the start of a run; fills `observed`."""
+    machine, state, book = Structure(*structure), Motion(*motion), Memory(*memory)
+    scratch = _workspace(work)
+    march.begin_interval(machine, speed, rate, loads, True, state, book, scratch)
+    observe(machine, state, book, scratch, observed)
+
+
+@compiled
+def advance(structure, motion, memory, work, scheme, control, t_end, speed, loads, trial, observed):
+    """`march.advance`; fills `observed`, returns the status."""
+    machine, state, book = Structure(*structure), Motion(*motion), Memory(*memory)
+    scratch = _workspace(work)
+    status = march.advance(
+        machine,
+        Scheme(*scheme),
+        Control(*control),
+        t_end,
+        speed,
+        loads,
+        state,
+        Motion(*trial),
+        book,
+        scratch,
+    )
+    observe(machine, state, book, scratch, observed)
+    return status
+
+
+@compiled
+def look(structure, motion, memory, work, observed):
+    """`observe` alone."""
+    observe(Structure(*structure), Motion(*motion), Memory(*memory), _workspace(work), observed)

@@ -1,0 +1,168 @@
+"""The command line: what a user may give, and what happens when it cannot be."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from model.rotor_toml import rig_toml
+from rotor_fmu.cli import main
+
+
+def rotor_fmu(*arguments, cwd):
+    """The command in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        cwd=cwd,
+        check=False,
+    )
+
+
+@pytest.fixture
+def refusal(tmp_path, monkeypatch, capsys):
+    """The one line that a refused command prints; it must leave nothing behind."""
+
+    def refuse(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+        before = set(tmp_path.rglob("*"))
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 2
+        assert set(tmp_path.rglob("*")) == before
+        lines = capsys.readouterr().err.strip().splitlines()
+        assert len(lines) == 1
+        assert lines[0].startswith("rotor-fmu: ")
+        return lines[0]
+
+    return refuse
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--preset", "best"], "--preset best: must be one of robust, paper"),
+        (["--set", "bearing[1].clearence=1e-5"], "did you mean bearing[1].clearance"),
+        (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
+        (["--set", "gravity=heavy"], "--set gravity = heavy: must be a number"),
+        (["--set", "gravity=nan"], "--set gravity = nan m/s2: must be"),
+        (["--set", "gravity=-1"], "--set gravity = -1 m/s2: must be"),
+        (["--set", "bearing[1].clearance=0"], "bearing[1].clearance = 0 m: must be > 0"),
+        (["--set", "solver.method=9"], "--set solver.method = 9: must be one of 0 as the preset"),
+        (["--set", "solver.method=hht"], "solver.method = hht: needs solver.alpha_f too"),
+        (["--set", "solver.alpha_f=0.1"], "chung-hulbert does not take it"),
+        (["--set", "shaft.rotating_damping=perhaps"], "must be true or false"),
+        (["--preset", "paper-adaptive", "--set", "solver.h=1"], "solver.h = 1 s: must lie between"),
+        (["--stop", "-1"], "--stop -1 s: must be > 0"),
+        (["--step", "50"], "--step 50 s: must be > 0 and at most --stop = 40 s"),
+        (["--stop", "soon"], "--stop soon: "),
+        (["--nonsense"], "--nonsense"),
+        (["--rotor", "none.toml"], "--rotor none.toml: cannot be read"),
+        (["--input", "none.csv"], "none.csv: cannot be read"),
+        (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
+    ],
+)
+def test_bad_options_are_refused_in_one_line(refusal, arguments, expected):
+    assert expected in refusal("run-down", *arguments)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "is empty"),
+        ("time\n", "has no rows"),
+        ("speed\n400\n", "column 'time' is missing"),
+        ("time,spede\n0,400\n", "column 'spede' is unknown; known are time, speed"),
+        ("time,speed,speed\n0,1,2\n", "column 'speed' is given twice"),
+        ("time,speed\n0,400\n1,\n", "line 3: speed = (nothing): must be a finite number"),
+        ("time,speed\n0,nan\n", "line 2: speed = nan: must be a finite number"),
+        ("time,speed\n0,400\n1\n", "line 3: 1 values, 2 are needed"),
+        ("time,speed\n0,400\n0,300\n", "line 3: time = 0 s after 0 s: must increase"),
+        ("time,speed\n0,four\n", "line 2: speed = four"),
+    ],
+)
+def test_bad_signals_are_refused_in_one_line(refusal, tmp_path, text, expected):
+    (tmp_path / "signals.csv").write_text(text)
+    assert expected in refusal("run-down", "--input", "signals.csv")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("clearance = 50e-6", "clearance = -50e-6", "bearing[1].clearance = -5e-05 m: must be > 0"),
+        ("node = 4\n", "node = 44\n", "disc[1].node = 44: must be an integer from 1 to 8"),
+        ("young = 2.1e11", "yuong = 2.1e11", "material.yuong: unknown key"),
+        ("mu = 0.05", "mu = nan", "bearing[1].mu = nan: must be >= 0 and finite"),
+        ("0.043,", "0.0,", "length = 0 m: must be > 0"),
+    ],
+)
+def test_bad_rotors_are_refused_in_one_line_by_every_command(refusal, tmp_path, old, new, expected):
+    assert old in rig_toml()
+    (tmp_path / "rotor.toml").write_text(rig_toml().replace(old, new))
+    for command in ("run-down", "build"):
+        line = refusal(command, "--rotor", "rotor.toml")
+        assert expected in line
+        assert "rotor.toml" in line
+
+
+def test_a_run_writes_its_figures_and_pictures(tmp_path):
+    done = rotor_fmu(
+        *("run-down", "--preset", "paper-adaptive", "--stop", "4", "--direct", "--out", "here"),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    figures = json.loads((tmp_path / "here" / "summary.json").read_text())
+    assert set(figures) >= {
+        *("x_peak_um", "x_peak_hz", "y_peak_um", "y_peak_hz", "y_static_um"),
+        *("psi_at_x_peak_deg", "circulation_hz", "steps", "rejected", "newton_per_step"),
+        *("h_min", "h_max", "h_last", "wall_s", "energy_residual", "status"),
+    }
+    assert figures["status"] == "ok"
+    written = {path.name for path in (tmp_path / "here").iterdir()}
+    pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
+    assert written == pictures | {"summary.json", "run_down.csv"}
+    rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
+    assert rows[0].startswith("time,phi,w,tau,disc[1].x")
+    assert len(rows) == 1 + 101
+
+
+def test_signals_from_a_file_drive_the_run(tmp_path):
+    (tmp_path / "signals.csv").write_text("time,speed,disc[2].fy\n0,100,5\n1,120,5\n")
+    done = rotor_fmu(
+        *("run-down", "--input", "signals.csv", "--stop", "1", "--direct", "--out", "."),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    header, *rows = (tmp_path / "run_down.csv").read_text().splitlines()
+    last = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
+    assert last["w"] == pytest.approx(120)
+    assert last["phi"] == pytest.approx(110)
+    assert last["energy.external_work"] != 0
+
+
+def test_a_run_that_diverges_ends_with_status_1_and_a_reason(tmp_path):
+    done = rotor_fmu(
+        *("run-down", "--preset", "paper", "--set", "solver.method=wbz"),
+        *("--set", "solver.alpha_m=0.08", "--direct", "--out", "."),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 1
+    assert "diverged" in done.stderr
+    assert json.loads((tmp_path / "summary.json").read_text())["status"].startswith("failed")
+
+
+def test_build_fmu_py_builds_into_the_folder_named(tmp_path):
+    script = Path(__file__).parents[1] / "build_fmu.py"
+    done = subprocess.run(
+        [sys.executable, str(script), "--out", "fmus"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "fmus" / "RotorBearing.fmu").is_file()
