@@ -19,7 +19,7 @@ from model.rotor_toml import parse_rotor, rig_toml
 FMU_NAME = "RotorBearing.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
-_OWN_MODULES = ("about", "interface", "binding", "description", "slave")
+_OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 _DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
 Python 3.11 or newer with numpy and scipy; with numba it runs some hundred times faster.

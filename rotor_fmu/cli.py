@@ -15,6 +15,7 @@ from .errors import RunFailed, run, writable_folder
 from .job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
 from .reproduce import reproduce
 from .run_down import summary
+from .schemes_command import schemes
 from .signals import RUN_DOWN_STOP
 
 app = typer.Typer(
@@ -45,8 +46,8 @@ def run_down(
     signals: Annotated[
         Path | None, typer.Option("--input", help="CSV: time and inputs, SI units.")
     ] = None,
-    stop: Annotated[float, typer.Option(help="End of the run [s].")] = RUN_DOWN_STOP,
-    step: Annotated[float | None, typer.Option(help="Communication step [s].")] = None,
+    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
+    step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
     direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
@@ -87,6 +88,9 @@ def reproduce_command(
     """
     reproduce(writable_folder(out), typer.echo)
     typer.echo((out / "table.md").read_text(encoding="utf-8"))
+
+
+app.command("schemes")(schemes)
 
 
 @app.command("build")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 import sys
 from collections.abc import Callable
@@ -33,6 +32,7 @@ from .about import RELEASED, __version__
 from .binding import build_simulation, load_names
 from .description import complete, guid
 from .interface import Variable, interface
+from .wrapper import hold, settle_exit
 
 # What the master may be off in its time, of a step or absolutely [s].
 _TIME_TOLERANCE = 1e-9
@@ -80,6 +80,7 @@ class RotorBearing(Fmi2Slave):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
+        settle_exit(self.resources, self.modelName)
         self.guid = guid(self._table, self.content)
         self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
@@ -223,18 +224,15 @@ class RotorBearing(Fmi2Slave):
     def _guard(self, call: Callable[..., object], *arguments: object) -> None:
         """Carry out a call; on failure tell the host in one plain sentence.
 
-        pythonfmu drops references that it does not own when an exception leaves a callback, and
-        later calls then crash the host: one extra reference each prevents that. It also hands
-        queued messages to the host's logger while the exception is pending, which may itself be
-        Python: so the queue is emptied, and the exception is the message.
+        The wrapper hands queued messages to the host's logger, which may itself be Python, while
+        the exception is pending: so the queue is emptied, and the exception is the message.
         """
         try:
             call(*arguments)
         except _EXPECTED as error:
             message = self._say("error", str(error))
             self.log_queue.clear()
-            for held in (self, self.log_queue, type(self)):
-                ctypes.pythonapi.Py_IncRef(ctypes.py_object(held))
+            hold(self, self.log_queue, type(self))
             raise FmuError(message) from None
 
     def _warn(self, message: str) -> None:
