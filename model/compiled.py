@@ -23,8 +23,8 @@ except ImportError:
     IS_COMPILED = False
 
 INTERPRETED_WARNING = (
-    "numba is not installed: the solver runs interpreted, some hundred times slower, with the same "
-    "numbers (pip install numba)"
+    f"numba is {'switched off' if numba else 'not installed (pip install numba)'}: the solver runs "
+    "interpreted, some hundred times slower, with the same numbers"
 )
 _KEPT_VERSIONS = 8
 

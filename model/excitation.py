@@ -87,4 +87,6 @@ def drive_torque(structure, q, v, a, spin, friction_torque, scratch):
 def contact_angle(d):
     """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
     psi = math.atan2(d.imag, d.real)
-    return psi if psi >= 0.0 else psi + 2 * math.pi
+    if psi < 0.0:
+        psi += 2.0 * math.pi
+    return psi if psi < 2.0 * math.pi else 0.0

@@ -220,7 +220,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
     memory.peaks[2] = 0.0
     is_adaptive = control.mode == ADAPTIVE
     shortest = control.h_min * (1.0 + 1e-5)
-    parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
+    parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0
     while parts >= 1.0:
         h = (t_end - r.t) / parts
         wished = r.h

@@ -18,8 +18,8 @@ class RotorError(ValueError):
 
 # What a number may be, by the field's metadata: (test, words for the message).
 _RULES = {
-    "positive": (lambda v: v > 0, "must be > 0"),
-    "not negative": (lambda v: v >= 0, "must be >= 0"),
+    "positive": (lambda v: v > 0, "must be > 0 and finite"),
+    "not negative": (lambda v: v >= 0, "must be >= 0 and finite"),
     "any": (lambda v: True, "must be a finite number"),
 }
 
@@ -28,6 +28,7 @@ _FIELD_RULES = {
     "young": "positive",
     "density": "positive",
     "poisson": "not negative",
+    "z": "any",
     "diameter": "positive",
     "width": "positive",
     "journal_radius": "positive",
@@ -51,10 +52,21 @@ _FIELD_RULES = {
     "gravity": "not negative",
 }
 
+# Quantities of the rotor itself, and the part under which the FMU lists them.
+_OWN_QUANTITIES = {
+    "eta_v": "shaft",
+    "eta_h": "shaft",
+    "rotating_damping": "shaft",
+    "gravity": "",
+}
+
+_HUGE = 1e30  # beyond it, products of such numbers overflow
+
 _UNITS = {
     "young": "Pa",
     "density": "kg/m3",
     "poisson": "",
+    "z": "m",
     "diameter": "m",
     "width": "m",
     "journal_radius": "m",
@@ -79,21 +91,23 @@ _UNITS = {
 }
 
 
-def check_value(where: str, name: str, value: float) -> None:
-    """Raise `RotorError` unless `value` is a finite number that the quantity `name` may have."""
+def check_value(shown: str, name: str, value: float) -> None:
+    """Raise `RotorError`, calling it `shown`, unless `value` may be that of the quantity `name`."""
     rule, words = _RULES[_FIELD_RULES[name]]
-    shown = f"{where}.{name}" if where else name
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise RotorError(f"{shown} = {value!r}: must be a number")
-    if not math.isfinite(value) or not rule(value):
+    is_finite = isinstance(value, int) or math.isfinite(value)
+    if is_finite and abs(value) > _HUGE:
+        raise RotorError(f"{shown}: must not exceed {_HUGE:g} in size")
+    if not is_finite or not rule(value):
         unit = f" {_UNITS[name]}" if _UNITS[name] else ""
-        raise RotorError(f"{shown} = {value:g}{unit}: {words} and finite")
+        raise RotorError(f"{shown} = {value:g}{unit}: {words}")
 
 
 def _check_numbers(where: str, item: object) -> None:
     for field in fields(item):
         if field.name in _FIELD_RULES:
-            check_value(where, field.name, getattr(item, field.name))
+            check_value(f"{where}.{field.name}", field.name, getattr(item, field.name))
 
 
 @dataclass(frozen=True)
@@ -202,9 +216,19 @@ class Rotor:
         for where, item in self._parts():
             _check_numbers(where, item)
             self._check_node(where, item.node)
+        for kind in (self.bearings, self.supports):
+            nodes = [item.node for item in kind]
+            if len(set(nodes)) != len(nodes):
+                raise RotorError(
+                    f"{type(kind[0]).__name__.lower()} nodes {nodes}: each must differ"
+                )
         for name in ("eta_v", "eta_h"):
-            check_value("shaft", name, getattr(self, name))
-        check_value("", "gravity", self.gravity)
+            check_value(f"shaft.{name}", name, getattr(self, name))
+        check_value("gravity", "gravity", self.gravity)
+        if not isinstance(self.rotating_damping, bool):
+            raise RotorError(
+                f"shaft.rotating_damping = {self.rotating_damping!r}: must be true or false"
+            )
         if self.eta_h > 0 and not self.rotating_damping:
             raise RotorError(
                 f"shaft.eta_h = {self.eta_h:g}: must be 0 unless shaft.rotating_damping is true "
@@ -228,10 +252,9 @@ class Rotor:
                 "(one for each element between two nodes)"
             )
         for i, diameter in enumerate(self.diameters, 1):
-            check_value(f"shaft.element[{i}]", "diameter", diameter)
+            check_value(f"shaft.element[{i}].diameter", "diameter", diameter)
         for i, z in enumerate(self.nodes, 1):
-            if isinstance(z, bool) or not isinstance(z, (int, float)) or not math.isfinite(z):
-                raise RotorError(f"shaft.nodes[{i}] = {z!r}: must be a finite number")
+            check_value(f"shaft.nodes[{i}]", "z", z)
         for i in range(1, len(self.nodes)):
             length = self.nodes[i] - self.nodes[i - 1]
             if length <= 0:
@@ -242,12 +265,6 @@ class Rotor:
             raise RotorError("discs: none given, at least 1 is needed")
         if not self.bearings and not self.supports:
             raise RotorError("bearings: none given, at least 1 (or a support) is needed")
-        for kind in (self.bearings, self.supports):
-            nodes = [item.node for item in kind]
-            if len(set(nodes)) != len(nodes):
-                raise RotorError(
-                    f"{type(kind[0]).__name__.lower()} nodes {nodes}: each must differ"
-                )
 
     def _check_node(self, where: str, node: int) -> None:
         if isinstance(node, bool) or not isinstance(node, int) or not 1 <= node <= len(self.nodes):
@@ -267,9 +284,16 @@ class Rotor:
         Raises `RotorError` if the name is unknown or the value impossible.
         """
         part, _, attribute = name.rpartition(".")
-        if part in ("shaft", ""):
+        if attribute in _OWN_QUANTITIES and part == _OWN_QUANTITIES[attribute]:
             return replace(self, **{attribute: value})
         kind, _, index = part.rstrip("]").partition("[")
-        items = list(getattr(self, kind + "s"))
-        items[int(index) - 1] = replace(items[int(index) - 1], **{attribute: value})
-        return replace(self, **{kind + "s": tuple(items)})
+        items = (
+            list(getattr(self, f"{kind}s", ())) if kind in ("disc", "bearing", "support") else []
+        )
+        if index not in map(str, range(1, len(items) + 1)) or attribute not in _FIELD_RULES:
+            raise RotorError(f"{name}: unknown quantity")
+        item = items[int(index) - 1]
+        if attribute not in {field.name for field in fields(item)}:
+            raise RotorError(f"{name}: unknown quantity")
+        items[int(index) - 1] = replace(item, **{attribute: value})
+        return replace(self, **{f"{kind}s": tuple(items)})

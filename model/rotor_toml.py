@@ -29,8 +29,9 @@ def parse_rotor(text: str) -> Rotor:
     """
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise RotorError(f"not valid TOML: {error}") from error
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        reason = " ".join(str(error).split())
+        raise RotorError(f"not valid TOML: {reason}") from error
     _refuse_unknown(
         "",
         data,
@@ -75,7 +76,8 @@ def _table(where: str, value: Any) -> dict[str, Any]:
 def _refuse_unknown(where: str, table: dict[str, Any], known: tuple[str, ...]) -> None:
     for key in table:
         if key not in known:
-            shown = f"{where}.{key}" if where else key
+            name = key if key.isprintable() else repr(key)
+            shown = f"{where}.{name}" if where else name
             raise RotorError(f"{shown}: unknown key; known are {', '.join(known)}")
 
 

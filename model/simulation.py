@@ -108,10 +108,18 @@ class Simulation:
         """March to time `to` [s].
 
         speed: at the present time [rad/s]; loads: complex forces x + i y on the discs and, last, on
-        the coupling, shape (bodies,) [N], constant until `to`. Raises `StepFailure`, the state then
+        the coupling, shape (bodies,) [N], constant until `to`. Raises `ValueError` for what is not
+        finite or lies in the past, without a step, and `StepFailure`, the state then
         being that after the last good step.
         """
+        for name, value in (("to", to), ("speed", speed)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value}: must be finite")
+        if to < self.time:
+            raise ValueError(f"to = {to:.9g} s: must not lie before {self.time:.9g} s, now")
         if loads is not None:
+            if not np.isfinite(loads).all():
+                raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
         status = calls.advance(
             *self._arguments,

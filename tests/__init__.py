@@ -1,0 +1,1 @@
+"""Tests: laws of physics, closed forms and other programs' numbers first."""

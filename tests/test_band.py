@@ -1,0 +1,85 @@
+"""Band storage, product, factorization and solution against numpy's dense arithmetic."""
+
+import numpy as np
+import pytest
+
+from model import band
+
+SIZES = [(1, 0), (2, 1), (4, 3), (16, 3), (30, 1), (25, 7), (12, 11), (40, 0)]
+KINDS = [float, complex]
+
+
+def random_vector(rng, shape, kind):
+    real = rng.standard_normal(shape)
+    return real + 1j * rng.standard_normal(shape) if kind is complex else real
+
+
+def random_matrix(rng, n, half_bandwidth, kind):
+    """Symmetric, with a positive definite real part, as the matrices of the integration are."""
+    dense = random_vector(rng, (n, n), kind)
+    dense = np.tril(np.triu(dense + dense.T, -half_bandwidth), half_bandwidth)
+    return dense + np.diag(np.abs(dense).sum(axis=1) + rng.uniform(0.1, 1.0, n))
+
+
+@pytest.fixture(params=[(size, kind, seed) for size in SIZES for kind in KINDS for seed in (0, 1)])
+def case(request):
+    (n, half_bandwidth), kind, seed = request.param
+    rng = np.random.default_rng(seed)
+    return rng, random_matrix(rng, n, half_bandwidth, kind), half_bandwidth, kind
+
+
+def test_band_storage_keeps_the_matrix(case):
+    _, dense, half_bandwidth, _ = case
+    packed = band.to_band(dense, half_bandwidth)
+    assert packed.shape == (half_bandwidth + 1, len(dense))
+    np.testing.assert_array_equal(band.to_dense(packed), dense)
+
+
+def test_product_is_that_of_the_dense_matrix(case):
+    rng, dense, half_bandwidth, kind = case
+    n = len(dense)
+    x, before = random_vector(rng, n, kind), random_vector(rng, n, kind)
+    factor = kind(rng.standard_normal())
+    y = before.copy()
+    band.add_product(factor, band.to_band(dense, half_bandwidth), x, y)
+    expected = before + factor * (dense @ x)
+    np.testing.assert_allclose(y, expected, rtol=0, atol=1e-13 * np.abs(dense).max() * n)
+
+
+def test_factors_multiply_to_the_matrix(case):
+    _, dense, half_bandwidth, _ = case
+    n = len(dense)
+    factors = band.to_band(dense, half_bandwidth)
+    band.factorize(factors)
+    L = np.tril(band.to_dense(factors), -1) + np.eye(n)
+    np.testing.assert_allclose(L @ np.diag(1 / factors[0]) @ L.T, dense, rtol=1e-11, atol=1e-11)
+
+
+def test_solution_is_that_of_the_dense_matrix(case):
+    rng, dense, half_bandwidth, kind = case
+    right = random_vector(rng, (len(dense), 3), kind)
+    factors = band.to_band(dense, half_bandwidth)
+    band.factorize(factors)
+    x = right.copy()
+    band.solve(factors, x)
+    np.testing.assert_allclose(x, np.linalg.solve(dense, right), rtol=1e-9, atol=1e-12)
+
+
+def test_a_real_matrix_multiplies_a_complex_vector():
+    rng = np.random.default_rng(2)
+    dense = random_matrix(rng, 9, 3, float)
+    x = random_vector(rng, 9, complex)
+    y = np.zeros(9, dtype=complex)
+    band.add_product(-2j, band.to_band(dense, 3), x, y)
+    np.testing.assert_allclose(y, -2j * (dense @ x), atol=1e-13)
+
+
+def test_real_factors_solve_for_complex_right_hand_sides():
+    rng = np.random.default_rng(3)
+    dense = random_matrix(rng, 9, 3, float)
+    right = random_vector(rng, (9, 1), complex)
+    factors = band.to_band(dense, 3)
+    band.factorize(factors)
+    x = right.copy()
+    band.solve(factors, x)
+    np.testing.assert_allclose(dense @ x, right, atol=1e-12)

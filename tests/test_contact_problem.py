@@ -1,0 +1,133 @@
+"""The small contact problem of a step: solved exactly, and always."""
+
+import math
+
+import numpy as np
+import pytest
+
+from model.assembly import assemble, dense_matrices
+from model.contact import contact_force
+from model.contact_problem import TOLERANCE, new_contact_problem, solve_contacts, solve_dense
+from model.rotor_toml import rig
+from model.schemes import chung_hulbert, generalized_alpha, hht, newmark
+
+STRUCTURE = assemble(rig())
+BEARINGS = STRUCTURE.contacts
+CLEARANCE, STIFFNESS = BEARINGS.clearance[0], BEARINGS.k[0]
+SCHEMES = (newmark(), hht(0.2), generalized_alpha(0.1, 0.08), chung_hulbert(0.2))
+
+
+def step_flexibility(scheme, h, omega):
+    """Relative accelerations of journals and housings by unit contact forces, all dense."""
+    M, C, K, G, _ = dense_matrices(STRUCTURE)
+    n, m = STRUCTURE.M.shape[1], len(BEARINGS)
+    relative = np.zeros((len(M), 2 * m))
+    for j, dof in enumerate(BEARINGS.dof):
+        for axis, plane in enumerate((0, n + m)):
+            relative[plane + dof, 2 * j + axis] = 1
+            relative[plane + n + j, 2 * j + axis] = -1
+    share = 1 - scheme.alpha_f
+    matrix = (1 - scheme.alpha_m) * M
+    matrix = matrix + share * (scheme.gamma * h * (C + omega * G) + scheme.beta * h**2 * K)
+    return share * relative.T @ np.linalg.solve(matrix, relative)
+
+
+def draw(rng, problem, omega, b_d):
+    """A state as in a coarse step through contact; returns the last step's forces."""
+    m = len(BEARINGS)
+
+    def disc(radius):
+        return radius * np.sqrt(rng.random(m)) * np.exp(2j * np.pi * rng.random(m))
+
+    problem.d0[:] = disc(2 * CLEARANCE)
+    problem.d0_dot[:] = disc(0.3)
+    problem.w_free[:] = (disc(4 * CLEARANCE) - problem.d0) / b_d
+    problem.w[:] = problem.force[:] = 0
+    return np.where(rng.random(m) < 0.3, 0, disc(400.0))
+
+
+def as_pairs(z):
+    return np.column_stack([z.real, z.imag]).ravel()
+
+
+def out_of_balance(problem, omega, b_d, b_v):
+    """w - w_free - W F(w), as displacements in units of the clearance."""
+    forces = np.array(
+        [
+            contact_force(bearing, d, d_dot, omega)[0]
+            for bearing, d, d_dot in zip(
+                BEARINGS,
+                problem.d0 + b_d * problem.w,
+                problem.d0_dot + b_v * problem.w,
+                strict=True,
+            )
+        ]
+    )
+    rest = as_pairs(problem.w - problem.w_free) - problem.flexibility @ as_pairs(forces)
+    return b_d * np.abs(rest).max() / CLEARANCE, np.abs(forces - problem.force).max()
+
+
+@pytest.mark.parametrize("h", [0.0005, 0.001, 0.002, 0.004])
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_coarse_step_is_solved_to_tolerance(h, scheme):
+    rng = np.random.default_rng(int(1e5 * h))
+    problem = new_contact_problem(len(BEARINGS))
+    b_d, b_v = scheme.beta * h * h, scheme.gamma * h
+    touched = 0
+    for omega in (20.0, 180.0, 400.0):
+        problem.flexibility[:] = step_flexibility(scheme, h, omega)
+        stiffening = b_d * np.linalg.norm(problem.flexibility, 2) * STIFFNESS
+        assert stiffening > 30  # else these were no coarse steps
+        for _ in range(300):
+            last_force = draw(rng, problem, omega, b_d)
+            is_solved, _ = solve_contacts(problem, BEARINGS, omega, b_d, b_v, last_force)
+            assert is_solved
+            rest, forces_differ = out_of_balance(problem, omega, b_d, b_v)
+            # Newton stops at a small correction: through W k it leaves that much out of balance
+            assert rest < 10 * TOLERANCE * stiffening
+            assert forces_differ < 10 * TOLERANCE * CLEARANCE * STIFFNESS
+            touched += np.any(problem.force != 0)
+    assert touched > 450
+
+
+def test_without_contact_the_free_accelerations_are_the_solution():
+    problem = new_contact_problem(len(BEARINGS))
+    problem.flexibility[:] = step_flexibility(newmark(), 1e-3, 100.0)
+    problem.w_free[:] = [1 + 2j, -3j]
+    last_force = np.array([30 + 40j, -50j])
+    is_solved, _ = solve_contacts(problem, BEARINGS, 100.0, 2.5e-7, 5e-4, last_force)
+    assert is_solved
+    np.testing.assert_allclose(problem.w, problem.w_free)
+    assert np.all(problem.force == 0)
+
+
+def test_a_solved_state_is_recognised_at_once():
+    rng = np.random.default_rng(1)
+    problem = new_contact_problem(len(BEARINGS))
+    scheme, h = chung_hulbert(0.2), 1e-3
+    b_d, b_v = scheme.beta * h * h, scheme.gamma * h
+    problem.flexibility[:] = step_flexibility(scheme, h, 300.0)
+    for _ in range(50):
+        last_force = draw(rng, problem, 300.0, b_d)
+        solve_contacts(problem, BEARINGS, 300.0, b_d, b_v, last_force)
+        w, force = problem.w.copy(), problem.force.copy()
+        is_solved, iterations = solve_contacts(problem, BEARINGS, 300.0, b_d, b_v, force)
+        assert is_solved
+        assert iterations <= 3
+        np.testing.assert_allclose(b_d * problem.w, b_d * w, atol=10 * TOLERANCE * CLEARANCE)
+
+
+@pytest.mark.parametrize("m", [1, 2, 4, 9])
+def test_elimination_with_pivoting_solves_what_numpy_solves(m):
+    rng = np.random.default_rng(m)
+    a, b = rng.standard_normal((m, m)), rng.standard_normal(m)
+    if m > 1:
+        a[0, 0] = 0.0  # needs the pivoting
+    x = b.copy()
+    assert solve_dense(a.copy(), x)
+    np.testing.assert_allclose(x, np.linalg.solve(a, b), rtol=1e-9)
+
+
+@pytest.mark.parametrize("entry", [0.0, math.nan])
+def test_elimination_reports_a_singular_matrix(entry):
+    assert not solve_dense(np.full((3, 3), entry), np.ones(3))

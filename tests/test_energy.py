@@ -1,0 +1,149 @@
+"""The energy ledger closes, and the torque is what keeps the speed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.energy import FLOWS, STORES
+from model.rotor_toml import rig
+from model.settings import choose
+from model.simulation import Simulation
+
+from .machines import METHODS, STEEL, overhung
+
+LOSSES = [f"energy.{name}_loss" for name in FLOWS[2:]]
+SMOOTH = {"discs": tuple(replace(disc, e=0.0) for disc in overhung().discs)}
+
+
+def losses(sim):
+    return sum(sim.read(name) for name in LOSSES)
+
+
+def stored(sim):
+    return sum(sim.read(f"energy.{name}") for name in STORES)
+
+
+def run(rotor, settings, duration, *, speed, rate=0.0, stops=50, loads=None):
+    sim = Simulation(rotor, settings, speed=speed, rate=rate)
+    for t in np.linspace(0, duration, stops + 1)[1:]:
+        sim.advance(t, speed + rate * sim.time, loads)
+    return sim
+
+
+@pytest.mark.parametrize("speed", [400.0, 215.0, 40.0])
+def test_the_ledger_of_the_rubbing_rig_closes(speed):
+    sim = run(rig(), choose("robust", h=1e-4), 3.0, speed=speed, rate=-10.0)
+    assert sim.read("energy.friction_loss") > 0.5  # it did rub
+    assert abs(sim.read("energy.residual")) < 1e-3 * losses(sim)
+
+
+def test_the_residual_is_the_balance_of_what_is_listed():
+    sim = run(rig(), choose("robust", h=2e-4), 0.5, speed=300.0)
+    start = stored(Simulation(rig(), choose("robust"), speed=300.0))
+    inflow = sim.read("energy.drive_work") + sim.read("energy.external_work")
+    expected = stored(sim) - start - inflow + losses(sim)
+    assert sim.read("energy.residual") == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_without_contact_the_residual_falls_with_the_square_of_the_step(method):
+    residuals = [
+        run(
+            overhung(), choose(**METHODS[method], h=h), 0.04, speed=100.0, rate=2000.0, stops=40
+        ).read("energy.residual")
+        for h in (2e-5, 1e-5, 5e-6)
+    ]
+    orders = np.log2(np.abs(residuals[:-1]) / np.abs(residuals[1:]))
+    np.testing.assert_allclose(orders, 2, atol=0.3)
+
+
+@pytest.mark.parametrize(
+    "internal", [{"eta_v": 2e-4}, {"eta_h": 0.02}, {"eta_v": 1e-4, "eta_h": 0.01}]
+)
+@pytest.mark.parametrize("speed", [60.0, -250.0])
+def test_the_ledger_closes_with_internal_damping_that_turns(internal, speed):
+    rotor = overhung(**internal, rotating_damping=True)
+    sim = run(rotor, choose(method="newmark", h=2e-5), 0.3, speed=speed, rate=speed)
+    assert losses(sim) > 1e-4
+    assert abs(sim.read("energy.residual")) < 1e-3 * losses(sim)
+
+
+def test_every_loss_of_the_rig_only_grows():
+    sim = Simulation(rig(), choose("robust", h=2e-4), speed=215.0, rate=-10.0)
+    before = np.zeros(len(LOSSES))
+    for t in np.linspace(0, 2, 401)[1:]:
+        sim.advance(t, 215 - 10 * sim.time)
+        now = np.array([sim.read(name) for name in LOSSES])
+        assert np.all(now >= before - 1e-12)
+        before = now
+    assert np.all(before > 0)
+
+
+def test_a_constant_force_works_force_times_way():
+    loads = np.array([3.0 - 5.0j, -2.0j])
+    rotor = overhung()
+    start = Simulation(rotor, choose("robust"), speed=100.0)
+    sim = run(rotor, choose("robust", h=1e-5), 0.1, speed=100.0, loads=loads)
+    at = sim.structure.load_dof
+    way = sim.motion.q[at] - start.motion.q[at]
+    work = (loads.conjugate() * way).sum().real
+    assert abs(work) > 1e-4
+    assert sim.read("energy.external_work") == pytest.approx(work, rel=1e-6)
+
+
+def test_a_jump_of_the_speed_is_work_of_the_drive():
+    sim = Simulation(overhung(), choose("robust", h=1e-5), speed=100.0)
+    sim.advance(0.05, 100.0)
+    before, inertia = sim.read("energy.drive_work"), sim.structure.inertia
+    sim.advance(0.05 + 1e-5, 120.0)
+    jump = 0.5 * inertia * (120.0**2 - 100.0**2)
+    assert sim.read("energy.drive_work") - before == pytest.approx(jump, rel=0.01)
+    sim.advance(0.1, 120.0)
+    assert abs(sim.read("energy.residual")) < 1e-4 * losses(sim) + 1e-6 * jump
+
+
+def test_a_balanced_rotor_speeds_up_by_its_moment_of_inertia_alone():
+    rotor = overhung(gravity=0.0, **SMOOTH)
+    inertia = sum(disc.polar_inertia(STEEL) for disc in rotor.discs)
+    inertia += STEEL.density * 0.7 * math.pi / 32 * 0.02**4
+    sim = run(rotor, choose("robust"), 0.1, speed=50.0, rate=30.0)
+    assert sim.read("tau") == pytest.approx(30 * inertia, rel=1e-9)
+    assert sim.read("energy.kinetic") == pytest.approx(0.5 * inertia * 53.0**2, rel=1e-9)
+
+
+@pytest.mark.parametrize("omega", [-280.0, 280.0])
+def test_at_constant_speed_the_drive_supplies_what_is_lost(omega):
+    h, settle, window = 2e-4, 2.0, 40 * 2 * math.pi / abs(omega)
+    sim = Simulation(rig(), choose("robust", h=h), speed=omega)
+    sim.advance(settle, omega)
+    before = losses(sim), sim.read("energy.drive_work")
+    times = np.linspace(settle, settle + window, round(window / h) + 1)
+    torques = [sim.read("tau")]
+    for t in times[1:]:
+        sim.advance(t, omega)
+        torques.append(sim.read("tau"))
+    lost = losses(sim) - before[0]
+    assert lost > 1
+    assert sim.read("energy.drive_work") - before[1] == pytest.approx(lost, rel=0.005)
+    assert np.trapezoid(torques, times) * omega == pytest.approx(lost, rel=0.005)
+
+
+@pytest.mark.parametrize("omega", [100.0, -100.0])
+def test_a_balanced_rotor_climbs_by_the_angle_of_friction(omega):
+    machine = rig()
+    bearings = tuple(replace(b, mu=0.2, cx=2000.0, cy=2000.0) for b in machine.bearings)
+    discs = tuple(replace(d, e=0.0) for d in machine.discs)
+    sim = Simulation(
+        replace(machine, bearings=bearings, discs=discs), choose("robust"), speed=omega
+    )
+    sim.advance(3.0, omega)
+    friction_angle = math.copysign(math.atan(0.2), omega)
+    weight = abs(sim.structure.weight[::2].sum())
+    for j in (1, 2):
+        psi = sim.read(f"bearing[{j}].psi")
+        assert psi == pytest.approx(1.5 * math.pi - friction_angle, abs=1e-3)
+    # N = W / sqrt(1 + mu^2) stands on the rotor with its friction
+    torque = 7.5e-3 * weight * math.sin(friction_angle)
+    assert sim.read("tau") == pytest.approx(torque, rel=1e-3)

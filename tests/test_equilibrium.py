@@ -1,0 +1,142 @@
+"""Rest under gravity: statics of the reactions, and the sag by integrating the bending moments."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.assembly import assemble
+from model.equilibrium import EquilibriumError, static_equilibrium
+from model.rotor import Support
+from model.rotor_toml import rig
+from model.settings import choose
+from model.simulation import Simulation
+
+from .machines import overhung
+from .statics import reactions_of_two_pins, sag_of_discs, total_weight
+
+RIG = rig()
+FIRST, LAST = RIG.bearings
+G = RIG.gravity
+
+
+def reactions(rotor):
+    """Upward forces of the housings on the journals [N] at rest."""
+    q, structure = static_equilibrium(assemble(rotor)), assemble(rotor)
+    n = structure.M.shape[1]
+    up = []
+    for j, bearing in enumerate(structure.contacts):
+        d = q[bearing.dof] - q[n + j]
+        up.append(-bearing.k * max(0.0, abs(d) - bearing.clearance) * d.imag / abs(d))
+    return np.array(up)
+
+
+def test_the_rig_sags_as_statics_and_mohrs_integral_say():
+    ends = [RIG.nodes[bearing.node - 1] for bearing in (FIRST, LAST)]
+    carried = reactions_of_two_pins(RIG, *ends)
+    heights = []
+    for bearing, reaction in zip((FIRST, LAST), carried, strict=True):
+        housing = (reaction + bearing.mass * G) / bearing.ky
+        heights.append(-bearing.clearance - reaction / bearing.k - housing)
+    discs = [RIG.nodes[d.node - 1] for d in RIG.discs]
+    expected = np.interp(discs, ends, heights) - sag_of_discs(RIG, *ends)
+    structure = assemble(RIG)
+    q = static_equilibrium(structure)
+    np.testing.assert_allclose(q.imag[structure.disc_dof], expected, rtol=1e-7)
+    np.testing.assert_allclose(reactions(RIG), carried, rtol=1e-8)
+
+
+def test_the_third_disc_of_the_rig_rests_where_an_independent_prototype_put_it():
+    sim = Simulation(RIG, choose("robust"))
+    assert sim.read("disc[3].y") == pytest.approx(-238.3e-6, abs=0.3e-6)
+    for j in (1, 2):
+        assert sim.read(f"bearing[{j}].psi") == pytest.approx(math.radians(270), abs=1e-9)
+        assert sim.read(f"bearing[{j}].x") == pytest.approx(0, abs=1e-15)
+        assert sim.read(f"bearing[{j}].contact") == 1
+
+
+THIRD = {
+    "with two bearings side by side": (3, 50e-6),
+    "with a tight bearing amid": (5, 10e-6),
+    "with a bearing amid that almost lifts": (5, 300e-6),
+    "with a bearing amid that carries nothing": (5, 500e-6),
+}
+
+
+@pytest.mark.parametrize("case", THIRD)
+def test_the_bearings_carry_the_weight_also(case):
+    node, clearance = THIRD[case]
+    middle = replace(FIRST, node=node, clearance=clearance)
+    rotor = replace(RIG, bearings=(FIRST, middle, LAST))
+    up = reactions(rotor)
+    assert up.sum() == pytest.approx(total_weight(rotor), rel=1e-9)
+    if case == "with a bearing amid that carries nothing":
+        np.testing.assert_allclose(up[[0, 2]], reactions(RIG), rtol=1e-7)
+        assert up[1] == 0
+
+
+@pytest.mark.parametrize("node", [3, 4])
+def test_an_overhung_rotor_is_held_down_at_its_first_bearing(node):
+    rotor = replace(RIG, bearings=(FIRST, replace(LAST, node=node)))
+    ends = [rotor.nodes[bearing.node - 1] for bearing in rotor.bearings]
+    carried = reactions_of_two_pins(rotor, *ends)
+    assert carried[0] < 0
+    np.testing.assert_allclose(reactions(rotor), carried, rtol=1e-8)
+
+
+def test_supports_carry_what_the_bearings_do_not():
+    rotor = replace(RIG, supports=(Support(5, 1e5),))
+    structure = assemble(rotor)
+    spring = -1e5 * static_equilibrium(structure)[2 * 4].imag
+    assert reactions(rotor).sum() + spring == pytest.approx(total_weight(rotor), rel=1e-9)
+
+
+@pytest.mark.parametrize("rotor", [RIG, overhung()])
+def test_without_gravity_all_rests_at_zero(rotor):
+    assert np.all(static_equilibrium(assemble(replace(rotor, gravity=0.0))) == 0)
+
+
+@pytest.mark.parametrize("parts", [4, 16])
+def test_the_rest_does_not_depend_on_how_finely_the_shaft_is_divided(parts):
+    cuts = np.linspace(0, 1, parts, endpoint=False)
+    nodes = [a + (b - a) * c for a, b in zip(RIG.nodes, RIG.nodes[1:], strict=False) for c in cuts]
+
+    def moved(part):
+        return replace(part, node=(part.node - 1) * parts + 1)
+
+    fine = replace(
+        RIG,
+        nodes=(*(float(z) for z in nodes), RIG.nodes[-1]),
+        diameters=tuple(d for d in RIG.diameters for _ in cuts),
+        discs=tuple(map(moved, RIG.discs)),
+        bearings=tuple(map(moved, RIG.bearings)),
+        coupling=moved(RIG.coupling),
+    )
+    found, expected = (
+        static_equilibrium(s).imag[s.disc_dof] for s in (assemble(fine), assemble(RIG))
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-7)
+
+
+SOFT = {"clearance": 1e-6, "k": 1e4, "ky": 1e3}
+
+
+@pytest.mark.parametrize("name", SOFT)
+def test_a_rotor_that_sinks_far_compared_with_its_clearance_still_rests(name):
+    first = replace(FIRST, **{name: SOFT[name]})
+    np.testing.assert_allclose(
+        reactions(replace(RIG, bearings=(first, LAST))), reactions(RIG), rtol=1e-6
+    )
+
+
+LOOSE = {
+    "one bearing": {"bearings": (FIRST,)},
+    "one support": {"bearings": (), "supports": (Support(4, 1e6),)},
+}
+
+
+@pytest.mark.parametrize("case", LOOSE)
+def test_a_rotor_that_nothing_keeps_from_tilting_is_refused(case):
+    with pytest.raises(EquilibriumError, match="equilibrium"):
+        static_equilibrium(assemble(replace(RIG, **LOOSE[case])))

@@ -1,0 +1,52 @@
+"""Without the compiler the same code gives the same numbers."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import model
+
+STEPS = """
+import json
+from dataclasses import replace
+from model.rotor import Support
+from model.rotor_toml import rig
+from model.settings import choose
+from model.simulation import Simulation
+
+held = replace(rig(), bearings=(), supports=(Support(2, 1e6, 9.0), Support(8, 2e6)))
+robust, adaptive = choose("robust"), choose("paper-adaptive", h_min=1e-4)
+said, seen = [], []
+for rotor, settings in ((held, robust), (held, adaptive), (rig(), robust)):
+    sim = Simulation(rotor, settings, speed=400.0, rate=-10.0, warn=said.append)
+    for i in range(1, 5):
+        sim.advance(0.008 * i, 400 - 10 * sim.time)
+    seen.append(sim.observed.tolist())
+print(json.dumps([said, seen]))
+"""
+
+
+def numbers_of(**environment):
+    path = str(Path(model.__file__).parents[1])
+    run = subprocess.run(
+        [sys.executable, "-c", STEPS],
+        env={**os.environ, "PYTHONPATH": path, **environment},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(run.stdout)
+
+
+def test_the_interpreted_run_has_the_numbers_of_the_compiled_one():
+    said, interpreted = numbers_of(NUMBA_DISABLE_JIT="1")
+    silence, compiled = numbers_of()
+    # with contact looser: Newton leaves the forces open by 1e-9 of the clearance, times k
+    for i, tolerance in enumerate((1e-12, 1e-12, 1e-9)):
+        np.testing.assert_allclose(interpreted[i], compiled[i], rtol=tolerance, atol=1e-15)
+    assert silence == []
+    assert len(said) == 1  # slow, and says so once

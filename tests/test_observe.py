@@ -1,0 +1,101 @@
+"""What can be read of a run is what its state says."""
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+from model.contact import contact_force
+from model.equilibrium import static_equilibrium
+from model.excitation import contact_angle
+from model.rotor_toml import rig
+from model.settings import choose
+from model.simulation import Simulation
+
+from .machines import overhung
+
+
+def rubbing_rig():
+    """The rig in its resonance, stops of 2.5 ms, with its simulation at each."""
+    sim = Simulation(rig(), choose("robust"), speed=185.0)
+    for i in range(1, 201):
+        sim.advance(0.0025 * i, 185.0)
+        yield sim
+
+
+def test_positions_are_those_of_the_state():
+    for sim in rubbing_rig():
+        q, n = sim.motion.q, sim.structure.M.shape[1]
+        for i, dof in enumerate(sim.structure.disc_dof, 1):
+            assert complex(sim.read(f"disc[{i}].x"), sim.read(f"disc[{i}].y")) == q[dof]
+        for j, bearing in enumerate(sim.structure.contacts):
+            name = f"bearing[{j + 1}]"
+            housing = complex(sim.read(f"{name}.housing_x"), sim.read(f"{name}.housing_y"))
+            journal = complex(sim.read(f"{name}.x"), sim.read(f"{name}.y"))
+            assert housing == q[n + j]
+            assert journal == q[bearing.dof] - q[n + j]
+            psi = sim.read(f"{name}.psi")
+            assert 0 <= psi < 2 * math.pi
+            assert cmath.rect(abs(journal), psi) == pytest.approx(journal)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-300, -1e-300, -1e-17, 3.0, -3.0, math.pi, -math.pi])
+def test_the_contact_angle_lies_within_one_turn(angle):
+    psi = contact_angle(complex(math.cos(angle), math.sin(angle)))
+    assert 0 <= psi < 2 * math.pi
+    assert cmath.rect(1, psi) == pytest.approx(cmath.rect(1, angle))
+
+
+def test_contact_forces_are_those_of_the_law():
+    touched = []
+    for sim in rubbing_rig():
+        q, v, n = sim.motion.q, sim.motion.v, sim.structure.M.shape[1]
+        for j, bearing in enumerate(sim.structure.contacts):
+            d, d_dot = q[bearing.dof] - q[n + j], v[bearing.dof] - v[n + j]
+            force, normal, delta, *_ = contact_force(bearing, d, d_dot, sim.read("w"))
+            name = f"bearing[{j + 1}]"
+            friction = math.sqrt(max(0.0, abs(force) ** 2 - normal**2))
+            assert sim.read(f"{name}.fn") == pytest.approx(normal)
+            assert abs(sim.read(f"{name}.ft")) == pytest.approx(friction, rel=1e-6, abs=1e-9)
+            assert sim.read(f"{name}.contact") == (normal > 0)
+            touched.append(delta > 0)
+    assert any(touched)
+    assert not all(touched)
+
+
+def test_friction_is_positive_where_it_brakes_a_shaft_that_turns_forwards():
+    for omega in (100.0, -100.0):
+        sim = Simulation(rig(), choose("robust"), speed=omega)
+        sim.advance(0.01, omega)
+        assert sim.read("bearing[1].ft") * omega > 0
+
+
+def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolutions():
+    omega = 130.0
+    h = 2 * math.pi / omega / 200
+    sim = Simulation(overhung(eta_v=1e-3), choose("robust", h=h), speed=omega)
+    rest = static_equilibrium(sim.structure)
+    away = []
+    for i in range(1, 2001):
+        sim.advance(i * h, omega)
+        away.append((sim.motion.q - rest)[sim.structure.disc_dof])
+        # at least the last revolution, at most the two last
+        for k in (1, 2):
+            so_far = np.array(away)[:, k - 1]
+            for axis, distance in (("x", np.abs(so_far.real)), ("y", np.abs(so_far.imag))):
+                shown = sim.read(f"disc[{k}].{axis}_amp")
+                assert distance[-200:].max() <= shown * (1 + 1e-12)
+                assert shown <= distance[-402:].max() * (1 + 1e-12)
+
+
+def test_counters_count():
+    sim = Simulation(rig(), choose("robust", h=5e-4), speed=300.0)
+    assert sim.read("solver.steps") == 0
+    sim.advance(0.1, 300.0)
+    assert sim.read("solver.steps") == 200
+    assert sim.read("solver.h_last") == pytest.approx(5e-4)
+    assert sim.read("solver.newton") >= 200
+    assert sim.read("solver.rejected") == 0
+    assert sim.read("solver.trapped_at") == -1
+    assert len(sim.names) == len(set(sim.names)) == len(sim.observed)

@@ -1,0 +1,179 @@
+"""Rotors as TOML: what is read, and one plain line for whatever is wrong."""
+
+import math
+import random
+import re
+
+import pytest
+
+from model.rotor import RotorError
+from model.rotor_toml import parse_rotor, rig, rig_toml
+
+TEXT = rig_toml()
+NODES = "[0.0, 0.043, 0.063, 0.11475, 0.1865, 0.25825, 0.310, 0.330]"
+LISTED = r"[\s\S]*"  # from one [[bearing]] to the end of the file
+
+
+def edited(old, new):
+    """The rig's text with its first match of the pattern `old` replaced."""
+    text, count = re.subn(old, lambda _: new, TEXT, count=1)
+    assert count == 1
+    return text
+
+
+def refusal(text):
+    """The message of the error that the text must raise."""
+    with pytest.raises(RotorError) as error:
+        parse_rotor(text)
+    return str(error.value)
+
+
+def test_the_rig_is_that_of_the_paper():
+    rotor = rig()
+    assert rotor.length == pytest.approx(0.33)
+    assert (len(rotor.nodes), len(rotor.diameters)) == (8, 7)
+    assert [disc.node for disc in rotor.discs] == [4, 5, 6]
+    assert [bearing.node for bearing in rotor.bearings] == [2, 8]
+    for bearing in rotor.bearings:
+        assert (bearing.kx, bearing.ky, bearing.mu, bearing.mass) == (5e5, 4.5e8, 0.05, 0.2)
+    # a steel cylinder of 120 mm by 20 mm
+    assert rotor.discs[0].mass(rotor.material) == pytest.approx(7800 * math.pi * 0.06**2 * 0.02)
+    assert rotor.discs[0].polar_inertia(rotor.material) == pytest.approx(
+        rotor.discs[0].mass(rotor.material) * 0.06**2 / 2
+    )
+    assert not rotor.rotating_damping
+
+
+# (pattern in the rig's text, what replaces it, what the message must name)
+WRONG = [
+    (r"young = 2.1e11", "", ["material.young is missing"]),
+    (r"density = 7800.0", "", ["material.density is missing"]),
+    (r"nodes = .*", "", ["shaft.nodes"]),
+    (r"clearance = 50e-6", "", ["bearing[1].clearance is missing"]),
+    (r"width = 0.029", "", ["coupling.width is missing"]),
+    (r"\[material\]\nyoung.*\ndensity.*\npoisson.*", "", ["[material] is missing"]),
+    (r"clearance = 50e-6", "clearence = 50e-6", ["bearing[1].clearence: unknown key", "clearance"]),
+    (r"eta_v", "eta_V", ["shaft.eta_V: unknown key", "eta_v"]),
+    (r"gravity", "grav", ["grav: unknown key", "gravity"]),
+    (r"\[coupling\]", "[clutch]", ["clutch: unknown key", "coupling"]),
+    (r"clearance = 50e-6", "clearance = nan", ["bearing[1].clearance = nan m", "must be > 0"]),
+    (r"clearance = 50e-6", "clearance = -1e-5", ["bearing[1].clearance = -1e-05 m", "must be > 0"]),
+    (r"clearance = 50e-6", "clearance = 0", ["bearing[1].clearance = 0 m", "must be > 0"]),
+    (r"mu = 0.05", "mu = -0.05", ["bearing[1].mu = -0.05", "must be >= 0"]),
+    (r"cx = 20.0", "cx = inf", ["bearing[1].cx = inf N.s/m", "finite"]),
+    (r"young = 2.1e11", "young = -inf", ["material.young = -inf Pa", "finite"]),
+    (r"e = 80e-6", "e = nan", ["disc[1].e = nan m", "finite"]),
+    (r"e = 80e-6", "e = 80e-6\nphase = inf", ["disc[1].phase = inf rad", "finite"]),
+    (r"gravity = 9.81", "gravity = -9.81", ["gravity = -9.81 m/s2", "must be >= 0"]),
+    (r"gravity = 9.81", "gravity = 1e999", ["gravity = inf m/s2", "finite"]),
+    (r"poisson = 0.3", "poisson = 0.5", ["material.poisson = 0.5", "below 0.5"]),
+    (r"eta_h = 0.0", "eta_h = 0.1", ["shaft.eta_h = 0.1", "rotating_damping"]),
+    (r"0.043, 0.063", "0.063, 0.063", ["shaft.element[2].length = 0 m", "must be > 0"]),
+    (r"0.043, 0.063", "0.063, 0.043", ["shaft.element[2].length = -0.02 m", "must ascend"]),
+    (r"0.043", "nan", ["shaft.nodes[2] = nan", "finite"]),
+    (r"0.043", '"0.043"', ["shaft.nodes[2] = '0.043'", "number"]),
+    (r"0.043", "true", ["shaft.nodes[2] = True", "number"]),
+    (r"0.043", "[0.043]", ["shaft.nodes[2] = [0.043]", "number"]),
+    (r"nodes = .*", "nodes = 8", ["shaft.nodes = 8", "list"]),
+    (r"nodes = .*", "nodes = []", ["shaft.nodes: 0 given", "2"]),
+    (r", 0.330\]", "]", ["shaft.diameters: 7 given, 6 needed"]),
+    (
+        r"diameters = \[0.015",
+        "diameters = [0.0",
+        ["shaft.element[1].diameter = 0 m", "must be > 0"],
+    ),
+    (r"node = 4", "node = 0", ["disc[1].node = 0", "from 1 to 8"]),
+    (r"node = 4", "node = 99", ["disc[1].node = 99", "from 1 to 8"]),
+    (r"node = 4", "node = 1.5", ["disc[1].node = 1.5", "integer"]),
+    (r"node = 4", "node = true", ["disc[1].node = True", "integer"]),
+    (r"node = 1\n", "node = -1\n", ["coupling.node = -1", "from 1 to 8"]),
+    (r"node = 8", "node = 2", ["bearing nodes [2, 2]", "differ"]),
+    (r"k = 2e8", 'k = "2e8"', ["bearing[1].k = '2e8'", "number"]),
+    (r"k = 2e8", "k = true", ["bearing[1].k = True", "number"]),
+    (r"k = 2e8", "k = [2e8]", ["bearing[1].k = [200000000.0]", "number"]),
+    (r"k = 2e8", "k = 1979-05-27", ["bearing[1].k", "number"]),
+    (r"gravity = 9.81", "gravity.down = 9.81", ["gravity = {'down': 9.81}", "number"]),
+    (r'name = "zigulic2003"', "name = 2003", ["name = 2003", "string"]),
+    (
+        r"rotating_damping = false",
+        "rotating_damping = 0",
+        ["shaft.rotating_damping = 0", "true or"],
+    ),
+    (r"\[\[bearing\]\]" + LISTED, "", ["bearings: none given", "at least 1"]),
+    (r"\[\[disc\]\]" + LISTED, "", ["discs: none given", "at least 1"]),
+    (r"\[\[bearing\]\]" + LISTED, "[bearing]\nnode = 2", ["bearing = {'node': 2}", "[[bearing]]"]),
+    (r"\[coupling\]", "[[coupling]]", ["coupling = [", "must be a table"]),
+    (r"\[material\]", "[[material]]", ["material = [", "must be a table"]),
+    (r'name = "zigulic2003"', "support = [3]", ["support[1] = 3", "must be a table"]),
+    (r'name = "zigulic2003"', 'support = "soft"', ["support = 'soft'", "[[support]]"]),
+    (r"\[shaft\]", "[material]\n[shaft]", ["not valid TOML", "twice", "line"]),
+    (r"gravity = 9.81", "gravity = 9.81 m/s2", ["not valid TOML", "line"]),
+    (r"gravity = 9.81", "gravity = 1" + 400 * "0", ["gravity"]),
+    (r"gravity = 9.81", "gravity = " + 5000 * "1", []),
+    (r"0.043", "1" + 400 * "0", ["shaft.nodes[2]"]),
+    (r"gravity = 9.81", '"a\\nb" = 9.81', ["unknown key"]),
+    (r"gravity = 9.81", "gravity = " + 3000 * "[" + 3000 * "]", []),
+]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"), WRONG, ids=[f"{old[:20]} to {new[:20]}" for old, new, _ in WRONG]
+)
+def test_a_wrong_file_is_refused_in_one_line_that_names_it(old, new, named):
+    message = refusal(edited(old, new))
+    assert "\n" not in message
+    for part in named:
+        assert part in message
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "# nothing"])
+def test_an_empty_file_says_what_is_missing_first(text):
+    assert "[material] is missing" in refusal(text)
+
+
+JUNK = [
+    "0", "-1", "1.5", "1e308", "-1e308", "nan", "-inf", "true", '""', '"x"', "[]", "[[]]", "[1, 2]",
+    '["a"]', "{}", "{a = 1}", "[{}]", "07:32:00", "1979-05-27T07:32:00Z", "9223372036854775808",
+]  # fmt: skip
+
+
+def test_whatever_stands_behind_a_key_gives_a_rotor_or_one_plain_line():
+    keys = list(re.finditer(r"(?m)^(\w+) = ([^#\n]+)", TEXT))
+    rng = random.Random(0)
+    refusals = []
+    for match in keys:
+        for junk in rng.sample(JUNK, 10):
+            text = TEXT[: match.start(2)] + junk + "\n" + TEXT[match.end() :]
+            try:
+                parse_rotor(text)
+            except RotorError as refused:
+                refusals.append((match[1], str(refused)))
+    assert len(refusals) > 5 * len(keys)
+    for key, message in refusals:
+        assert "\n" not in message
+        assert key in message or "shaft" in message
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "shaft.foo",
+        "disc[1].foo",
+        "disc[9].e",
+        "disc[0].e",
+        "disc[x].e",
+        "wheel[1].e",
+        "coupling",
+    ],
+)
+def test_an_unknown_quantity_is_refused_by_name(name):
+    with pytest.raises(RotorError, match=re.escape(name)):
+        rig().with_value(name, 1e-5)
+
+
+def test_a_quantity_is_replaced_and_checked():
+    rotor = rig().with_value("bearing[2].clearance", 6e-5).with_value("shaft.eta_v", 0.002)
+    assert [b.clearance for b in rotor.bearings] == [5e-5, 6e-5]
+    assert rotor.eta_v == 0.002
+    with pytest.raises(RotorError, match=re.escape("disc[2].e = -1 m: must be >= 0")):
+        rig().with_value("disc[2].e", -1.0)
