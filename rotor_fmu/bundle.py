@@ -16,6 +16,8 @@ from pythonfmu.builder import FmuBuilder
 import model
 from model.rotor_toml import parse_rotor, rig_toml
 
+from .slave import ROTOR_FILE
+
 FMU_NAME = "RotorBearing.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
@@ -39,7 +41,9 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
         folder = Path(name)
-        package = _write_package(folder, toml)
+        package = _write_package(folder)
+        rotor = folder / ROTOR_FILE
+        rotor.write_text(toml, encoding="utf-8")
         script = folder / f"{package.name}_entry.py"
         shutil.copyfile(_HERE / "entry.py", script)
         documents = folder / "documentation"
@@ -53,7 +57,7 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
             FmuBuilder.build_FMU(
                 script,
                 dest=raw,
-                project_files=[package, requirements],
+                project_files=[package, rotor, requirements],
                 documentation_folder=documents,
             )
         finally:
@@ -78,17 +82,17 @@ def _sources() -> dict[str, str]:
     }
 
 
-def _contents(toml: str) -> tuple[str, dict[str, str]]:
+def _contents() -> tuple[str, dict[str, str]]:
     """Name of the FMU's package, which follows its content, and the content by path."""
-    contents = _sources() | {"__init__.py": "", "rotor.toml": toml}
+    contents = _sources() | {"__init__.py": ""}
     digest = hashlib.sha256()
     for path, text in sorted(contents.items()):
         digest.update(f"{path}\0{text}\0".encode())
     return f"rotorbearing_{digest.hexdigest()[:12]}", contents
 
 
-def _write_package(folder: Path, toml: str) -> Path:
-    name, contents = _contents(toml)
+def _write_package(folder: Path) -> Path:
+    name, contents = _contents()
     package = folder / name
     for path, text in contents.items():
         target = package / path
@@ -97,18 +101,20 @@ def _write_package(folder: Path, toml: str) -> Path:
     return package
 
 
-def package_name(rotor_toml: str | None = None) -> str:
-    """Name of the package that `build` would put into the FMU now; it follows the content."""
-    return _contents(rig_toml() if rotor_toml is None else rotor_toml)[0]
+def package_name() -> str:
+    """Name of the package that `build` would put into the FMU now; it follows the code."""
+    return _contents()[0]
 
 
 def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
     """Whether `fmu` is what `build` would make now."""
-    name = package_name(rotor_toml)
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
     with zipfile.ZipFile(fmu) as archive:
-        return f"resources/{name}_entry.py" in archive.namelist()
+        if f"resources/{package_name()}_entry.py" not in archive.namelist():
+            return False
+        toml = archive.read(f"resources/{ROTOR_FILE}").decode("utf-8")
+    return toml == (rig_toml() if rotor_toml is None else rotor_toml)
 
 
 def _repack(raw: Path, target: Path) -> None:

@@ -6,6 +6,7 @@ import json
 import statistics
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -109,7 +110,7 @@ class Result:
 def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
     """Run all cases through the FMU; those finished by an earlier call are read from `out`/runs."""
     fmu = fmu_in(out, rig_toml())
-    store = out / "runs" / package_name()
+    store = out / "runs" / f"{package_name()}-{sha256(rig_toml().encode()).hexdigest()[:8]}"
     store.mkdir(parents=True, exist_ok=True)
 
     def run(name: str, job: Job, label: str) -> Run:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
-from typing import ClassVar
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -36,6 +37,8 @@ from .wrapper import hold, settle_exit
 
 # What the master may be off in its time, of a step or absolutely [s].
 _TIME_TOLERANCE = 1e-9
+# The rotor of an FMU, as TOML, in its resources.
+ROTOR_FILE = "rotor.toml"
 _KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
 
 
@@ -57,10 +60,41 @@ _EXPECTED = (
 )
 
 
-def _own_rotor() -> Rotor:
-    """The rotor that was built into this FMU, or outside of one the rig of the paper."""
-    built_in = Path(__file__).with_name("rotor.toml")
-    return parse_rotor(built_in.read_text(encoding="utf-8") if built_in.exists() else rig_toml())
+@dataclass(frozen=True)
+class Face:
+    """What an FMU's rotor makes of it: the rotor, its variables, and where they stand."""
+
+    toml: str
+    rotor: Rotor
+    table: tuple[Variable, ...]
+    index: dict[str, int]
+
+    @property
+    def observed_at(self) -> int:
+        """Where the variables begin that the model computes."""
+        return next(i for i, variable in enumerate(self.table) if variable.is_observed)
+
+
+@cache
+def face(toml: str) -> Face:
+    """The face of an FMU with this rotor, made once for all its instances."""
+    rotor = parse_rotor(toml)
+    table = interface(rotor)
+    return Face(toml, rotor, table, {variable.name: i for i, variable in enumerate(table)})
+
+
+_rotors_read: dict[str, str] = {}
+
+
+def _rotor_text(resources: str | None) -> str:
+    """The rotor in an FMU's resources, as TOML; without an FMU, the paper's rig. It is remembered,
+    since a reset makes the instance anew and the folder may be gone by then."""
+    if resources is None:
+        return rig_toml()
+    file = Path(resources, ROTOR_FILE)
+    if file.is_file() or resources not in _rotors_read:
+        _rotors_read[resources] = file.read_text(encoding="utf-8")
+    return _rotors_read[resources]
 
 
 class RotorBearing(Fmi2Slave):
@@ -71,21 +105,20 @@ class RotorBearing(Fmi2Slave):
     license = "MIT"
     version = __version__
     copyright = "The rotor-fmu authors"
-    content = Path(__file__).parent.name
-
-    _rotor = _own_rotor()
-    _table = interface(_rotor)
-    _names: ClassVar[dict[str, int]] = {v.name: i for i, v in enumerate(_table)}
-    _observed_at = next(i for i, variable in enumerate(_table) if variable.is_observed)
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
         settle_exit(self.resources, self.modelName)
-        self.guid = guid(self._table, self.content)
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
+        self._face = face(_rotor_text(self.resources))
+        self._table = self._face.table
+        self._observed_at = self._face.observed_at
+        self._speed_at = self._face.index["speed"]
+        self._load_at = [
+            (self._face.index[x], self._face.index[y]) for x, y in load_names(self._face.rotor)
+        ]
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
-        self._load_at = [(self._names[x], self._names[y]) for x, y in load_names(self._rotor)]
-        self._speed_at = self._names["speed"]
+        self.guid = guid(self._table, f"{Path(__file__).parent.name} {self._face.toml}")
+        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
         self._simulation: Simulation | None = None
         self._start_time = 0.0
         self._is_initializing = False
@@ -216,8 +249,9 @@ class RotorBearing(Fmi2Slave):
         self._is_stale = False
 
     def _build(self) -> Simulation:
-        values = dict(zip(self._names, self._values, strict=True))
-        return build_simulation(self._rotor, self._table, values, self._start_time, self._warn)
+        values = dict(zip(self._face.index, self._values, strict=True))
+        rotor = self._face.rotor
+        return build_simulation(rotor, self._table, values, self._start_time, self._warn)
 
     # --- what goes wrong ---------------------------------------------------------------------
 
