@@ -12,11 +12,13 @@ from model.settings import PRESETS
 from . import figures
 from .bundle import build
 from .errors import RunFailed, run, writable_folder
+from .interface import interface
 from .job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
 from .reproduce import reproduce
 from .run_down import summary
 from .schemes_command import schemes
 from .signals import RUN_DOWN_STOP
+from .variable_table import markdown
 
 app = typer.Typer(
     add_completion=False,
@@ -91,6 +93,12 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+
+
+@app.command("variables")
+def variables(rotor: RotorFile = None) -> None:
+    """Print the FMU's variables as a Markdown table."""
+    typer.echo(markdown(interface(load_rotor(rotor)[1])), nl=False)
 
 
 @app.command("build")

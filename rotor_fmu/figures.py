@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .run_down import Run, last_index
+from .run_down import PEAKS_AFTER, Run, last_index
 
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
 SPEED_LABEL = "Rotational speed $n$ [Hz]"
@@ -47,25 +47,17 @@ def amplitude(run: Run, axis: str, caption: str, reference: Run | None = None) -
     """Largest displacement of the last disc over a revolution against speed; axis: `x` or `y`."""
     figure, axes = new_figure()
     disc = last_index(run, "disc")
-    name = f"disc[{disc}].{axis}_amp"
+    curves = [(run, "this run", BLUE, 1.0)]
     if reference is not None:
-        axes.plot(
-            reference.hz, reference.columns[name] * 1e6, color=GREY, lw=2.5, label="converged"
-        )
-    axes.plot(run.hz, run.columns[name] * 1e6, color=BLUE, lw=1.0, label="this run")
-    late = run.t > 2.0
-    if late.any():
-        values = np.where(late, run.columns[name], 0.0)
-        at = int(np.argmax(values))
-        axes.annotate(
-            f"{values[at] * 1e6:.0f} µm at {run.hz[at]:.1f} Hz",
-            (run.hz[at], values[at] * 1e6),
-            xytext=(12, -4),
-            textcoords="offset points",
-            va="center",
-        )
-    if reference is not None:
-        axes.legend(frameon=False, loc="upper right")
+        curves.insert(0, (reference, "converged", GREY, 2.5))
+    for shown, label, color, width in curves:
+        values = shown.columns[f"disc[{disc}].{axis}_amp"] * 1e6
+        late = np.flatnonzero(shown.t > PEAKS_AFTER)
+        if len(late):
+            at = late[np.argmax(values[late])]
+            label += f": {values[at]:.0f} µm at {shown.hz[at]:.1f} Hz"
+        axes.plot(shown.hz, values, color=color, lw=width, label=label)
+    axes.legend(frameon=False, loc="upper right")
     _speed_axis(axes, run)
     axes.set_ylim(bottom=0)
     direction = "Horizontal" if axis == "x" else "Vertical"
@@ -90,28 +82,43 @@ def contact_angle(run: Run, caption: str) -> Figure:
 
 def orbit(run: Run, at_hz: float, caption: str, width_hz: float = 0.15) -> Figure:
     """Path of the last disc's centre while the speed is within width_hz of at_hz."""
-    figure, axes = new_figure(4.6, 4.6)
+    figure, axes = new_figure(5.4, 5.0)
     disc = last_index(run, "disc")
-    near = (np.abs(run.hz - at_hz) <= width_hz) & (run.t > 2.0)
+    near = (np.abs(run.hz - at_hz) <= width_hz) & (run.t > PEAKS_AFTER)
     x, y = (run.columns[f"disc[{disc}].{axis}"][near] * 1e6 for axis in "xy")
     axes.plot(x, y, "-", color=BLUE, lw=0.8, marker=".", ms=2.5)
     rest = float(run.columns[f"disc[{disc}].y"][0]) * 1e6
     axes.plot(0, rest, "+", color=ORANGE, ms=10, mew=1.5)
     axes.annotate("rest", (0, rest), xytext=(7, -4), textcoords="offset points", color=ORANGE)
-    axes.set_aspect("equal", adjustable="box")
+    axes.set_aspect("equal")
+    if len(x):
+        half = 0.55 * max(np.ptp(x), np.ptp(y), 1.0)
+        for set_limits, values in ((axes.set_xlim, x), (axes.set_ylim, y)):
+            middle = (values.min() + values.max()) / 2
+            set_limits(middle - half, middle + half)
     axes.set_xlabel(f"Horizontal displacement of disc {disc} [µm]")
     axes.set_ylabel("Vertical displacement [µm]")
     axes.set_title(caption, loc="left", fontsize=10)
     return figure
 
 
-def solver_history(run: Run, name: str, label: str, caption: str, scale: float = 1.0) -> Figure:
-    """A quantity of the solver against speed, one point a communication step."""
+def step_length(run: Run, caption: str) -> Figure:
+    """Length of the last step before each communication point against speed."""
     figure, axes = new_figure()
-    axes.plot(run.hz[1:], run.columns[name][1:] * scale, ".", color=BLUE, ms=2.5, mew=0)
+    axes.plot(run.hz[1:], run.columns["solver.h_last"][1:] * 1e3, ".", color=BLUE, ms=2.5, mew=0)
     _speed_axis(axes, run)
     axes.set_ylim(bottom=0)
-    axes.set_ylabel(label)
+    axes.set_ylabel("Step length [ms]")
+    axes.set_title(caption, loc="left", fontsize=10)
+    return figure
+
+
+def error_indicator(run: Run, caption: str) -> Figure:
+    """Relative error of the last step before each communication point against speed."""
+    figure, axes = new_figure()
+    axes.semilogy(run.hz[1:], run.columns["solver.error"][1:], ".", color=BLUE, ms=2.5, mew=0)
+    _speed_axis(axes, run)
+    axes.set_ylabel("Relative error indicator [1]")
     axes.set_title(caption, loc="left", fontsize=10)
     return figure
 
@@ -132,10 +139,6 @@ def write_run_down(
         peak = figures["x_peak_hz"]
         pictures["orbit"] = orbit(run, peak, f"{name}: orbit at the horizontal peak, {peak:.1f} Hz")
     if is_adaptive:
-        pictures["error"] = solver_history(
-            run, "solver.error", "Relative error indicator [1]", f"{name}: error indicator"
-        )
-        pictures["h"] = solver_history(
-            run, "solver.h_last", "Step length [ms]", f"{name}: step length", 1e3
-        )
+        pictures["error"] = error_indicator(run, f"{name}: error indicator")
+        pictures["h"] = step_length(run, f"{name}: step length")
     return [save(figure, out / f"run_down_{key}.png") for key, figure in pictures.items()]

@@ -170,13 +170,13 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
     fixed, damped, adaptive = (by_name[name] for name in ("paper", "damped", "adaptive"))
     label, lower = "0.1 / 0.08, h = 4 ms", "0.15 / 0.1, h = 4 ms"
     peak = fixed.figures["x_peak_hz"]
-    amplitude, angle, history = figures.amplitude, figures.contact_angle, figures.solver_history
+    amplitude, angle = figures.amplitude, figures.contact_angle
     pictures = {
         "figure_03_x": amplitude(fixed.run, "x", f"Paper A, Fig. 3: {label}", converged),
         "figure_04_y": amplitude(fixed.run, "y", f"Paper A, Fig. 4: {label}", converged),
         "figure_05_psi": angle(fixed.run, f"Paper A, Fig. 5: {label}"),
         "figure_06_orbit": figures.orbit(
-            fixed.run, peak, f"Paper A, Fig. 6: orbit at {peak:.1f} Hz, {label}"
+            fixed.run, peak, f"Paper A, Fig. 6: orbit at {peak:.1f} Hz"
         ),
         "figure_09_x": amplitude(damped.run, "x", f"Paper A, Fig. 9: {lower}", converged),
         "figure_10_y": amplitude(damped.run, "y", f"Paper A, Fig. 10: {lower}", converged),
@@ -187,20 +187,15 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
             adaptive.run, "y", "Paper A, Fig. 12: 0.1 / 0.08, variable step", converged
         ),
         "figure_13_psi": angle(adaptive.run, "Paper A, Fig. 13: 0.1 / 0.08, variable step"),
-        "figure_14_error": history(
-            adaptive.run,
-            "solver.error",
-            "Relative error indicator [1]",
-            "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie",
+        "figure_14_error": figures.error_indicator(
+            adaptive.run, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
         ),
-        "figure_15_h": history(
-            adaptive.run, "solver.h_last", "Step length [ms]", "Paper A, Fig. 15: step length", 1e3
-        ),
+        "figure_15_h": figures.step_length(adaptive.run, "Paper A, Fig. 15: step length"),
         "converged_psi": angle(converged, "Converged run, h = 0.1 ms: contact angle"),
         "converged_orbit": figures.orbit(
             converged,
             by_name["converged"].figures["x_peak_hz"],
-            "Converged run, h = 0.1 ms: orbit at the horizontal peak",
+            "Converged run: orbit at the horizontal peak",
         ),
     }
     return [figures.save(figure, out / f"{name}.png") for name, figure in pictures.items()]

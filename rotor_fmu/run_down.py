@@ -21,7 +21,7 @@ from .interface import Variable
 from .signals import Signals
 
 Progress = Callable[[float], None]
-_PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
+PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
 
 
@@ -197,7 +197,7 @@ def _peaks(run: Run) -> dict[str, object]:
     disc = f"disc[{last_index(run, 'disc')}]"
     if len(hz):
         figures["y_static_um"] = float(c[f"{disc}.y"][0]) * 1e6
-    late = np.flatnonzero(run.t > _PEAKS_AFTER)
+    late = np.flatnonzero(run.t > PEAKS_AFTER)
     if not len(late):
         return figures
     for axis in "xy":

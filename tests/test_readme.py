@@ -1,0 +1,31 @@
+"""The README says what the code says."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from model.rotor_toml import rig
+from rotor_fmu.interface import interface
+from rotor_fmu.variable_table import markdown
+
+ROOT = Path(__file__).parents[1]
+
+
+def test_the_variables_are_those_of_the_table():
+    assert markdown(interface(rig())) in (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/reproduction.md"])
+def test_what_is_linked_is_there(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]
+    assert links
+    for link in links:
+        assert ((ROOT / page).parent / link).exists(), link
+
+
+def test_the_make_targets_named_exist():
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    for target in re.findall(r"^    make ([a-z-]+)", (ROOT / "README.md").read_text(), re.M):
+        assert re.search(rf"^{target}:", makefile, re.M), target
