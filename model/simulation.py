@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -151,6 +151,11 @@ class Simulation:
         for array, saved in zip(self._state(), snapshot, strict=True):
             array[...] = saved
         calls.look(*self._arguments, self._observed)
+
+    def restore_bytes(self, snapshot: Sequence[bytes]) -> None:
+        """`restore` from the bytes of a snapshot's arrays."""
+        pairs = zip(self._state(), snapshot, strict=True)
+        self.restore(tuple(np.frombuffer(b, a.dtype).reshape(a.shape) for a, b in pairs))
 
     def _state(self) -> tuple[np.ndarray, ...]:
         return (*self._motion, *self._memory, self._loads)

@@ -21,7 +21,7 @@ from .slave import ROTOR_FILE
 FMU_NAME = "RotorBearing.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
-_OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "slave")
+_OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "state", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 _DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
 Python 3.11 or newer with numpy and scipy; with numba it runs some hundred times faster.
@@ -59,6 +59,8 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
                 dest=raw,
                 project_files=[package, rotor, requirements],
                 documentation_folder=documents,
+                canGetAndSetFMUstate=True,
+                canSerializeFMUstate=True,
             )
         finally:
             sys.path[:] = search_path

@@ -33,6 +33,7 @@ from .about import RELEASED, __version__
 from .binding import build_simulation, load_names
 from .description import complete, guid
 from .interface import Variable, interface
+from .state import StateError, pack, unpack
 from .wrapper import hold, settle_exit
 
 # What the master may be off in its time, of a step or absolutely [s].
@@ -56,6 +57,7 @@ _EXPECTED = (
     SettingsError,
     EquilibriumError,
     StepFailure,
+    StateError,
     ArithmeticError,
 )
 
@@ -191,6 +193,47 @@ class RotorBearing(Fmi2Slave):
         loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
         self._is_stale = True
         simulation.advance(current_time + step_size, values[self._speed_at], loads)
+
+    # --- state -------------------------------------------------------------------------------
+
+    def _get_fmu_state(self) -> bytes:
+        simulation = self._simulation
+        about = {
+            "values": self._values,
+            "start_time": self._start_time,
+            "is_initializing": self._is_initializing,
+            "is_running": self._is_running,
+            "is_built": simulation is not None,
+        }
+        return pack(str(self.guid), about, simulation.snapshot() if simulation else ())
+
+    def _set_fmu_state(self, state: bytes) -> None:
+        self._guard(self._restore, state)
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        # checked when it is set: here the host could not be told
+        return state
+
+    def _restore(self, state: bytes) -> None:
+        about, chunks = unpack(str(self.guid), state)
+        fixed = [i for i, v in enumerate(self._table) if v.causality == "parameter"]
+        is_same = all(about["values"][i] == self._values[i] for i in fixed)
+        self._values = about["values"]
+        self._start_time = about["start_time"]
+        self._is_initializing = about["is_initializing"]
+        self._is_running = about["is_running"]
+        self._is_stale = True
+        if not about["is_built"]:
+            self._simulation = None
+            return
+        if self._simulation is None or not is_same:
+            self._simulation = self._build()
+        self._simulation.restore_bytes(chunks)
 
     # --- values ------------------------------------------------------------------------------
 

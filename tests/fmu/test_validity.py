@@ -76,13 +76,11 @@ def test_the_outputs_fit_fmpys_plot(fmu):
 
 
 def test_it_runs_where_nothing_of_this_project_can_be_imported(fmu, tmp_path):
-    """With the project out of the search path, from an FMU that only carries its own code."""
+    """With the project's own packages barred, from an FMU that only carries its own code."""
     script = (
         "import sys, fmpy\n"
-        "assert not any('rotor_fmu' in p or 'model' == p for p in sys.modules)\n"
+        "sys.modules['rotor_fmu'] = sys.modules['model'] = None\n"
         "r = fmpy.simulate_fmu(sys.argv[1], stop_time=0.2, output=['phi', 'disc[3].y'])\n"
-        "import numpy\n"
-        "assert 'rotor_fmu' not in sys.modules and 'model' not in sys.modules\n"
         "print(r['phi'][-1], r['disc[3].y'][0])\n"
     )
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
