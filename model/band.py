@@ -36,12 +36,14 @@ def to_dense(band: np.ndarray) -> np.ndarray:
 def add_product(factor, band, x, y):
     """y += factor * A x, x and y of shape (n,)."""
     n = band.shape[1]
+    width = band.shape[0]
     for i in range(n):
-        y[i] += factor * (band[0, i] * x[i])
-    for d in range(1, band.shape[0]):
-        for i in range(n - d):
-            y[i + d] += factor * (band[d, i] * x[i])
-            y[i] += factor * (band[d, i] * x[i + d])
+        total = band[0, i] * x[i]
+        for d in range(1, min(width, n - i)):
+            total += band[d, i] * x[i + d]
+        for d in range(1, min(width, i + 1)):
+            total += band[d, i - d] * x[i - d]
+        y[i] += factor * total
 
 
 @compiled

@@ -33,7 +33,8 @@ def _workspace(work):
         work[4],
         work[5],
         work[6],
-        ContactProblem(*work[7]),
+        work[7],
+        ContactProblem(*work[8]),
     )
 
 

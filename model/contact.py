@@ -25,11 +25,11 @@ def contact_force(bearing, d, d_dot, omega):
     d [m], d_dot [m/s], omega [rad/s]. Returns the complex force on the journal [N], the normal
     force n [N], the penetration delta [m], its rate [m/s] and the sliding speed v_t [m/s].
     """
-    r = abs(d)
+    r = math.sqrt(d.real * d.real + d.imag * d.imag)
     delta = r - bearing.clearance
     if delta <= 0.0:
         return 0.0j, 0.0, delta, 0.0, 0.0
-    e = d / r
+    e = d * (1.0 / r)
     local = e.conjugate() * d_dot
     n = bearing.k * delta + bearing.c * min(1.0, delta / bearing.delta_c) * local.real
     v_t = local.imag + bearing.journal_radius * omega
@@ -43,11 +43,11 @@ def contact_force(bearing, d, d_dot, omega):
 def contact_tangent(bearing, d, d_dot, omega, by_position, by_velocity):
     """by_position dF/dd + by_velocity dF/dd', as the complex pair (p, q) of the real-linear map
     z -> p z + q conj(z) [N/m for weights of 1 and 1, the second in N.s/m]."""
-    r = abs(d)
+    r = math.sqrt(d.real * d.real + d.imag * d.imag)
     delta = r - bearing.clearance
     if delta <= 0.0:
         return 0.0j, 0.0j
-    e = d / r
+    e = d * (1.0 / r)
     local = e.conjugate() * d_dot
     w_n = local.real
     k = bearing.k

@@ -95,7 +95,7 @@ def _linearize(problem, bearings, omega, b_d, b_v):
         correction[2 * j + 1] = change.imag
         d = problem.d0[j] + b_d * problem.w[j]
         problem.force[j] = 0.0
-        if abs(d) > bearings[j].clearance:
+        if d.real * d.real + d.imag * d.imag > bearings[j].clearance ** 2:
             is_open = False
     if is_open:
         return True

@@ -201,7 +201,7 @@ def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work
         change[i, 0] = 0.0 if is_start else motion.r[i]
     for j in range(len(structure.contacts)):
         change_of_housing[j] = 0.0 if is_start else motion.r[n + j]
-    residual(structure, spin, loads, motion)
+    residual(structure, spin, loads, motion, work.turning)
     for i in range(n):
         change[i, 0] = motion.r[i] - change[i, 0]
     solve(structure.M_factors, change)

@@ -43,6 +43,7 @@ class Workspace(NamedTuple):
     columns: np.ndarray
     free: np.ndarray
     scratch: np.ndarray
+    turning: np.ndarray
     housing: np.ndarray
     stores: np.ndarray
     problem: ContactProblem
@@ -64,6 +65,7 @@ def new_workspace(structure: Structure) -> Workspace:
         columns=np.zeros((n, nb), dtype=complex),
         free=np.zeros((n, 1), dtype=complex),
         scratch=np.zeros(n, dtype=complex),
+        turning=np.zeros(n, dtype=complex),
         housing=np.zeros((nb, 2)),
         stores=np.zeros(len(STORES)),
         problem=new_contact_problem(nb),
@@ -77,20 +79,22 @@ def by_axis(x_factor, y_factor, z):
 
 
 @compiled
-def internal_forces(structure, spin, q, v, out):
-    """out += (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q, first n entries [N]."""
+def internal_forces(structure, spin, q, v, turning, out):
+    """out += (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q, first n entries [N];
+    turning: scratch of shape (n,)."""
     kappa = circulation(structure, spin.omega)
     add_product(1.0, structure.C, v, out)
     add_product(1.0, structure.K, q, out)
-    add_product(-1j * spin.omega, structure.G, v, out)
-    if spin.alpha != 0.0:
-        add_product(-0.5j * spin.alpha, structure.G, q, out)
+    for i in range(len(turning)):
+        turned = spin.omega * v[i] + 0.5 * spin.alpha * q[i]
+        turning[i] = complex(turned.imag, -turned.real)
+    add_product(1.0, structure.G, turning, out)
     if kappa != 0.0:
         add_product(-1j * kappa, structure.K_shaft, q, out)
 
 
 @compiled
-def residual(structure, spin, loads, motion):
+def residual(structure, spin, loads, motion, turning):
     """Fill motion.force and motion.r = internal - applied - contact forces at this instant."""
     n = structure.M.shape[1]
     r = motion.r
@@ -99,7 +103,7 @@ def residual(structure, spin, loads, motion):
     add_applied(structure, spin, loads, r)
     for i in range(n):
         r[i] = -r[i]
-    internal_forces(structure, spin, motion.q, motion.v, r)
+    internal_forces(structure, spin, motion.q, motion.v, turning, r)
     for j in range(len(structure.contacts)):
         bearing = structure.contacts[j]
         q, v = motion.q[n + j], motion.v[n + j]
@@ -179,7 +183,7 @@ def _free_response(structure, scheme, spin, h, loads, old, new, work):
         applied[i] = 0.0
         internal[i] = 0.0
     add_applied(structure, spin, loads, applied)
-    internal_forces(structure, spin, new.q, new.v, internal)
+    internal_forces(structure, spin, new.q, new.v, work.turning, internal)
     for i in range(n):
         work.free[i, 0] = (1.0 - af) * (applied[i] - internal[i]) - af * old.r[i]
     add_product(-am, structure.M, old.a, work.free[:, 0])
@@ -233,5 +237,5 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
     for i in range(0, n, 2):
         if not abs(new.q[i]) <= structure.bound:
             return 2, iterations
-    residual(structure, spin, loads, new)
+    residual(structure, spin, loads, new, work.turning)
     return 0, iterations

@@ -47,6 +47,8 @@ def test_the_interpreted_run_has_the_numbers_of_the_compiled_one():
     silence, compiled = numbers_of()
     # with contact looser: Newton leaves the forces open by 1e-9 of the clearance, times k
     for i, tolerance in enumerate((1e-12, 1e-12, 1e-9)):
-        np.testing.assert_allclose(interpreted[i], compiled[i], rtol=tolerance, atol=1e-15)
+        # the last number is the ledger's residual, a difference of energies of some 800 J
+        np.testing.assert_allclose(interpreted[i][:-1], compiled[i][:-1], tolerance, 1e-15)
+        np.testing.assert_allclose(interpreted[i][-1], compiled[i][-1], tolerance, 1e-12)
     assert silence == []
     assert len(said) == 1  # slow, and says so once
