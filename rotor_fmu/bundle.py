@@ -16,6 +16,8 @@ from pythonfmu.builder import FmuBuilder
 import model
 from model.rotor_toml import parse_rotor, rig_toml
 
+from .documents import documents
+from .interface import interface
 from .slave import ROTOR_FILE
 
 FMU_NAME = "RotorBearing.fmu"
@@ -23,11 +25,6 @@ REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
 _OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "state", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
-_DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
-Python 3.11 or newer with numpy and scipy; with numba it runs some hundred times faster.
-No network, no licence, no files but its own and a cache of compiled code in the user's
-cache folder ($ROTOR_FMU_CACHE).
-"""
 
 
 def build(out: Path, rotor_toml: str | None = None) -> Path:
@@ -37,7 +34,7 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
     impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
     """
     toml = rig_toml() if rotor_toml is None else rotor_toml
-    parse_rotor(toml)
+    described = parse_rotor(toml)
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
         folder = Path(name)
@@ -46,9 +43,6 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
         rotor.write_text(toml, encoding="utf-8")
         script = folder / f"{package.name}_entry.py"
         shutil.copyfile(_HERE / "entry.py", script)
-        documents = folder / "documentation"
-        documents.mkdir()
-        (documents / "externalDependencies.txt").write_text(_DEPENDENCIES, encoding="utf-8")
         requirements = folder / "requirements.txt"
         requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
         raw = folder / "raw.fmu"
@@ -58,7 +52,6 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
                 script,
                 dest=raw,
                 project_files=[package, rotor, requirements],
-                documentation_folder=documents,
                 canGetAndSetFMUstate=True,
                 canSerializeFMUstate=True,
             )
@@ -66,7 +59,7 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
             sys.path[:] = search_path
         # written beside its place and moved there, so that nothing half-written is ever found
         unfinished = out / (FMU_NAME + ".part")
-        _repack(raw, unfinished)
+        _repack(raw, unfinished, documents(described, interface(described)))
         return unfinished.replace(out / FMU_NAME)
 
 
@@ -119,19 +112,20 @@ def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
     return toml == (rig_toml() if rotor_toml is None else rotor_toml)
 
 
-def _repack(raw: Path, target: Path) -> None:
-    """Copy a zip file sorted, with one date, indented XML and without caches."""
-    with zipfile.ZipFile(raw) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as sink:
-        for name in sorted(source.namelist()):
-            if "__pycache__" in name or name.endswith("/"):
-                continue
-            data = source.read(name)
-            if name == "modelDescription.xml":
-                root = fromstring(data.decode("utf-8"))
-                indent(root)
-                data = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(
-                    root, encoding="utf-8"
-                )
+def _repack(raw: Path, target: Path, documents: dict[str, bytes]) -> None:
+    """Copy a zip file with the documents added, sorted, with one date and without caches."""
+    with zipfile.ZipFile(raw) as source:
+        contents = {
+            name: source.read(name)
+            for name in source.namelist()
+            if "__pycache__" not in name and not name.endswith("/")
+        }
+    root = fromstring(contents["modelDescription.xml"].decode("utf-8"))
+    indent(root)
+    xml = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8")
+    contents |= {"modelDescription.xml": xml, **documents}
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as sink:
+        for name, data in sorted(contents.items()):
             info = zipfile.ZipInfo(name, _ZIP_DATE)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = 0o644 << 16

@@ -1,4 +1,4 @@
-"""The FMU's variables as a Markdown table, for people."""
+"""The FMU's variables as a table for people."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 from .interface import UNITS, Variable
 
+_HEAD = ("variable", "causality", "unit", "start", "what it is")
 
-def markdown(table: Sequence[Variable]) -> str:
-    """One row a variable; those of discs and bearings once, as `disc[i]` and `bearing[j]`."""
-    rows = [
-        "| variable | causality | unit | start | what it is |",
-        "| --- | --- | --- | --- | --- |",
-    ]
+
+def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
+    """Head and rows; variables of discs and bearings once, as `disc[i]` and `bearing[j]`."""
+    listed = [_HEAD]
     for variable in table:
         name, text = variable.name, variable.text
         if name.startswith(("disc[", "bearing[")) and "[1]" not in name:
@@ -21,9 +20,15 @@ def markdown(table: Sequence[Variable]) -> str:
         name = name.replace("disc[1]", "disc[i]").replace("bearing[1]", "bearing[j]")
         text = text.replace("disc 1", "disc i").replace("bearing 1", "bearing j")
         text = re.sub(r" at z = \S+ m", "", text)
-        cells = [f"`{name}`", variable.causality, _unit(variable), _start(variable), text]
-        rows.append(f"| {' | '.join(cells)} |")
-    return "\n".join(rows) + "\n"
+        listed.append((name, variable.causality, _unit(variable), _start(variable), text))
+    return listed
+
+
+def markdown(table: Sequence[Variable]) -> str:
+    """The table in Markdown."""
+    head, *body = rows(table)
+    lines = [head, ("---",) * len(head), *((f"`{name}`", *rest) for name, *rest in body)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 def _unit(variable: Variable) -> str:

@@ -1,0 +1,65 @@
+"""What the FMU shows to people and tools: pages, licences, terminals, the same for every build."""
+
+import zipfile
+from html.parser import HTMLParser
+from xml.etree.ElementTree import fromstring
+
+import fmpy
+import pytest
+
+
+@pytest.fixture(scope="module")
+def contents(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+class Links(HTMLParser):
+    """Collects what a page shows."""
+
+    def __init__(self):
+        super().__init__()
+        self.images, self.text = [], []
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "img":
+            self.images.append(dict(attrs)["src"])
+
+    def handle_data(self, data):
+        self.text.append(data)
+
+
+def test_the_page_names_every_kind_of_variable_and_its_pictures_exist(fmu, contents):
+    page = Links()
+    page.feed(contents["documentation/index.html"].decode())
+    assert page.images
+    for image in page.images:
+        assert contents[f"documentation/{image}"].startswith(b"\x89PNG")
+    shown = set(page.text)
+    for variable in fmpy.read_model_description(str(fmu)).modelVariables:
+        name = variable.name
+        for index in "123":
+            name = name.replace(f"disc[{index}]", "disc[i]")
+            name = name.replace(f"bearing[{index}]", "bearing[j]")
+        assert name in shown
+
+
+def test_terminals_refer_to_variables_that_exist(fmu, contents):
+    names = {v.name for v in fmpy.read_model_description(str(fmu)).modelVariables}
+    root = fromstring(contents["terminalsAndIcons/terminalsAndIcons.xml"])
+    members = {
+        m.get("memberName"): m.get("variableName") for m in root.iter("TerminalMemberVariable")
+    }
+    assert set(members.values()) <= names
+    shaft = next(t for t in root.iter("Terminal") if t.get("name") == "shaft")
+    assert {m.get("variableName") for m in shaft} == {"speed", "phi", "tau"}
+    assert {t.get("name") for t in root.iter("Terminal")} >= {"disc[1]", "disc[3]", "coupling"}
+
+
+@pytest.mark.parametrize("project", ["rotor-fmu", "pythonfmu"])
+def test_the_licences_of_what_is_carried_are_there(contents, project):
+    assert b"permission" in contents[f"documentation/licenses/{project}.txt"].lower()
+
+
+def test_the_importing_tool_finds_an_icon(contents):
+    assert contents["model.png"].startswith(b"\x89PNG")
