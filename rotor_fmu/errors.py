@@ -32,17 +32,20 @@ _BAD_INPUTS = (InputError, SignalError, RotorError, SettingsError, SchemeError, 
 def run(app: Callable[..., object]) -> None:
     """Run a typer application; end the process with a status and, if it failed, one line."""
     try:
-        sys.exit(app(standalone_mode=False) or 0)
+        status = app(standalone_mode=False) or 0
     except typer.Exit as error:
-        sys.exit(error.exit_code)
+        status = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
-        _end("stopped; nothing unfinished was written", INTERRUPTED)
+        status = INTERRUPTED
     except RunFailed as error:
         _end(str(error), FAILED)
     except typer.TyperException as error:
         _end(_one_line(error), BAD_INPUT)
     except _BAD_INPUTS as error:
         _end(str(error), BAD_INPUT)
+    if status == INTERRUPTED:  # which typer may have made of Ctrl-C by itself
+        _end("stopped; nothing unfinished was written", INTERRUPTED)
+    sys.exit(status)
 
 
 def _one_line(error: typer.TyperException) -> str:

@@ -19,6 +19,7 @@ from .binding import build_simulation, load_names
 from .errors import RunFailed
 from .interface import Variable
 from .signals import Signals
+from .slave import INTERRUPTED
 
 Progress = Callable[[float], None]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
@@ -95,6 +96,8 @@ def run_fmu(
         failure = messages[-1] if messages else str(error)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+    if failure == INTERRUPTED:
+        raise KeyboardInterrupt
     wall = time.perf_counter() - begun
     if recorder is None:
         empty = {name: np.zeros(0) for name in recorded}

@@ -51,15 +51,9 @@ class FmuError(RuntimeError):
         return str(self)
 
 
-_EXPECTED = (
-    FmuError,
-    RotorError,
-    SettingsError,
-    EquilibriumError,
-    StepFailure,
-    StateError,
-    ArithmeticError,
-)
+# Errors whose message says all; of any other the kind is named too.
+_PLAIN = (FmuError, RotorError, SettingsError, EquilibriumError, StepFailure, StateError)
+INTERRUPTED = "interrupted by the user"
 
 
 @dataclass(frozen=True)
@@ -306,8 +300,14 @@ class RotorBearing(Fmi2Slave):
         """
         try:
             call(*arguments)
-        except _EXPECTED as error:
-            message = self._say("error", str(error))
+        except BaseException as error:  # whatever leaves here unheld would crash the host
+            if isinstance(error, KeyboardInterrupt):
+                reason = INTERRUPTED
+            elif isinstance(error, _PLAIN):
+                reason = str(error)
+            else:
+                reason = f"internal error, {type(error).__name__}: {error}"
+            message = self._say("error", reason)
             self.log_queue.clear()
             hold(self, self.log_queue, type(self))
             raise FmuError(message) from None

@@ -1,8 +1,10 @@
 """The command line: what a user may give, and what happens when it cannot be."""
 
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -166,3 +168,27 @@ def test_build_fmu_py_builds_into_the_folder_named(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "fmus" / "RotorBearing.fmu").is_file()
+
+
+@pytest.mark.parametrize("how", [[], ["--direct"]])
+def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how):
+    process = subprocess.Popen(
+        [
+            *(sys.executable, "-c", "from rotor_fmu.cli import main; main()", "run-down"),
+            *("--set", "solver.h=1e-5", "--out", ".", *how),
+        ],
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    try:
+        time.sleep(8)  # well inside the run, which takes half a minute and more
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130, said
+    assert "stopped" in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "summary.json").exists()
+    assert not (tmp_path / "run_down.csv").exists()
