@@ -12,6 +12,7 @@ from model.settings import PRESETS
 from . import figures
 from .bundle import build
 from .errors import RunFailed, run, writable_folder
+from .host_env import host_environment
 from .interface import interface
 from .job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
 from .reproduce import reproduce
@@ -99,6 +100,13 @@ app.command("schemes")(schemes)
 def variables(rotor: RotorFile = None) -> None:
     """Print the FMU's variables as a Markdown table."""
     typer.echo(markdown(interface(load_rotor(rotor)[1])), nl=False)
+
+
+@app.command("host-env")
+def host_env() -> None:
+    """Print the environment that a C host needs to run the FMU on this machine."""
+    for name, value in host_environment().items():
+        typer.echo(f'export {name}="{value}"')
 
 
 @app.command("build")
