@@ -51,7 +51,7 @@ RECORD = np.dtype(
             "failed_h",
         )
     ]
-    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped")]
+    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues")]
 )
 
 
@@ -260,11 +260,16 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
 def advance(structure, scheme, control, t_end, speed, loads, motion, trial, memory, work):
     """March to t_end [s]; returns DONE or why not.
 
-    speed: now [rad/s], continued linearly from the last two given; loads: constant until t_end,
-    shape (bodies,) [N]. On failure the state is that after the last accepted step.
+    speed: now [rad/s], continued linearly from the last two given, or held; loads: constant until
+    t_end, shape (bodies,) [N]. On failure the state is that after the last accepted step.
     """
     r = memory.record[0]
     since = r.t - r.t_ref
-    rate = (speed - r.omega_ref) / since if since > 0.0 else r.alpha
+    if r.continues == 0:
+        rate = 0.0
+    elif since > 0.0:
+        rate = (speed - r.omega_ref) / since
+    else:
+        rate = r.alpha
     begin_interval(structure, speed, rate, loads, False, motion, memory, work)
     return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)

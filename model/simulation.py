@@ -39,9 +39,9 @@ class Simulation:
 
     The rotor starts at rest in its static equilibrium at time t [s], turning at `speed` [rad/s].
     `rate` [rad/s2] is the rate of the speed over the first interval; later ones continue the speed
-    linearly from the last two values given. What makes a run doubtful goes to `warn` (default: a
-    `RotorWarning`): settings that make oscillations grow, the false state, a missing compiler.
-    Raises `EquilibriumError`.
+    linearly from the last two values given, or, without `continues_speed`, hold the last. What
+    makes a run doubtful goes to `warn` (default: a `RotorWarning`): settings that make oscillations
+    grow, the false state, a missing compiler. Raises `EquilibriumError`.
     """
 
     def __init__(
@@ -52,6 +52,7 @@ class Simulation:
         t: float = 0.0,
         speed: float = 0.0,
         rate: float = 0.0,
+        continues_speed: bool = True,
         warn: Callable[[str], None] = _warn,
     ) -> None:
         self._warn = warn
@@ -82,6 +83,7 @@ class Simulation:
         record = self._memory.record[0]
         record.t = t
         record.h = settings.h
+        record.continues = continues_speed
         self._arguments = calls.plain(self.structure, self._motion, self._memory, self._work)
         calls.start(*self._arguments, speed, rate, self._loads, self._observed)
 

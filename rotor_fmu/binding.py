@@ -12,7 +12,7 @@ from .interface import Variable
 
 SOLVER = "solver."
 # Parameters of the run itself, neither the rotor's nor the solver's.
-_OF_THE_RUN = ("speed_rate",)
+_OF_THE_RUN = ("speed_rate", "speed_continuation")
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
@@ -69,5 +69,6 @@ def build_simulation(
         t=start_time,
         speed=values["speed"],
         rate=values["speed_rate"],
+        continues_speed=values["speed_continuation"] == 0,
         warn=warn,
     )

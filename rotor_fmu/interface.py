@@ -95,8 +95,8 @@ def _inputs(rotor: Rotor) -> list[Variable]:
             "speed",
             "Real",
             "input",
-            "speed of rotation about z, x towards y; continued linearly from its last two values "
-            "until the next communication point",
+            "speed of rotation about z, x towards y; continued until the next communication point "
+            "as speed_continuation says",
             "rad/s",
             400.0,
             nominal=100.0,
@@ -125,7 +125,18 @@ def _parameters(rotor: Rotor) -> list[Variable]:
             0.0,
             "rate of the speed over the first communication step, when there is no earlier value",
             low=None,
-        )
+        ),
+        Variable(
+            "speed_continuation",
+            "Integer",
+            "parameter",
+            "the speed between two communication points: 0 linear (continues the last change), "
+            "1 hold (for an input that jumps)",
+            start=0,
+            low=0,
+            high=1,
+            choices=("linear", "hold"),
+        ),
     ]
     for j, b in enumerate(rotor.bearings, 1):
         table += [
