@@ -83,7 +83,7 @@ class Structure(NamedTuple):
 
 
 def assemble(rotor: Rotor) -> Structure:
-    """The matrices of a rotor (DESIGN: Nelson 1980, Zorzi and Nelson 1977)."""
+    """The matrices of a rotor (Nelson 1980; Zorzi and Nelson 1977)."""
     material = rotor.material
     n = 2 * len(rotor.nodes)
     M, G, K_shaft, K_support, C_support = (np.zeros((n, n)) for _ in range(5))
