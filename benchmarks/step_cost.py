@@ -8,6 +8,8 @@ import statistics
 import sys
 import tempfile
 import time
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from model.settings import PRESETS
@@ -29,16 +31,16 @@ def main():
         print(f"{'preset':16s} {'steps':>8s} {'us a step':>10s} {'Newton':>7s} {'FMPy [s]':>9s}")
         for preset in PRESETS:
             job = prepare(None, preset, [], None, 40.0, None)
-            arguments = (job.table, job.parameters, job.signals, job.stop)
+            coarse = replace(job, step=0.4)
             fmu = fmu_in(Path(folder), job.toml)
-            run_fmu(fmu, *arguments[:3], 0.1, job.step)
+            run_fmu(fmu, replace(job, stop=0.1))
             alone, hosted = [], []
             for _ in range(REPETITIONS):
-                seconds, run = cpu(lambda: run_direct(job.rotor, *arguments, 0.4))  # noqa: B023
+                seconds, run = cpu(partial(run_direct, job.rotor, coarse))
                 steps = run.columns["solver.steps"][-1]
                 newton = run.columns["solver.newton"][-1] / steps
                 alone.append(seconds / steps * 1e6)
-                hosted.append(cpu(lambda: run_fmu(fmu, *arguments, job.step))[0])  # noqa: B023
+                hosted.append(cpu(partial(run_fmu, fmu, job))[0])
             print(
                 f"{preset:16s} {steps:8.0f} {statistics.median(alone):10.2f} {newton:7.2f} "
                 f"{statistics.median(hosted):9.2f}"

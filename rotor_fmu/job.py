@@ -21,8 +21,8 @@ from .binding import build_simulation, chosen_settings
 from .bundle import FMU_NAME, build, is_current
 from .errors import InputError, read_text
 from .interface import Variable, interface
-from .run_down import Run, run_direct, run_fmu
-from .signals import Signals, make_signals, read_signals
+from .run_down import Plan, Run, run_direct, run_fmu
+from .signals import make_signals, read_signals
 
 _console = Console(stderr=True)
 
@@ -82,17 +82,12 @@ def _parse_value(variable: Variable, text: str) -> float:
 
 
 @dataclass(frozen=True)
-class Job:
-    """A run that was checked and can begin: the rotor, its variables, and what drives it."""
+class Job(Plan):
+    """A run that was checked and can begin: a plan, the rotor (also as TOML) and its settings."""
 
     toml: str
     rotor: Rotor
-    table: tuple[Variable, ...]
-    parameters: Mapping[str, float]
-    signals: Signals
     settings: Settings
-    stop: float
-    step: float
 
 
 def prepare(
@@ -131,7 +126,8 @@ def prepare(
         build_simulation(rotor, table, everything, 0.0, lambda message: None)
     except EquilibriumError as error:
         raise InputError(str(error)) from error
-    return Job(toml, rotor, table, parameters, signals, settings, stop, step or _step_of(settings))
+    step = step or _step_of(settings)
+    return Job(table, parameters, signals, stop, step, toml, rotor, settings)
 
 
 def _step_of(settings: Settings) -> float:
@@ -153,8 +149,7 @@ def execute(job: Job, fmu: Path | None, label: str) -> Run:
         def progress(t: float) -> None:
             bar.update(task, completed=t)
 
-        common = (job.table, job.parameters, job.signals, job.stop, job.step, progress)
-        return run_direct(job.rotor, *common) if fmu is None else run_fmu(fmu, *common)
+        return run_direct(job.rotor, job, progress) if fmu is None else run_fmu(fmu, job, progress)
 
 
 def fmu_in(out: Path, toml: str) -> Path:

@@ -27,6 +27,18 @@ _NEAR_PEAK = 0.15  # [Hz]
 
 
 @dataclass(frozen=True)
+class Plan:
+    """What a run is to be: the FMU's variables, values of its parameters by name, its inputs, its
+    end [s] and its communication step [s]."""
+
+    table: Sequence[Variable]
+    parameters: Mapping[str, float]
+    signals: Signals
+    stop: float
+    step: float
+
+
+@dataclass(frozen=True)
 class Run:
     """A run at its communication points.
 
@@ -46,20 +58,12 @@ class Run:
         return self.columns["w"] / (2 * math.pi)
 
 
-def run_fmu(
-    fmu: Path,
-    table: Sequence[Variable],
-    parameters: Mapping[str, float],
-    signals: Signals,
-    stop: float,
-    step: float,
-    progress: Progress = lambda t: None,
-) -> Run:
-    """Drive a built FMU with FMPy to `stop` [s] in communication steps of `step` [s].
+def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
+    """Drive a built FMU with FMPy.
 
     A run that fails is returned up to its last good communication point, with the reason.
     """
-    recorded = [v.name for v in table if v.is_observed]
+    recorded = [v.name for v in plan.table if v.is_observed]
     messages: list[str] = []
     recorder = None
 
@@ -85,10 +89,10 @@ def run_fmu(
             model_description=fmpy.read_model_description(folder),
             validate=False,
             start_time=0.0,
-            stop_time=stop,
-            output_interval=step,
-            start_values=dict(parameters),
-            input=signals.as_structured(),
+            stop_time=plan.stop,
+            output_interval=plan.step,
+            start_values=dict(plan.parameters),
+            input=plan.signals.as_structured(),
             output=recorded,
             step_finished=step_finished,
         )
@@ -117,27 +121,20 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> object:
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
-def run_direct(
-    rotor: Rotor,
-    table: Sequence[Variable],
-    parameters: Mapping[str, float],
-    signals: Signals,
-    stop: float,
-    step: float,
-    progress: Progress = lambda t: None,
-) -> Run:
+def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) -> Run:
     """The same run without an FMU: same steps, same inputs, same numbers."""
-    values = {v.name: v.start for v in table if not v.is_observed}
-    values |= parameters | {name: signals.at(name, 0.0) for name in signals.values}
+    signals, stop = plan.signals, plan.stop
+    values = {v.name: v.start for v in plan.table if not v.is_observed}
+    values |= plan.parameters | {name: signals.at(name, 0.0) for name in signals.values}
     messages: list[str] = []
     begun = time.perf_counter()
-    simulation = build_simulation(rotor, table, values, 0.0, messages.append)
+    simulation = build_simulation(rotor, plan.table, values, 0.0, messages.append)
     loads = load_names(rotor)
     failure = None
     t, n = 0.0, 0
     times, rows = [t], [simulation.observed.copy()]
     while t < stop and not math.isclose(t, stop):
-        target = min((n + 1) * step, stop)
+        target = min((n + 1) * plan.step, stop)
         forces = np.array([complex(signals.at(x, t), signals.at(y, t)) for x, y in loads])
         try:
             # the sum that an FMU makes of the current time and the step size

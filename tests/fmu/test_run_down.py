@@ -18,12 +18,12 @@ def job_of(*sets, step=None, stop=40.0):
 
 def through_fmu(fmu, *sets, **options):
     job = job_of(*sets, **options)
-    return run_fmu(fmu, job.table, job.parameters, job.signals, job.stop, job.step)
+    return run_fmu(fmu, job)
 
 
 def direct(*sets, **options):
     job = job_of(*sets, **options)
-    return run_direct(job.rotor, job.table, job.parameters, job.signals, job.stop, job.step)
+    return run_direct(job.rotor, job)
 
 
 def perturbed(count, *sets):
