@@ -75,3 +75,12 @@ def contact_tangent(bearing, d, d_dot, omega, by_position, by_velocity):
     p = 0.5 * complex(t_aa + t_bb, t_ba - t_ab)
     q = 0.5 * complex(t_aa - t_bb, t_ba + t_ab)
     return p, q * e * e
+
+
+@compiled
+def contact_angle(d):
+    """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
+    psi = math.atan2(d.imag, d.real)
+    if psi < 0.0:
+        psi += 2.0 * math.pi
+    return psi if psi < 2.0 * math.pi else 0.0

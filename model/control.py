@@ -16,13 +16,12 @@ SAFETY = 0.9
 class Control(NamedTuple):
     """How the step length is chosen.
 
-    mode: FIXED or ADAPTIVE; h, h_min, h_max [s]; eps_min, eps_max: limits of the relative error
+    mode: FIXED or ADAPTIVE; h_min, h_max [s]; eps_min, eps_max: limits of the relative error
     [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with beta_error in the place of beta; norm:
     INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1].
     """
 
     mode: int
-    h: float
     h_min: float
     h_max: float
     eps_min: float

@@ -4,7 +4,6 @@ must supply for it."""
 from __future__ import annotations
 
 import cmath
-import math
 from typing import NamedTuple
 
 from .band import add_product
@@ -81,12 +80,3 @@ def drive_torque(structure, q, v, a, spin, friction_torque, scratch):
     for i in range(n):
         torque -= 0.5 * (q[i].conjugate() * scratch[i]).imag
     return torque + internal_torque(structure, q, v, spin.omega, scratch)
-
-
-@compiled
-def contact_angle(d):
-    """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
-    psi = math.atan2(d.imag, d.real)
-    if psi < 0.0:
-        psi += 2.0 * math.pi
-    return psi if psi < 2.0 * math.pi else 0.0

@@ -6,9 +6,9 @@ import math
 
 from .assembly import Structure
 from .compiled import compiled
-from .contact import contact_force
+from .contact import contact_angle, contact_force
 from .energy import FLOWS, STORES, total_energy
-from .excitation import Spin, contact_angle
+from .excitation import Spin
 
 _DISC = ("x", "y", "x_amp", "y_amp")
 _BEARING = ("psi", "fn", "ft", "x", "y", "housing_x", "housing_y", "contact")

@@ -114,7 +114,6 @@ class Settings:
         shift = (scheme.alpha_m - scheme.alpha_f) / 2 if is_corrected else 0.0
         return Control(
             mode=MODES[self.mode],
-            h=self.h,
             h_min=self.h_min,
             h_max=self.h_max,
             eps_min=self.eps_min,

@@ -5,11 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from model.assembly import assemble, dense_matrices
+from model.assembly import assemble
 from model.contact import contact_force
 from model.contact_problem import TOLERANCE, new_contact_problem, solve_contacts, solve_dense
 from model.rotor_toml import rig
 from model.schemes import chung_hulbert, generalized_alpha, hht, newmark
+from tests.dense import dense_matrices
 
 STRUCTURE = assemble(rig())
 BEARINGS = STRUCTURE.contacts

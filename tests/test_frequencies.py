@@ -8,8 +8,9 @@ import pytest
 import scipy.linalg
 
 from model import beam
-from model.assembly import assemble, dense_matrices
+from model.assembly import assemble
 from model.rotor_toml import rig
+from tests.dense import dense_matrices
 
 from .machines import STEEL
 

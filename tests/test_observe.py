@@ -6,9 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from model.contact import contact_force
+from model.contact import contact_angle, contact_force
 from model.equilibrium import static_equilibrium
-from model.excitation import contact_angle
 from model.rotor_toml import rig
 from model.settings import choose
 from model.simulation import Simulation

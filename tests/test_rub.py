@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 import scipy.integrate
 
-from model.assembly import assemble, dense_matrices
+from model.assembly import assemble
 from model.equilibrium import static_equilibrium
 from model.rotor import Bearing, Disc, Support
 from model.settings import choose
 from model.simulation import Simulation
+from tests.dense import dense_matrices
 
 from .machines import overhung
 

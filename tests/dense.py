@@ -1,0 +1,44 @@
+"""The machine in plain dense matrices: the oracle for the band form, and for eigenvalues."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.assembly import Structure
+from model.band import to_dense
+
+
+def dense_matrices(
+    structure: Structure,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """M, C, K, G and K_circulatory as real matrices of the whole machine, housings included.
+
+    Shape (N, N), N = 2 (n + bearings): first all x (rotor, housings), then all y, so that
+    M q'' + (C + Omega G) q' + (K + kappa K_circulatory) q = f. For eigenvalues, static solutions
+    and as the plain form against which the band form is tested.
+    """
+    contacts = structure.contacts
+    n, nb = structure.M.shape[1], len(contacts)
+    size = n + nb
+
+    def both_planes(band: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        full = np.zeros((2 * size, 2 * size))
+        for start, housing in ((0, x), (size, y)):
+            full[start : start + n, start : start + n] = to_dense(band)
+            at = np.arange(start + n, start + size)
+            full[at, at] = housing
+        return full
+
+    def skew(band: np.ndarray) -> np.ndarray:
+        full = np.zeros((2 * size, 2 * size))
+        full[:n, size : size + n] = to_dense(band)
+        full[size : size + n, :n] = -to_dense(band)
+        return full
+
+    return (
+        both_planes(structure.M, contacts.mass, contacts.mass),
+        both_planes(structure.C, contacts.cx, contacts.cy),
+        both_planes(structure.K, contacts.kx, contacts.ky),
+        skew(structure.G),
+        skew(structure.K_shaft),
+    )
