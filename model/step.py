@@ -18,6 +18,7 @@ from .contact import contact_force
 from .contact_problem import ContactProblem, new_contact_problem, solve_contacts
 from .energy import STORES
 from .excitation import add_applied, circulation
+from .linear_step import correct, predict, weights
 
 
 class Motion(NamedTuple):
@@ -126,10 +127,8 @@ def housing_forces(bearing, gravity, q, v):
 @compiled
 def _factor_step_matrix(structure, scheme, spin, h, work):
     """Factorize the step matrix of the accelerations; condense it to the journals and housings."""
-    am, af, beta, gamma = scheme
-    m_factor = 1.0 - am
-    c_factor = (1.0 - af) * gamma * h
-    k_factor = (1.0 - af) * beta * h * h
+    af = scheme.alpha_f
+    m_factor, c_factor, k_factor = weights(scheme, h)
     g_factor = -1j * (c_factor * spin.omega + 0.5 * k_factor * spin.alpha)
     s_factor = -1j * k_factor * circulation(structure, spin.omega)
     for d in range(structure.M.shape[0]):
@@ -173,11 +172,9 @@ def _factor_step_matrix(structure, scheme, spin, h, work):
 @compiled
 def _free_response(structure, scheme, spin, h, loads, old, new, work):
     """Predictions of q and v, and the accelerations that would follow without contact."""
-    am, af, beta, gamma = scheme
+    am, af = scheme.alpha_m, scheme.alpha_f
     n = structure.M.shape[1]
-    for i in range(len(new.q)):
-        new.q[i] = old.q[i] + h * (old.v[i] + h * (0.5 - beta) * old.a[i])
-        new.v[i] = old.v[i] + h * (1.0 - gamma) * old.a[i]
+    predict(scheme, h, old.q, old.v, old.a, new.q, new.v)
     applied, internal = work.scratch, new.r
     for i in range(n):
         applied[i] = 0.0
@@ -231,9 +228,7 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
             for i in range(n):
                 new.a[i] += work.columns[i, j] * force
             new.a[n + j] -= by_axis(work.housing[j, 0], work.housing[j, 1], force)
-    for i in range(len(new.q)):
-        new.q[i] += b_d * new.a[i]
-        new.v[i] += b_v * new.a[i]
+    correct(scheme, h, new.a, new.q, new.v)
     for i in range(0, n, 2):
         if not abs(new.q[i]) <= structure.bound:
             return 2, iterations
