@@ -26,7 +26,7 @@ from pythonfmu.enums import Fmi2Status
 from model.equilibrium import EquilibriumError
 from model.rotor import Rotor, RotorError
 from model.rotor_toml import parse_rotor, rig_toml
-from model.settings import SettingsError
+from model.settings import Settings, SettingsError
 from model.simulation import Simulation, StepFailure
 
 from .about import RELEASED, __version__
@@ -114,9 +114,12 @@ class RotorBearing(Fmi2Slave):
         ]
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
         self.guid = guid(self._table, f"{Path(__file__).parent.name} {self._face.toml}")
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
+        self.default_experiment = DefaultExperiment(
+            start_time=0.0, stop_time=40.0, step_size=0.04, tolerance=Settings.tolerance
+        )
         self._simulation: Simulation | None = None
         self._start_time = 0.0
+        self._tolerance: float | None = None
         self._is_initializing = False
         self._is_running = False
         self._is_stale = False
@@ -154,8 +157,9 @@ class RotorBearing(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """Remember when the simulation starts [s]."""
+        """Remember when the simulation starts [s] and its relative tolerance [1]."""
         self._start_time = start_time
+        self._tolerance = tolerance
 
     def enter_initialization_mode(self) -> None:
         """From here on the outputs can be read."""
@@ -195,6 +199,7 @@ class RotorBearing(Fmi2Slave):
         about = {
             "values": self._values,
             "start_time": self._start_time,
+            "tolerance": self._tolerance,
             "is_initializing": self._is_initializing,
             "is_running": self._is_running,
             "is_built": simulation is not None,
@@ -216,9 +221,12 @@ class RotorBearing(Fmi2Slave):
     def _restore(self, state: bytes) -> None:
         about, chunks = unpack(str(self.guid), state)
         fixed = [i for i, v in enumerate(self._table) if v.causality == "parameter"]
-        is_same = all(about["values"][i] == self._values[i] for i in fixed)
+        is_same = about["tolerance"] == self._tolerance and all(
+            about["values"][i] == self._values[i] for i in fixed
+        )
         self._values = about["values"]
         self._start_time = about["start_time"]
+        self._tolerance = about["tolerance"]
         self._is_initializing = about["is_initializing"]
         self._is_running = about["is_running"]
         self._is_stale = True
@@ -288,7 +296,9 @@ class RotorBearing(Fmi2Slave):
     def _build(self) -> Simulation:
         values = dict(zip(self._face.index, self._values, strict=True))
         rotor = self._face.rotor
-        return build_simulation(rotor, self._table, values, self._start_time, self._warn)
+        return build_simulation(
+            rotor, self._table, values, self._start_time, self._warn, self._tolerance
+        )
 
     # --- what goes wrong ---------------------------------------------------------------------
 
