@@ -55,6 +55,15 @@ FAILURES = {
     "settings that contradict each other": Failure(
         ("setup 0", "enter", "real solver.alpha_f 0"), "exit", "solver.alpha_f = 0"
     ),
+    "negative solver step": Failure(
+        ("setup 0", "enter", "real solver.h -1"), "exit", "solver.h = -1: must be > 0"
+    ),
+    "spectral radius above 1": Failure(
+        ("setup 0", "enter", "real solver.rho 2"), "exit", "rho = 2"
+    ),
+    "damping that is not to be had": Failure(
+        ("setup 0", "enter", "real shaft.eta_h 0.1"), "exit", "shaft.eta_h = 0.1"
+    ),
     "unstable scheme": Failure(
         (
             *("integer solver.preset 1", "integer solver.method 3", "real solver.alpha_m 0.08"),
