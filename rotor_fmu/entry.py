@@ -18,7 +18,6 @@ from pathlib import Path
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
-
 class Missing(ImportError):
     """A package that this host's Python lacks."""
 

@@ -1,7 +1,7 @@
 """What goes wrong, and whatever is called after it: an error with one plain sentence, no crash.
 
-A grid of failures x sequences of later calls, each failure in a process of its own, through FMPy and
-through a plain C host: a crash shows in the exit status and in the answers that are missing.
+A grid of failures x sequences of later calls in processes of their own, through FMPy and through a
+plain C host: a crash shows in the exit status and in the answers that are missing.
 """
 
 import itertools
@@ -120,7 +120,9 @@ def march_through(master, failures, longest):
     done = master.tell(calls)
     if len(done.answers) < len(calls):
         at = len(done.answers)
-        pytest.fail(f"crash, status {done.status}, at {calls[at - 8 : at + 1]}\n{done.stderr[-900:]}")
+        pytest.fail(
+            f"crash, status {done.status}, at {calls[at - 8 : at + 1]}\n{done.stderr[-900:]}"
+        )
     errors = sum(answer.is_error for answer in done.answers)
     printed = [line for line in done.stderr.splitlines() if ": error: " in line]
     assert len(printed) == errors, "an error without its one sentence on standard error"
