@@ -232,14 +232,10 @@ def test_libcosim_does_not_end_in_silence_when_the_rotor_fails(
 
 COFMPY = """
 import json, sys
-from fmpy.fmi2 import FMU2Slave
 from cofmupy import Coordinator
 from cofmupy.wrappers import FmuXHandler
 config, steps, h, names = json.loads(sys.argv[1])
-# CoFMPy 1.0.0 asks FMI 2 FMUs for their state by the name that FMI 3 gave it
-FMU2Slave.getFMUState = FMU2Slave.getFMUstate
-FMU2Slave.setFMUState = FMU2Slave.setFMUstate
-# and compares the FMUs' default steps, which are text since FMPy 0.3.2x
+# CoFMPy 1.0.0 compares the FMUs' default steps, which are text in an FMPy newer than its own
 FmuXHandler.default_step_size = property(lambda self: None, lambda self, value: None)
 with open("system.json", "w") as file:
     json.dump(config, file)
