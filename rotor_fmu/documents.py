@@ -34,10 +34,10 @@ _REFERENCE = """<h2>A reference result</h2>
 """
 
 
-def documents(rotor: Rotor, table: Sequence[Variable]) -> dict[str, bytes]:
-    """Files of the FMU by their path in it."""
+def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, bytes]:
+    """Files of the FMU called `name`, by their path in it."""
     picture = model_picture(rotor)
-    related = related_files(rotor)
+    related = related_files(rotor, name)
     pages = files(__package__).joinpath("pages")
     return {
         "model.png": picture,
@@ -46,7 +46,7 @@ def documents(rotor: Rotor, table: Sequence[Variable]) -> dict[str, bytes]:
         "documentation/index.html": _index(table, bool(related)).encode(),
         "documentation/externalDependencies.txt": DEPENDENCIES.encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
-        **{f"documentation/licenses/{name}.txt": text for name, text in _licences().items()},
+        **{f"documentation/licenses/{of}.txt": text for of, text in _licences().items()},
         **related,
     }
 

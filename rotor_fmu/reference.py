@@ -16,33 +16,34 @@ from model.rotor import Rotor
 from model.rotor_toml import rig
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
-RESULT = "RotorBearing_out.csv"
 _MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
 _DOCUMENT = "fmi-ls-ref.txt"
-_TEXT = f"""{FOLDER}/{RESULT} is the result of the default experiment: all
+_TEXT = f"""The result in {FOLDER} is the result of the default experiment: all
 inputs and parameters at their start values, communication steps of 0.04 s from 0 to 40 s, every
 output in SI units (Booleans as 0 and 1). The rotor starts at rest in its bearings and settles in
 a steady motion, so another processor gives the same to about six digits.
 """
 
 
-def related_files(rotor: Rotor) -> dict[str, bytes]:
-    """Files of the FMU by their path in it; none for a rotor other than the paper's rig."""
-    if rotor != rig():
+def related_files(rotor: Rotor, name: str) -> dict[str, bytes]:
+    """Files of the FMU called `name`, by their path in it; none for a rotor other than the paper's
+    rig, and none where no result is stored."""
+    result = stored(name)
+    if rotor != rig() or not result.is_file():
         return {}
     return {
-        f"{FOLDER}/fmi-ls-manifest.xml": _manifest(),
-        f"{FOLDER}/{RESULT}": stored().read_bytes(),
+        f"{FOLDER}/fmi-ls-manifest.xml": _manifest(result.name),
+        f"{FOLDER}/{result.name}": result.read_bytes(),
         f"documentation/{_DOCUMENT}": _TEXT.encode(),
     }
 
 
-def stored() -> Path:
-    """The file that goes into the FMU."""
-    return Path(str(files(__package__).joinpath("pages", RESULT)))
+def stored(name: str) -> Path:
+    """The file that goes into the FMU called `name`."""
+    return Path(str(files(__package__).joinpath("pages", f"{name}_out.csv")))
 
 
-def _manifest() -> bytes:
+def _manifest(result: str) -> bytes:
     register_namespace("fmi-ls", _MANIFEST)
     root = Element(
         "fmiReferences",
@@ -54,7 +55,7 @@ def _manifest() -> bytes:
         },
     )
     for kind, source, role, what in (
-        ("text/csv", RESULT, "result", "Output of the default experiment"),
+        ("text/csv", result, "result", "Output of the default experiment"),
         ("text/plain", f"../../documentation/{_DOCUMENT}", "document", "About that output"),
     ):
         SubElement(root, "Related", type=kind, source=source, role=role, description=what)
@@ -76,11 +77,11 @@ def main() -> None:
     """Run the default experiment and store its result."""
     from .bundle import build
 
-    stored().touch()
     with tempfile.TemporaryDirectory() as folder:
-        result = default_experiment(build(Path(folder)))
-    stored().write_bytes(result)
-    print(stored())
+        fmu = build(Path(folder))
+        target = stored(fmu.stem)
+        target.write_bytes(default_experiment(fmu))
+    print(target)
 
 
 if __name__ == "__main__":
