@@ -63,24 +63,30 @@ class Master:
 
     def tell(self, commands, environment=None) -> Talk:
         """Carry out commands, `real speed 300` and the like, in one process."""
-        if self.c_program is None:
-            program = [sys.executable, HERE / "commands.py", self.fmu]
-            environment = environment or {}
-        else:
-            library = self.folder / "binaries" / "linux64" / "RotorBearing.so"
-            resources = f"file://{self.folder}/resources"
-            program = [self.c_program, library, resources, self.description.guid]
+        if self.c_program is not None:
             environment = environment or expanded(ENVIRONMENT)
         done = subprocess.run(
-            program,
-            input="".join(f"{self._by_reference(command)}\n" for command in commands),
+            self.program(),
+            input=self.script(commands),
             capture_output=True,
             text=True,
             check=False,
             timeout=300,
-            env={**os.environ, **environment},
+            env={**os.environ, **(environment or {})},
         )
         return Talk(list(_answers(done.stdout)), done.stderr, done.returncode)
+
+    def program(self) -> list[str]:
+        """The master's command line."""
+        if self.c_program is None:
+            return [sys.executable, str(HERE / "commands.py"), str(self.fmu)]
+        library = self.folder / "binaries" / "linux64" / "RotorBearing.so"
+        resources = f"file://{self.folder}/resources"
+        return [str(self.c_program), str(library), resources, self.description.guid]
+
+    def script(self, commands) -> str:
+        """What the master reads: variables by their references."""
+        return "".join(f"{self._by_reference(command)}\n" for command in commands)
 
     def _by_reference(self, command: str) -> str:
         name, *arguments = command.split()

@@ -1,11 +1,11 @@
 """A plain C master on this machine: it gets the numbers that FMPy gets, and ends well."""
 
+import os
+import subprocess
+import sys
+
 import fmpy
 import pytest
-
-from rotor_fmu.cli import main
-
-from .masters import ENVIRONMENT
 
 START = ["instantiate", "real speed 300", "setup 0", "enter", "exit"]
 
@@ -16,13 +16,32 @@ def march(steps, h):
     return [*START, *(call for pair in calls for call in pair), "terminate", "free"]
 
 
-def test_the_environment_printed_is_the_one_used_here(c_host, capsys, monkeypatch):
-    monkeypatch.setattr("sys.argv", ["rotor-fmu", "host-env"])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 0
-    printed = capsys.readouterr().out.splitlines()
-    assert printed == [f'export {name}="{value}"' for name, value in ENVIRONMENT.items()]
+def test_what_host_env_prints_is_all_that_a_shell_needs(c_host):
+    """In a shell that knows nothing of this project's environment."""
+    host_env = f"'{sys.executable}' -c 'from rotor_fmu.cli import main; main()' host-env"
+    done = subprocess.run(
+        ["sh", "-c", f'eval "$({host_env})"; exec "$0" "$@"', *c_host.program()],
+        input=c_host.script(march(3, 0.004)),
+        capture_output=True,
+        text=True,
+        check=False,
+        env={
+            "PATH": "/usr/bin:/bin",
+            **{n: os.environ[n] for n in ("HOME", "XDG_CACHE_HOME") if n in os.environ},
+        },
+    )
+    assert done.returncode == 0, done.stderr
+    assert [line.split()[:2] for line in done.stdout.splitlines()][-2:] == [
+        ["terminate", "0"],
+        ["free", "0"],
+    ]
+
+
+def test_without_it_the_host_is_told_what_is_missing(c_host):
+    """Python's library, which the wrapper does not link."""
+    done = subprocess.run(c_host.program(), input="", capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "undefined symbol" in done.stderr
 
 
 def test_it_gets_the_numbers_that_fmpy_gets(c_host):
