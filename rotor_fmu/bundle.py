@@ -8,8 +8,9 @@ import shutil
 import sys
 import tempfile
 import zipfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from xml.etree.ElementTree import fromstring, indent, tostring
+from xml.etree.ElementTree import Element, fromstring, indent, tostring
 
 from pythonfmu.builder import FmuBuilder
 
@@ -46,21 +47,23 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
         requirements = folder / "requirements.txt"
         requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
         raw = folder / "raw.fmu"
-        search_path = list(sys.path)
-        try:
-            FmuBuilder.build_FMU(
-                script,
-                dest=raw,
-                project_files=[package, rotor, requirements],
-                canGetAndSetFMUstate=True,
-                canSerializeFMUstate=True,
-            )
-        finally:
-            sys.path[:] = search_path
-        # written beside its place and moved there, so that nothing half-written is ever found
-        unfinished = out / (FMU_NAME + ".part")
-        _repack(raw, unfinished, documents(described, interface(described)))
-        return unfinished.replace(out / FMU_NAME)
+        wrap(script, [package, rotor, requirements], raw)
+        return repack(raw, out / FMU_NAME, documents(described, interface(described)))
+
+
+def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
+    """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources."""
+    search_path = list(sys.path)
+    try:
+        FmuBuilder.build_FMU(
+            script,
+            dest=raw,
+            project_files=list(beside),
+            canGetAndSetFMUstate=True,
+            canSerializeFMUstate=True,
+        )
+    finally:
+        sys.path[:] = search_path
 
 
 def _sources() -> dict[str, str]:
@@ -112,21 +115,30 @@ def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
     return toml == (rig_toml() if rotor_toml is None else rotor_toml)
 
 
-def _repack(raw: Path, target: Path, documents: dict[str, bytes]) -> None:
-    """Copy a zip file with the documents added, sorted, with one date and without caches."""
+def repack(
+    raw: Path,
+    target: Path,
+    documents: Mapping[str, bytes],
+    describe: Callable[[Element], Element] = lambda root: root,
+) -> Path:
+    """Copy an FMU with documents added and its description completed by `describe`; sorted, with
+    one date and without caches, so that equal sources give equal bytes. Returns `target`."""
     with zipfile.ZipFile(raw) as source:
         contents = {
             name: source.read(name)
             for name in source.namelist()
             if "__pycache__" not in name and not name.endswith("/")
         }
-    root = fromstring(contents["modelDescription.xml"].decode("utf-8"))
+    root = describe(fromstring(contents["modelDescription.xml"].decode("utf-8")))
     indent(root)
     xml = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8")
     contents |= {"modelDescription.xml": xml, **documents}
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as sink:
+    # written beside its place and moved there, so that nothing half-written is ever found
+    unfinished = target.with_suffix(".part")
+    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as sink:
         for name, data in sorted(contents.items()):
             info = zipfile.ZipInfo(name, _ZIP_DATE)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = 0o644 << 16
             sink.writestr(info, data)
+    return unfinished.replace(target)

@@ -11,6 +11,7 @@ from model.settings import PRESETS
 
 from . import figures
 from .bundle import build
+from .drive_train_command import drive_train
 from .errors import RunFailed, run, writable_folder
 from .host_env import host_environment
 from .interface import interface
@@ -94,6 +95,7 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+app.command("drive-train")(drive_train)
 
 
 @app.command("variables")

@@ -35,6 +35,9 @@ UNITS = {
         Unit("kg", {"kg": 1}),
         Unit("N", {"kg": 1, "m": 1, "s": -2}),
         Unit("N.m", {"kg": 1, "m": 2, "s": -2}),
+        Unit("N.m/rad", {"kg": 1, "m": 2, "s": -2, "rad": -1}),
+        Unit("N.m.s/rad", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
+        Unit("kg.m2", {"kg": 1, "m": 2}),
         Unit("N/m", {"kg": 1, "s": -2}),
         Unit("N.s/m", {"kg": 1, "s": -1}),
         Unit("J", {"kg": 1, "m": 2, "s": -2}),
@@ -229,12 +232,28 @@ def _solver_parameters() -> list[Variable]:
 _TEXTS = {
     "phi": ("Real", "output", "rad", 100.0, "angle of rotation, integral of the speed"),
     "w": ("Real", "local", "rad/s", 100.0, "speed of rotation reached"),
+    "a": ("Real", "local", "rad/s2", 10.0, "rate of the speed"),
     "tau": (
         "Real",
         "output",
         "N.m",
         0.1,
         "torque that the drive must supply to turn the rotor at its speed",
+    ),
+    "tau_load": (
+        "Real",
+        "output",
+        "N.m",
+        0.1,
+        "what friction, whirl and unbalance take of it, tau - J a: the load of a partner that "
+        "integrates the speed with the rotor's inertia J",
+    ),
+    "J": (
+        "Real",
+        "local",
+        "kg.m2",
+        0.01,
+        "moment of inertia about the axis of rotation, eccentric masses included",
     ),
     "disc.x": ("Real", "output", "m", 1e-4, "displacement to the right"),
     "disc.y": ("Real", "output", "m", 1e-4, "displacement upwards, at rest below 0 by the sag"),
