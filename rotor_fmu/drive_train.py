@@ -98,11 +98,12 @@ class Coupled:
 class Member:
     """One FMU of a coupled system, extracted and instantiated; a context that tidies up.
 
-    parameters: values by name. Raises `RunFailed` with the FMU's own words when a call fails.
+    parameters: values by name; messages: of all FMUs together, since FMPy hands those of every FMU
+    to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
     """
 
-    def __init__(self, fmu: Path, parameters: Mapping[str, float]) -> None:
-        self._messages: list[str] = []
+    def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[str]) -> None:
+        self._messages = messages
         self._name = fmu.name
         self._folder = fmpy.extract(str(fmu))
         description = fmpy.read_model_description(self._folder)
@@ -171,11 +172,12 @@ def couple(
     The drive train gets the rotor's moment of inertia. `progress` gets the time at each
     communication point; what it raises ends the run. Raises `RunFailed`.
     """
-    with Member(drive_fmu, drive_parameters) as drive, Member(rotor_fmu, rotor_parameters) as rotor:
-        from_drive, from_rotor = (
-            drive.references(*OF_THE_DRIVE),
-            rotor.references(*OF_THE_ROTOR),
-        )
+    messages: list[str] = []
+    with (
+        Member(drive_fmu, drive_parameters, messages) as drive,
+        Member(rotor_fmu, rotor_parameters, messages) as rotor,
+    ):
+        from_drive, from_rotor = drive.references(*OF_THE_DRIVE), rotor.references(*OF_THE_ROTOR)
         load, speed = drive.references("tau_load"), rotor.references("speed")
         at_load = OF_THE_ROTOR.index("tau_load")
         (inertia,) = rotor.get(rotor.references("J"))
