@@ -13,6 +13,7 @@ $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made
 
 run-down: $(VENV)/made
@@ -32,5 +33,5 @@ lint: $(VENV)/made
 	$(BIN)/ruff format --check .
 
 clean:
-	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu
+	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

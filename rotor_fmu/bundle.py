@@ -21,15 +21,16 @@ from .documents import documents
 from .interface import interface
 from .slave import ROTOR_FILE
 
-FMU_NAME = "RotorBearing.fmu"
+FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
 _OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "state", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def build(out: Path, rotor_toml: str | None = None) -> Path:
-    """Build `RotorBearing.fmu` in the folder `out` and return its path.
+def build(out: Path, rotor_toml: str | None = None, is_free: bool = False) -> Path:
+    """Build `RotorBearing.fmu`, or `RotorBearingFree.fmu` where a torque is to drive the rotor, in
+    the folder `out` and return its path.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig. Raises `RotorError` for an
     impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
@@ -42,13 +43,18 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
         package = _write_package(folder)
         rotor = folder / ROTOR_FILE
         rotor.write_text(toml, encoding="utf-8")
-        script = folder / f"{package.name}_entry.py"
+        script = folder / _script(package.name, is_free)
         shutil.copyfile(_HERE / "entry.py", script)
         requirements = folder / "requirements.txt"
         requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
         raw = folder / "raw.fmu"
         wrap(script, [package, rotor, requirements], raw)
-        return repack(raw, out / FMU_NAME, documents(described, interface(described)))
+        target = out / (FREE_FMU_NAME if is_free else FMU_NAME)
+        return repack(raw, target, documents(described, interface(described, is_free), target.stem))
+
+
+def _script(package: str, is_free: bool) -> str:
+    return f"{package}_free_entry.py" if is_free else f"{package}_entry.py"
 
 
 def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
@@ -104,12 +110,12 @@ def package_name() -> str:
     return _contents()[0]
 
 
-def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
+def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) -> bool:
     """Whether `fmu` is what `build` would make now."""
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
     with zipfile.ZipFile(fmu) as archive:
-        if f"resources/{package_name()}_entry.py" not in archive.namelist():
+        if f"resources/{_script(package_name(), is_free)}" not in archive.namelist():
             return False
         toml = archive.read(f"resources/{ROTOR_FILE}").decode("utf-8")
     return toml == (rig_toml() if rotor_toml is None else rotor_toml)

@@ -32,6 +32,9 @@ app = typer.Typer(
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
 ]
+Free = Annotated[
+    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
+]
 Sets = Annotated[
     list[str] | None,
     typer.Option("--set", help="NAME=VALUE of a parameter, or of an input held constant."),
@@ -99,9 +102,9 @@ app.command("drive-train")(drive_train)
 
 
 @app.command("variables")
-def variables(rotor: RotorFile = None) -> None:
+def variables(rotor: RotorFile = None, is_free: Free = False) -> None:
     """Print the FMU's variables as a Markdown table."""
-    typer.echo(markdown(interface(load_rotor(rotor)[1])), nl=False)
+    typer.echo(markdown(interface(load_rotor(rotor)[1], is_free)), nl=False)
 
 
 @app.command("host-env")
@@ -114,8 +117,9 @@ def host_env() -> None:
 @app.command("build")
 def build_command(
     rotor: RotorFile = None,
+    is_free: Free = False,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> None:
-    """Build RotorBearing.fmu."""
+    """Build RotorBearing.fmu, or RotorBearingFree.fmu."""
     toml, _ = load_rotor(rotor)
-    typer.echo(build(writable_folder(out), toml))
+    typer.echo(build(writable_folder(out), toml, is_free))

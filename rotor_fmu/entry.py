@@ -1,6 +1,7 @@
 """The script that an FMU's wrapper runs: makes the FMU's package importable, and imports the slave.
 
-In the FMU this file is called <package>_entry.py. The package, whose name follows its content, is
+In the FMU this file is called <package>_entry.py, or <package>_free_entry.py where a torque drives
+the rotor. The package, whose name follows its content, is
 imported from a copy in the user's cache: so the compiled code of its first run is found again, two
 builds in one process do not meet, and the extraction folder may be deleted.
 """
@@ -18,7 +19,9 @@ from pathlib import Path
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 RESOURCES = Path(__file__).resolve().parent
-PACKAGE = Path(__file__).stem.removesuffix("_entry")
+SCRIPT = Path(__file__).stem.removesuffix("_entry")
+PACKAGE = SCRIPT.removesuffix("_free")
+SLAVE = "RotorBearing" if SCRIPT == PACKAGE else "RotorBearingFree"
 
 
 def _installed(package: Path) -> Path:
@@ -59,4 +62,4 @@ if PACKAGE not in sys.modules:
     finally:
         sys.path.pop(0)
 
-RotorBearing = sys.modules[f"{PACKAGE}.slave"].RotorBearing
+globals()[SLAVE] = getattr(sys.modules[f"{PACKAGE}.slave"], SLAVE)

@@ -72,10 +72,10 @@ class Face:
 
 
 @cache
-def face(toml: str) -> Face:
+def face(toml: str, is_free: bool) -> Face:
     """The face of an FMU with this rotor, made once for all its instances."""
     rotor = parse_rotor(toml)
-    table = interface(rotor)
+    table = interface(rotor, is_free)
     return Face(toml, rotor, table, {variable.name: i for i, variable in enumerate(table)})
 
 
@@ -96,6 +96,7 @@ def _rotor_text(resources: str | None) -> str:
 class RotorBearing(Fmi2Slave):
     """A flexible rotor that rubs in clearance bearings, driven by its speed."""
 
+    is_free = False
     description = "Flexible rotor with discs that rubs in two clearance bearings with dry friction"
     author = "The rotor-fmu authors"
     license = "MIT"
@@ -105,10 +106,10 @@ class RotorBearing(Fmi2Slave):
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
         settle_exit(self.resources, self.modelName)
-        self._face = face(_rotor_text(self.resources))
+        self._face = face(_rotor_text(self.resources), self.is_free)
         self._table = self._face.table
         self._observed_at = self._face.observed_at
-        self._speed_at = self._face.index["speed"]
+        self._drive_at = self._face.index["tau_drive" if self.is_free else "speed"]
         self._load_at = [
             (self._face.index[x], self._face.index[y]) for x, y in load_names(self._face.rotor)
         ]
@@ -186,7 +187,7 @@ class RotorBearing(Fmi2Slave):
         values = self._values
         loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
         self._is_stale = True
-        simulation.advance(current_time + step_size, values[self._speed_at], loads)
+        simulation.advance(current_time + step_size, values[self._drive_at], loads)
 
     # --- state -------------------------------------------------------------------------------
 
@@ -321,3 +322,13 @@ class RotorBearing(Fmi2Slave):
         plain = message.replace("%", " percent")
         print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
         return plain
+
+
+class RotorBearingFree(RotorBearing):
+    """The same rotor driven by a torque: its speed is a state."""
+
+    is_free = True
+    description = (
+        "Flexible rotor with discs that rubs in two clearance bearings with dry friction, driven "
+        "by a torque"
+    )
