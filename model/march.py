@@ -19,6 +19,8 @@ from .excitation import spin_of
 from .step import accelerate, try_step
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+# A free rotor's rate is found by repeating the step; the speed must agree to SPIN_TOLERANCE.
+SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
 # the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
 # step takes one away, and at TRAPPED_SCORE (some twenty crossings) the state is called false.
@@ -43,14 +45,15 @@ RECORD = np.dtype(
             "h_largest",
             "error",  # of the last step, relative [1]
             "energy_at_start",  # of the machine [J]
-            "torque",  # of the drive, at t [N.m]
+            "torque",  # that the motion needs at t [N.m]
+            "drive",  # torque on a free rotor [N.m]
             "turn",  # angle at which the present revolution began [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
         )
     ]
-    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues")]
+    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues", "is_free")]
 )
 
 
@@ -96,6 +99,15 @@ def spin_at(record, t):
         r.alpha,
         r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
     )
+
+
+@compiled
+def free_spin_at(record, t, alpha):
+    """Rotation of a free rotor at time t [s], by the trapezoidal rule, if its rate then is alpha."""
+    r = record[0]
+    h = t - r.t
+    omega = r.omega + 0.5 * h * (r.alpha + alpha)
+    return spin_of(omega, alpha, r.theta + 0.5 * h * (r.omega + omega))
 
 
 @compiled
@@ -152,6 +164,15 @@ def _watch_bounces(structure, motion, memory):
 
 
 @compiled
+def _take_powers(structure, spin, loads, motion, memory):
+    """Powers and torque at this instant; what drives a free rotor is the drive's torque itself."""
+    r = memory.record[0]
+    r.torque = powers(structure, spin, loads, motion, memory.power)
+    if r.is_free == 1:
+        memory.power[0] = r.drive * spin.omega
+
+
+@compiled
 def _commit(h, loads, structure, motion, trial, memory, work, spin):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
@@ -167,9 +188,11 @@ def _commit(h, loads, structure, motion, trial, memory, work, spin):
     r.h_last = h
     r.omega = spin.omega
     r.theta = spin.theta
+    if r.is_free == 1:
+        r.alpha = spin.alpha
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * memory.power[i]
-    r.torque = powers(structure, spin, loads, motion, memory.power)
+    _take_powers(structure, spin, loads, motion, memory)
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * memory.power[i]
     _watch_amplitudes(structure, motion, memory)
@@ -201,7 +224,62 @@ def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work
     accelerate(structure, spin, loads, motion, work)
     for i in range(len(motion.a)):
         motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
-    r.torque = powers(structure, spin, loads, motion, memory.power)
+    _take_powers(structure, spin, loads, motion, memory)
+
+
+@compiled
+def _balance(structure, loads, motion, memory, work):
+    """The rate at which a free rotor's torques balance at the time reached, with the motion's
+    accelerations."""
+    r = memory.record[0]
+    for _ in range(SPIN_ITERATIONS):
+        spin = spin_now(memory.record)
+        accelerate(structure, spin, loads, motion, work)
+        change = (r.drive - powers(structure, spin, loads, motion, memory.power)) / structure.inertia
+        r.alpha += change
+        if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
+            return
+
+
+@compiled
+def begin_free_interval(structure, drive, loads, is_start, motion, memory, work):
+    """`begin_interval` of a rotor that the torque `drive` [N.m] turns."""
+    r = memory.record[0]
+    r.drive = drive
+    for i in range(len(motion.a)):
+        motion.a[i] -= motion.v_dot[i]
+    _balance(structure, loads, motion, memory, work)
+    spin = spin_now(memory.record)
+    accelerate(structure, spin, loads, motion, work)
+    for i in range(len(motion.a)):
+        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
+    if is_start:
+        r.energy_at_start = total_energy(structure, spin, motion, work.stores)
+    _take_powers(structure, spin, loads, motion, memory)
+
+
+@compiled
+def _turn(structure, scheme, t, h, loads, motion, trial, memory, work):
+    """A step to time t [s] and the rotation that goes with it: prescribed, or a free rotor's, whose
+    torques balance at the step's end. Returns status, iterations and the rotation."""
+    r = memory.record[0]
+    if r.is_free == 0:
+        spin = spin_at(memory.record, t)
+        status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+        return status, iterations, spin
+    spin = free_spin_at(memory.record, t, r.alpha)
+    total = 0
+    for _ in range(SPIN_ITERATIONS):
+        status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+        total += iterations
+        if status != DONE:
+            return status, total, spin
+        torque = powers(structure, spin, loads, trial, work.powers)
+        change = (r.drive - torque) / structure.inertia
+        if 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega)):
+            return DONE, total, spin
+        spin = free_spin_at(memory.record, t, spin.alpha + change)
+    return NOT_CONVERGED, total, spin
 
 
 @compiled
@@ -217,8 +295,9 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
         wished = r.h
         while True:
             t = t_end if parts == 1.0 else r.t + h
-            spin = spin_at(memory.record, t)
-            status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+            status, iterations, spin = _turn(
+                structure, scheme, t, h, loads, motion, trial, memory, work
+            )
             r.newton += iterations
             error = 0.0
             if status == DONE and is_adaptive:
@@ -248,19 +327,23 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
 
 
 @compiled
-def advance(structure, scheme, control, t_end, speed, loads, motion, trial, memory, work):
+def advance(structure, scheme, control, t_end, drive, loads, motion, trial, memory, work):
     """March to t_end [s]; returns DONE or why not.
 
-    speed: now [rad/s], continued linearly from the last two given, or held; loads: constant until
-    t_end, shape (bodies,) [N]. On failure the state is that after the last accepted step.
+    drive: the speed now [rad/s], continued linearly from the last two given, or held; of a free
+    rotor the torque [N.m], constant until t_end; loads: constant until t_end, shape (bodies,) [N].
+    On failure the state is that after the last accepted step.
     """
     r = memory.record[0]
     since = r.t - r.t_ref
-    if r.continues == 0:
-        rate = 0.0
-    elif since > 0.0:
-        rate = (speed - r.omega_ref) / since
+    if r.is_free == 1:
+        begin_free_interval(structure, drive, loads, False, motion, memory, work)
     else:
-        rate = r.alpha
-    begin_interval(structure, speed, rate, loads, False, motion, memory, work)
+        if r.continues == 0:
+            rate = 0.0
+        elif since > 0.0:
+            rate = (drive - r.omega_ref) / since
+        else:
+            rate = r.alpha
+        begin_interval(structure, drive, rate, loads, False, motion, memory, work)
     return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)
