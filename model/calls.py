@@ -39,13 +39,10 @@ def _workspace(work):
 
 @compiled
 def start(structure, motion, memory, work, drive, rate, loads, observed):
-    """`march.begin_interval` or `begin_free_interval` at the start of a run; fills `observed`."""
+    """`march.begin_interval` at the start of a run; fills `observed`."""
     machine, state, book = Structure(*structure), Motion(*motion), Memory(*memory)
     scratch = _workspace(work)
-    if book.record[0].is_free == 1:
-        march.begin_free_interval(machine, drive, loads, True, state, book, scratch)
-    else:
-        march.begin_interval(machine, drive, rate, loads, True, state, book, scratch)
+    march.begin_interval(machine, drive, rate, loads, True, state, book, scratch)
     observe(machine, state, book, scratch, observed)
 
 

@@ -19,7 +19,8 @@ from .excitation import spin_of
 from .step import accelerate, try_step
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
-# A free rotor's rate is found by repeating the step; the speed must agree to SPIN_TOLERANCE.
+# A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
+# SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
 # the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
@@ -90,24 +91,20 @@ def new_memory(structure: Structure) -> Memory:
 
 
 @compiled
-def spin_at(record, t):
-    """Rotation at time t [s]: the speed is linear in time, the angle its integral."""
+def spin_at(record, t, alpha):
+    """Rotation at time t [s]: the speed is linear in time, the angle its integral. A free rotor's
+    rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal rule."""
     r = record[0]
+    if r.is_free == 1:
+        h = t - r.t
+        omega = r.omega + 0.5 * h * (r.alpha + alpha)
+        return spin_of(omega, alpha, r.theta + 0.5 * h * (r.omega + omega))
     since = t - r.t_ref
     return spin_of(
         r.omega_ref + r.alpha * since,
         r.alpha,
         r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
     )
-
-
-@compiled
-def free_spin_at(record, t, alpha):
-    """Rotation of a free rotor at time t [s], by the trapezoidal rule, if its rate then is alpha."""
-    r = record[0]
-    h = t - r.t
-    omega = r.omega + 0.5 * h * (r.alpha + alpha)
-    return spin_of(omega, alpha, r.theta + 0.5 * h * (r.omega + omega))
 
 
 @compiled
@@ -164,16 +161,7 @@ def _watch_bounces(structure, motion, memory):
 
 
 @compiled
-def _take_powers(structure, spin, loads, motion, memory):
-    """Powers and torque at this instant; what drives a free rotor is the drive's torque itself."""
-    r = memory.record[0]
-    r.torque = powers(structure, spin, loads, motion, memory.power)
-    if r.is_free == 1:
-        memory.power[0] = r.drive * spin.omega
-
-
-@compiled
-def _commit(h, loads, structure, motion, trial, memory, work, spin):
+def _commit(h, structure, motion, trial, memory, work, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
     for i in range(len(motion.q)):
@@ -188,20 +176,19 @@ def _commit(h, loads, structure, motion, trial, memory, work, spin):
     r.h_last = h
     r.omega = spin.omega
     r.theta = spin.theta
-    if r.is_free == 1:
-        r.alpha = spin.alpha
+    r.alpha = spin.alpha
+    r.torque = torque
     for i in range(len(memory.power)):
-        memory.work[i] += 0.5 * h * memory.power[i]
-    _take_powers(structure, spin, loads, motion, memory)
-    for i in range(len(memory.power)):
-        memory.work[i] += 0.5 * h * memory.power[i]
+        memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
+        memory.power[i] = work.powers[i]
     _watch_amplitudes(structure, motion, memory)
     _watch_bounces(structure, motion, memory)
 
 
 @compiled
-def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work):
-    """Take up the speed [rad/s], its rate [rad/s2] and the loads [N] of a new interval.
+def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work):
+    """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
+    rate [rad/s2], or the torque on a free rotor [N.m], whose rate follows.
 
     Carries accelerations and powers over the jump; at the start the accelerations are
     those of the equation of motion. A jump of the speed is work that the drive does in no time.
@@ -210,76 +197,62 @@ def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work
     before = total_energy(structure, spin_now(memory.record), motion, work.stores)
     r.t_ref = r.t
     r.theta_ref = r.theta
-    r.omega = speed
-    r.omega_ref = speed
-    r.alpha = rate
-    spin = spin_now(memory.record)
-    after = total_energy(structure, spin, motion, work.stores)
+    if r.is_free == 1:
+        r.drive = drive
+    else:
+        r.omega = drive
+        r.omega_ref = drive
+        r.alpha = rate
+    after = total_energy(structure, spin_now(memory.record), motion, work.stores)
     if is_start:
         r.energy_at_start = after
     else:
         memory.work[0] += after - before
     for i in range(len(motion.a)):
         motion.a[i] -= motion.v_dot[i]
-    accelerate(structure, spin, loads, motion, work)
-    for i in range(len(motion.a)):
-        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
-    _take_powers(structure, spin, loads, motion, memory)
-
-
-@compiled
-def _balance(structure, loads, motion, memory, work):
-    """The rate at which a free rotor's torques balance at the time reached, with the motion's
-    accelerations."""
-    r = memory.record[0]
     for _ in range(SPIN_ITERATIONS):
         spin = spin_now(memory.record)
         accelerate(structure, spin, loads, motion, work)
-        change = (r.drive - powers(structure, spin, loads, motion, memory.power)) / structure.inertia
-        r.alpha += change
+        r.torque = powers(structure, spin, loads, motion, memory.power)
+        change = _imbalance(structure, memory.record, r.torque)
         if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
-            return
+            break
+        r.alpha += change
+    for i in range(len(motion.a)):
+        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
 
 
 @compiled
-def begin_free_interval(structure, drive, loads, is_start, motion, memory, work):
-    """`begin_interval` of a rotor that the torque `drive` [N.m] turns."""
-    r = memory.record[0]
-    r.drive = drive
-    for i in range(len(motion.a)):
-        motion.a[i] -= motion.v_dot[i]
-    _balance(structure, loads, motion, memory, work)
-    spin = spin_now(memory.record)
-    accelerate(structure, spin, loads, motion, work)
-    for i in range(len(motion.a)):
-        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
-    if is_start:
-        r.energy_at_start = total_energy(structure, spin, motion, work.stores)
-    _take_powers(structure, spin, loads, motion, memory)
+def _imbalance(structure, record, torque):
+    """By how much the rate of a free rotor must change [rad/s2] for its drive to be `torque`; of
+    another rotor not at all."""
+    r = record[0]
+    return (r.drive - torque) / structure.inertia if r.is_free == 1 else 0.0
 
 
 @compiled
 def _turn(structure, scheme, t, h, loads, motion, trial, memory, work):
-    """A step to time t [s] and the rotation that goes with it: prescribed, or a free rotor's, whose
-    torques balance at the step's end. Returns status, iterations and the rotation."""
+    """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
+    rotor's torques balance at its end. Fills work.powers.
+
+    Returns the status, the Newton iterations, the rotation, and the drive's torque [N.m].
+    """
     r = memory.record[0]
-    if r.is_free == 0:
-        spin = spin_at(memory.record, t)
-        status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
-        return status, iterations, spin
-    spin = free_spin_at(memory.record, t, r.alpha)
-    total = 0
-    for _ in range(SPIN_ITERATIONS):
+    spin = spin_at(memory.record, t, r.alpha)
+    status, total, torque = NOT_CONVERGED, 0, 0.0
+    for correction in range(SPIN_ITERATIONS):
         status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
         total += iterations
         if status != DONE:
-            return status, total, spin
+            break
         torque = powers(structure, spin, loads, trial, work.powers)
-        change = (r.drive - torque) / structure.inertia
-        if 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega)):
-            return DONE, total, spin
-        spin = free_spin_at(memory.record, t, spin.alpha + change)
-    return NOT_CONVERGED, total, spin
+        change = _imbalance(structure, memory.record, torque)
+        is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
+        if r.is_free == 0 or (is_small and correction > 0):
+            break
+        spin = spin_at(memory.record, t, spin.alpha + change)
+        status = NOT_CONVERGED
+    return status, total, spin, torque
 
 
 @compiled
@@ -295,7 +268,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
         wished = r.h
         while True:
             t = t_end if parts == 1.0 else r.t + h
-            status, iterations, spin = _turn(
+            status, iterations, spin, torque = _turn(
                 structure, scheme, t, h, loads, motion, trial, memory, work
             )
             r.newton += iterations
@@ -319,7 +292,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
         r.h = next_step(control, wished, h, error) if is_adaptive else wished
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
-        _commit(h, loads, structure, motion, trial, memory, work, spin)
+        _commit(h, structure, motion, trial, memory, work, spin, torque)
         parts = parts - 1.0
         if is_adaptive and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
@@ -336,14 +309,11 @@ def advance(structure, scheme, control, t_end, drive, loads, motion, trial, memo
     """
     r = memory.record[0]
     since = r.t - r.t_ref
-    if r.is_free == 1:
-        begin_free_interval(structure, drive, loads, False, motion, memory, work)
+    if r.is_free == 1 or r.continues == 0:
+        rate = 0.0
+    elif since > 0.0:
+        rate = (drive - r.omega_ref) / since
     else:
-        if r.continues == 0:
-            rate = 0.0
-        elif since > 0.0:
-            rate = (drive - r.omega_ref) / since
-        else:
-            rate = r.alpha
-        begin_interval(structure, drive, rate, loads, False, motion, memory, work)
+        rate = r.alpha
+    begin_interval(structure, drive, rate, loads, False, motion, memory, work)
     return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)
