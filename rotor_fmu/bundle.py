@@ -19,7 +19,7 @@ from model.rotor_toml import parse_rotor, rig_toml
 
 from .documents import documents
 from .interface import interface
-from .slave import ROTOR_FILE
+from .slave import DRIVE_FILE, ROTOR_FILE
 
 FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
@@ -43,12 +43,14 @@ def build(out: Path, rotor_toml: str | None = None, is_free: bool = False) -> Pa
         package = _write_package(folder)
         rotor = folder / ROTOR_FILE
         rotor.write_text(toml, encoding="utf-8")
+        drive = folder / DRIVE_FILE
+        drive.write_text("torque" if is_free else "speed", encoding="utf-8")
         script = folder / _script(package.name, is_free)
         shutil.copyfile(_HERE / "entry.py", script)
         requirements = folder / "requirements.txt"
         requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
         raw = folder / "raw.fmu"
-        wrap(script, [package, rotor, requirements], raw)
+        wrap(script, [package, rotor, drive, requirements], raw)
         target = out / (FREE_FMU_NAME if is_free else FMU_NAME)
         return repack(raw, target, documents(described, interface(described, is_free), target.stem))
 

@@ -19,9 +19,7 @@ from pathlib import Path
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 RESOURCES = Path(__file__).resolve().parent
-SCRIPT = Path(__file__).stem.removesuffix("_entry")
-PACKAGE = SCRIPT.removesuffix("_free")
-SLAVE = "RotorBearing" if SCRIPT == PACKAGE else "RotorBearingFree"
+PACKAGE = Path(__file__).stem.removesuffix("_entry").removesuffix("_free")
 
 
 def _installed(package: Path) -> Path:
@@ -62,4 +60,4 @@ if PACKAGE not in sys.modules:
     finally:
         sys.path.pop(0)
 
-globals()[SLAVE] = getattr(sys.modules[f"{PACKAGE}.slave"], SLAVE)
+RotorBearing = sys.modules[f"{PACKAGE}.slave"].RotorBearing
