@@ -3,11 +3,8 @@ and how well the two FMUs agree on the power that crosses from one to the other.
 
 from __future__ import annotations
 
-import contextlib
 import math
 import shutil
-import signal
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -32,6 +29,7 @@ from .drive_train import (
 from .errors import InputError, writable_folder
 from .figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
 from .job import fmu_in, write_json
+from .run_down import interrupts_noted
 
 TARGET, RAMP = 400.0, 10.0  # of the run-up: [rad/s], [rad/s2]
 AMPLE, SMALL = 0.2, 0.032  # torque limits [N.m]
@@ -111,34 +109,18 @@ def _stored(out: Path, fmus: tuple[Path, Path], name: str, case: Case) -> Couple
     columns = (*Progress.get_default_columns()[:-1], TimeRemainingColumn())
     with (
         Progress(*columns, console=_console, transient=True) as bar,
-        _interrupted_between_steps() as check,
+        interrupts_noted() as interrupts,
     ):
         task = bar.add_task(f"drive train, {case.title}", total=case.stop)
 
         def progress(t: float) -> None:
-            check()
+            if interrupts:
+                raise KeyboardInterrupt
             bar.update(task, completed=t)
 
         run = couple(*fmus, case.stop, case.step, case.drive, case.rotor, progress)
     save_coupled(run, path)
     return run
-
-
-@contextlib.contextmanager
-def _interrupted_between_steps() -> Iterator[Callable[[], None]]:
-    """Hold Ctrl-C back until the function given is called: an exception amid an FMU's own Python
-    would take the process down with it."""
-    pressed: list[int] = []
-    before = signal.signal(signal.SIGINT, lambda number, frame: pressed.append(number))
-
-    def check() -> None:
-        if pressed:
-            raise KeyboardInterrupt
-
-    try:
-        yield check
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def mean_load(run: Coupled) -> tuple[np.ndarray, np.ndarray]:
