@@ -20,6 +20,9 @@ from .excitation import spin_of
 from .step import accelerate, try_step
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+# A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
+# SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
+SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
 # the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
 # step takes one away, and at TRAPPED_SCORE (some twenty crossings) the state is called false.
@@ -45,14 +48,15 @@ RECORD = np.dtype(
             "h_largest",
             "error",  # of the last step, relative [1]
             "energy_at_start",  # of the machine [J]
-            "torque",  # of the drive, at t [N.m]
+            "torque",  # that the motion needs at t [N.m]
+            "drive",  # torque on a free rotor [N.m]
             "turn",  # angle at which the present revolution began [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
         )
     ]
-    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues")]
+    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues", "is_free")]
 )
 
 
@@ -89,9 +93,14 @@ def new_memory(structure: Structure) -> Memory:
 
 
 @compiled
-def spin_at(record, t):
-    """Rotation at time t [s]: the speed is linear in time, the angle its integral."""
+def spin_at(record, t, alpha):
+    """Rotation at time t [s]: the speed is linear in time, the angle its integral. A free rotor's
+    rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal rule."""
     r = record[0]
+    if r.is_free == 1:
+        h = t - r.t
+        omega = r.omega + 0.5 * h * (r.alpha + alpha)
+        return spin_of(omega, alpha, r.theta + 0.5 * h * (r.omega + omega))
     since = t - r.t_ref
     return spin_of(
         r.omega_ref + r.alpha * since,
@@ -154,7 +163,7 @@ def _watch_bounces(structure, motion, memory):
 
 
 @compiled
-def _commit(h, loads, structure, motion, trial, memory, work, spin):
+def _commit(h, structure, motion, trial, memory, work, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
     for i in range(len(motion.q)):
@@ -169,18 +178,19 @@ def _commit(h, loads, structure, motion, trial, memory, work, spin):
     r.h_last = h
     r.omega = spin.omega
     r.theta = spin.theta
+    r.alpha = spin.alpha
+    r.torque = torque
     for i in range(len(memory.power)):
-        memory.work[i] += 0.5 * h * memory.power[i]
-    r.torque = powers(structure, spin, loads, motion, memory.power)
-    for i in range(len(memory.power)):
-        memory.work[i] += 0.5 * h * memory.power[i]
+        memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
+        memory.power[i] = work.powers[i]
     _watch_amplitudes(structure, motion, memory)
     _watch_bounces(structure, motion, memory)
 
 
 @compiled
-def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work):
-    """Take up the speed [rad/s], its rate [rad/s2] and the loads [N] of a new interval.
+def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work):
+    """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
+    rate [rad/s2], or the torque on a free rotor [N.m], whose rate follows.
 
     Carries accelerations and powers over the jump; at the start the accelerations are
     those of the equation of motion. A jump of the speed is work that the drive does in no time.
@@ -189,21 +199,62 @@ def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work
     before = total_energy(structure, spin_now(memory.record), motion, work.stores)
     r.t_ref = r.t
     r.theta_ref = r.theta
-    r.omega = speed
-    r.omega_ref = speed
-    r.alpha = rate
-    spin = spin_now(memory.record)
-    after = total_energy(structure, spin, motion, work.stores)
+    if r.is_free == 1:
+        r.drive = drive
+    else:
+        r.omega = drive
+        r.omega_ref = drive
+        r.alpha = rate
+    after = total_energy(structure, spin_now(memory.record), motion, work.stores)
     if is_start:
         r.energy_at_start = after
     else:
         memory.work[0] += after - before
     for i in range(len(motion.a)):
         motion.a[i] -= motion.v_dot[i]
-    accelerate(structure, spin, loads, motion, work)
+    for _ in range(SPIN_ITERATIONS):
+        spin = spin_now(memory.record)
+        accelerate(structure, spin, loads, motion, work)
+        r.torque = powers(structure, spin, loads, motion, memory.power)
+        change = _imbalance(structure, memory.record, r.torque)
+        if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
+            break
+        r.alpha += change
     for i in range(len(motion.a)):
         motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
-    r.torque = powers(structure, spin, loads, motion, memory.power)
+
+
+@compiled
+def _imbalance(structure, record, torque):
+    """By how much the rate of a free rotor must change [rad/s2] for its drive to be `torque`; of
+    another rotor not at all."""
+    r = record[0]
+    return (r.drive - torque) / structure.inertia if r.is_free == 1 else 0.0
+
+
+@compiled
+def _turn(structure, scheme, t, h, loads, motion, trial, memory, work):
+    """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
+    rotor's torques balance at its end. Fills work.powers.
+
+    Returns the status, the Newton iterations, the rotation, and the drive's torque [N.m].
+    """
+    r = memory.record[0]
+    spin = spin_at(memory.record, t, r.alpha)
+    status, total, torque = NOT_CONVERGED, 0, 0.0
+    for correction in range(SPIN_ITERATIONS):
+        status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+        total += iterations
+        if status != DONE:
+            break
+        torque = powers(structure, spin, loads, trial, work.powers)
+        change = _imbalance(structure, memory.record, torque)
+        is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
+        if r.is_free == 0 or (is_small and correction > 0):
+            break
+        spin = spin_at(memory.record, t, spin.alpha + change)
+        status = NOT_CONVERGED
+    return status, total, spin, torque
 
 
 @compiled
@@ -255,8 +306,9 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
         was_rejected = False
         while True:
             t = t_end if parts == 1.0 else r.t + h
-            spin = spin_at(memory.record, t)
-            status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+            status, iterations, spin, torque = _turn(
+                structure, scheme, t, h, loads, motion, trial, memory, work
+            )
             r.newton += iterations
             error = 0.0
             if status == DONE:
@@ -277,7 +329,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
-        _commit(h, loads, structure, motion, trial, memory, work, spin)
+        _commit(h, structure, motion, trial, memory, work, spin, torque)
         parts = parts - 1.0
         if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
@@ -285,19 +337,20 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
 
 
 @compiled
-def advance(structure, scheme, control, t_end, speed, loads, motion, trial, memory, work):
+def advance(structure, scheme, control, t_end, drive, loads, motion, trial, memory, work):
     """March to t_end [s]; returns DONE or why not.
 
-    speed: now [rad/s], continued linearly from the last two given, or held; loads: constant until
-    t_end, shape (bodies,) [N]. On failure the state is that after the last accepted step.
+    drive: the speed now [rad/s], continued linearly from the last two given, or held; of a free
+    rotor the torque [N.m], constant until t_end; loads: constant until t_end, shape (bodies,) [N].
+    On failure the state is that after the last accepted step.
     """
     r = memory.record[0]
     since = r.t - r.t_ref
-    if r.continues == 0:
+    if r.is_free == 1 or r.continues == 0:
         rate = 0.0
     elif since > 0.0:
-        rate = (speed - r.omega_ref) / since
+        rate = (drive - r.omega_ref) / since
     else:
         rate = r.alpha
-    begin_interval(structure, speed, rate, loads, False, motion, memory, work)
+    begin_interval(structure, drive, rate, loads, False, motion, memory, work)
     return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)
