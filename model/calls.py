@@ -12,7 +12,7 @@ from .assembly import Structure
 from .compiled import compiled
 from .contact_problem import ContactProblem
 from .control import Control
-from .march import Memory
+from .memory import Memory
 from .observe import observe
 from .schemes import Scheme
 from .step import Motion, Workspace

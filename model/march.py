@@ -7,159 +7,20 @@ the energy ledger, the amplitudes, and the watch for the false wall-to-wall stat
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
-import numpy as np
-
-from .assembly import Structure
 from .compiled import compiled
 from .control import ADAPTIVE, CONTROLLED, FIXED, error_indicator, next_step, shorter_step
-from .energy import FLOWS, powers, total_energy
+from .energy import powers, total_energy
 from .error_control import local_error, next_length, repeated_length
-from .excitation import spin_of
+from .memory import spin_at, spin_now
 from .step import accelerate, try_step
+from .watch import watch_amplitudes, watch_bounces
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
-# A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
-# the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
-# step takes one away, and at TRAPPED_SCORE (some twenty crossings) the state is called false.
-CROSSING_STEPS = 2
-CROSSING_SCORE = 3.0
-TRAPPED_SCORE = 60.0
 CUT = 0.9  # of the wished length: a step below it was cut short and says little about the next one
-
-RECORD = np.dtype(
-    [
-        (name, "f8")
-        for name in (
-            "t",  # time [s]
-            "t_ref",  # since then the speed has been linear in time: [s], [rad/s], [rad/s2], [rad]
-            "omega_ref",
-            "alpha",
-            "theta_ref",
-            "omega",  # at t [rad/s]
-            "theta",  # at t [rad]
-            "h",  # wished step length [s]
-            "h_last",
-            "h_smallest",
-            "h_largest",
-            "error",  # of the last step, relative [1]
-            "energy_at_start",  # of the machine [J]
-            "torque",  # that the motion needs at t [N.m]
-            "drive",  # torque on a free rotor [N.m]
-            "turn",  # angle at which the present revolution began [rad]
-            "trapped_at",  # time at which the false state was first seen [s], or NaN
-            "failed_at",  # time of the step that failed [s], and its length [s]
-            "failed_h",
-        )
-    ]
-    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues", "is_free")]
-)
-
-
-class Memory(NamedTuple):
-    """What a run remembers besides the motion; every array changes in place.
-
-    record: shape (1,) of dtype `RECORD`; work, power: of `FLOWS`, shape (6,) [J], [W]; peaks: shape
-    (3, 2, discs): largest |x| and |y - y_static| [m] of the present revolution, of the one before,
-    and since the last communication point; bounce: shape (bearings, 4): direction of the last
-    contact (cos, sin), steps since then, score of crossings; rest: heights of
-    the discs at rest, shape (discs,) [m].
-    """
-
-    record: np.ndarray
-    work: np.ndarray
-    power: np.ndarray
-    peaks: np.ndarray
-    bounce: np.ndarray
-    rest: np.ndarray
-
-
-def new_memory(structure: Structure) -> Memory:
-    """Memory of a run that has not begun."""
-    memory = Memory(
-        record=np.zeros(1, dtype=RECORD).view(np.recarray),
-        work=np.zeros(len(FLOWS)),
-        power=np.zeros(len(FLOWS)),
-        peaks=np.zeros((3, 2, len(structure.disc_dof))),
-        bounce=np.zeros((len(structure.contacts), 4)),
-        rest=np.zeros(len(structure.disc_dof)),
-    )
-    memory.record[0].trapped_at = np.nan
-    return memory
-
-
-@compiled
-def spin_at(record, t, alpha):
-    """Rotation at time t [s]: the speed is linear in time, the angle its integral. A free rotor's
-    rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal rule."""
-    r = record[0]
-    if r.is_free == 1:
-        h = t - r.t
-        omega = r.omega + 0.5 * h * (r.alpha + alpha)
-        return spin_of(omega, alpha, r.theta + 0.5 * h * (r.omega + omega))
-    since = t - r.t_ref
-    return spin_of(
-        r.omega_ref + r.alpha * since,
-        r.alpha,
-        r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
-    )
-
-
-@compiled
-def spin_now(record):
-    """Rotation at the time reached."""
-    r = record[0]
-    return spin_of(r.omega, r.alpha, r.theta)
-
-
-@compiled
-def _watch_amplitudes(structure, motion, memory):
-    """Largest displacements of the discs, over the last whole revolution and what has passed of
-    the present one."""
-    r = memory.record[0]
-    peaks = memory.peaks
-    if abs(r.theta - r.turn) >= 2.0 * math.pi:
-        r.turn = r.theta
-        for axis in range(2):
-            for i in range(len(structure.disc_dof)):
-                peaks[1, axis, i] = peaks[0, axis, i]
-                peaks[0, axis, i] = 0.0
-    for i in range(len(structure.disc_dof)):
-        q = motion.q[structure.disc_dof[i]]
-        x = abs(q.real)
-        y = abs(q.imag - memory.rest[i])
-        for window in (0, 2):
-            peaks[window, 0, i] = max(peaks[window, 0, i], x)
-            peaks[window, 1, i] = max(peaks[window, 1, i], y)
-
-
-@compiled
-def _watch_bounces(structure, motion, memory):
-    """Count the steps in which a journal keeps hitting opposite walls within a step or two."""
-    r = memory.record[0]
-    contacts = structure.contacts
-    n = structure.M.shape[0]
-    bounce = memory.bounce
-    for j in range(len(contacts)):
-        bounce[j, 2] += 1.0
-        bounce[j, 3] = max(0.0, bounce[j, 3] - 1.0)
-        if motion.force[j] != 0.0:
-            d = motion.q[contacts[j].dof] - motion.q[n + j]
-            e = d / abs(d)
-            is_opposite = e.real * bounce[j, 0] + e.imag * bounce[j, 1] < -0.5
-            if is_opposite and bounce[j, 2] <= CROSSING_STEPS:
-                bounce[j, 3] = min(2.0 * TRAPPED_SCORE, bounce[j, 3] + CROSSING_SCORE)
-            bounce[j, 0] = e.real
-            bounce[j, 1] = e.imag
-            bounce[j, 2] = 0.0
-        if bounce[j, 3] >= TRAPPED_SCORE:
-            r.trapped += 1
-            if math.isnan(r.trapped_at):
-                r.trapped_at = r.t
 
 
 @compiled
@@ -183,8 +44,8 @@ def _commit(h, structure, motion, trial, memory, work, spin, torque):
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
         memory.power[i] = work.powers[i]
-    _watch_amplitudes(structure, motion, memory)
-    _watch_bounces(structure, motion, memory)
+    watch_amplitudes(structure, motion, memory)
+    watch_bounces(structure, motion, memory)
 
 
 @compiled

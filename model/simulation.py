@@ -12,7 +12,9 @@ from . import calls, march
 from .assembly import assemble
 from .compiled import INTERPRETED_WARNING, IS_COMPILED
 from .equilibrium import static_equilibrium
+from .memory import new_memory
 from .observe import observed_names
+from .reduction import reduced
 from .rotor import Rotor
 from .schemes import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
@@ -62,6 +64,8 @@ class Simulation:
         self.rotor = rotor
         self.settings = settings
         self.structure = assemble(rotor)
+        if settings.reduction:
+            self.structure = reduced(self.structure, int(settings.reduction))
         self.names = observed_names(self.structure)
         self._scheme = settings.scheme()
         self._control = settings.control()
@@ -75,7 +79,7 @@ class Simulation:
         self._motion = new_motion(self.structure)
         self._trial = new_motion(self.structure)
         self._work = new_workspace(self.structure)
-        self._memory = march.new_memory(self.structure)
+        self._memory = new_memory(self.structure)
         self._observed = np.zeros(len(self.names))
         self._has_warned = False
 
@@ -189,8 +193,9 @@ class Simulation:
             reason = "the contact forces did not converge"
             advice = "try a smaller solver.h, or the preset robust"
         else:
-            q = np.abs(self._motion.q[: self.structure.M.shape[0] : 2])
-            node = int(np.argmax(np.where(np.isfinite(q), q, math.inf))) + 1
+            dofs, nodes = self.structure.deflections.T
+            q = np.abs(self._motion.q[dofs])
+            node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
             reason = (
                 f"the solution diverged (node {node} past {self.structure.bound:.3g} m "
                 "or not finite)"

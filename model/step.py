@@ -251,8 +251,8 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
                 new.a[i] += work.columns[j, i] * force
             new.a[n + j] -= by_axis(work.housing[j, 0], work.housing[j, 1], force)
     correct(scheme, h, new.a, new.q, new.v)
-    for i in range(0, n, 2):
-        if not _is_sane(new.q[i], structure.bound):
+    for i in range(len(structure.deflections)):
+        if not _is_sane(new.q[structure.deflections[i, 0]], structure.bound):
             return 2, iterations
     balance(scheme, old.a, old.v_dot, new.a, new.v_dot)
     return 0, iterations

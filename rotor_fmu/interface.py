@@ -13,6 +13,7 @@ from model.settings import DEFAULT_PRESET, INDICATORS, METHODS, MODES, NORMS, PR
 
 AS_PRESET = "as the preset"
 _BIG = 1e9
+_MOST_MODES = 10_000
 
 
 @dataclass(frozen=True)
@@ -240,6 +241,17 @@ def _solver_parameters() -> list[Variable]:
         choice("norm", (AS_PRESET, *NORMS), 0, "what its error is relative to"),
         real("atol", "m", 0.0, 0.0, 1.0, "absolute part of the mixed norm"),
         real("rtol", "1", 0.0, 0.0, 1.0, "relative part of the mixed norm"),
+        Variable(
+            "solver.reduction",
+            "Integer",
+            "parameter",
+            "Craig-Bampton modes to keep of the shaft besides the deflections of bearings, discs "
+            "and coupling; 0: all of the shaft",
+            start=0,
+            low=0,
+            high=_MOST_MODES,
+            is_unset_at_start=True,
+        ),
     ]
 
 
