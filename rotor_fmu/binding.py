@@ -58,10 +58,12 @@ def build_simulation(
     values: Mapping[str, float],
     start_time: float,
     warn: Callable[[str], None],
+    tolerance: float | None = None,
 ) -> Simulation:
     """The simulation that an FMU with these values of its inputs and parameters stands for.
 
-    start_time [s]; raises `RotorError`, `SettingsError` and `EquilibriumError`.
+    start_time [s]; tolerance: the experiment's [1], which a value of the FMU's own overrides.
+    Raises `RotorError`, `SettingsError` and `EquilibriumError`.
     """
     if "tau_drive" in values:
         drive = {"speed": values["w_start"], "drive_torque": values["tau_drive"]}
@@ -71,6 +73,8 @@ def build_simulation(
             "rate": values["speed_rate"],
             "continues_speed": values["speed_continuation"] == 0,
         }
+    settings = chosen_settings(table, values)
+    if tolerance is not None:
+        settings.setdefault("tolerance", tolerance)
     changed = changed_rotor(rotor, table, values)
-    settings = choose(**chosen_settings(table, values))
-    return Simulation(changed, settings, t=start_time, warn=warn, **drive)
+    return Simulation(changed, choose(**settings), t=start_time, warn=warn, **drive)
