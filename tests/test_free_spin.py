@@ -95,7 +95,12 @@ def test_the_coupled_equations_are_solved_with_second_order():
 def test_without_contact_the_residual_falls_with_the_square_of_the_step(method):
     residuals = [
         free(
-            overhung(), choose("robust", **METHODS[method], h=h), 0.04, speed=100.0, torque=30.0, stops=40
+            overhung(),
+            choose("robust", **METHODS[method], h=h),
+            0.04,
+            speed=100.0,
+            torque=30.0,
+            stops=40,
         ).read("energy.residual")
         for h in (2e-5, 1e-5, 5e-6)
     ]
