@@ -73,8 +73,8 @@ def build_simulation(
             "rate": values["speed_rate"],
             "continues_speed": values["speed_continuation"] == 0,
         }
+    changed = changed_rotor(rotor, table, values)
     settings = chosen_settings(table, values)
     if tolerance is not None:
         settings.setdefault("tolerance", tolerance)
-    changed = changed_rotor(rotor, table, values)
     return Simulation(changed, choose(**settings), t=start_time, warn=warn, **drive)

@@ -17,7 +17,6 @@ from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 
 from model.rotor_toml import rig_toml
-from model.settings import PRESETS
 
 from .drive_train import (
     Coupled,
@@ -39,8 +38,6 @@ STEP = 0.002  # communication step of the run-ups [s]
 # The study of the residual: communication steps [s], and the length of its runs [s].
 STUDIED, STUDY_STOP = (0.008, 0.004, 0.002, 0.001), 1.0
 CONTINUATIONS = ("held", "linear")
-# Fixed steps in the study, so that the communication step alone varies.
-_FIXED = {"solver.preset": [*PRESETS].index("robust"), "solver.h": 1e-4}
 _MEAN_OVER = 0.5  # window of the mean load torque [s]
 _BESIDE = {"textcoords": "offset points", "ha": "right", "color": "#555555", "fontsize": 9}
 _console = Console(stderr=True)
@@ -99,7 +96,7 @@ def drive_train(
 def _studied(ample: float, continuation: str, step: float) -> Case:
     drive = {"tau_max": ample, "continuation": float(CONTINUATIONS.index(continuation))}
     title = f"{continuation}, {1e3 * step:g} ms"
-    return Case(title, STUDY_STOP, step, drive, _FIXED)
+    return Case(title, STUDY_STOP, step, drive, {"solver.tolerance": 1e-4})
 
 
 def _stored(out: Path, fmus: tuple[Path, Path], name: str, case: Case) -> Coupled:

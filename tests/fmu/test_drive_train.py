@@ -18,7 +18,6 @@ from fmpy.validation import validate_fmu
 
 from model.assembly import assemble
 from model.rotor_toml import rig
-from model.settings import PRESETS
 from rotor_fmu.drive_train import (
     Member,
     build_drive_train,
@@ -37,9 +36,6 @@ from rotor_fmu.drive_train_command import (
     peak_hz,
 )
 from rotor_fmu.errors import RunFailed
-
-# fixed steps of 0.1 ms, so that the communication step alone is varied
-FIXED = {"solver.preset": [*PRESETS].index("robust"), "solver.h": 1e-4}
 
 
 @pytest.fixture(scope="module")
@@ -215,7 +211,9 @@ def test_cofmpys_gauss_seidel_differs_by_the_communication_step_only(system, thr
 @pytest.mark.parametrize(("continuation", "order"), [*zip(CONTINUATIONS, (1, 2), strict=True)])
 def test_the_energy_lost_between_the_fmus_falls_with_the_step(drive_fmu, fmu, continuation, order):
     drive = {"continuation": float(CONTINUATIONS.index(continuation))}
-    runs = [couple(drive_fmu, fmu, STUDY_STOP, h, drive, FIXED) for h in STUDIED]
+    runs = [
+        couple(drive_fmu, fmu, STUDY_STOP, h, drive, {"solver.tolerance": 1e-4}) for h in STUDIED
+    ]
     assert orders(runs) == pytest.approx([order] * 3, abs=0.1)
     power = runs[-1].drive["tau_coupling"] * runs[-1].drive["w"]
     taken = runs[-1].rotor["tau"] * runs[-1].drive["w"]
