@@ -25,11 +25,12 @@ import numpy as np
 from scipy.sparse import coo_matrix
 
 from ..schemes import Scheme
+from .contacts import FlatStops
 from .failures import ImpactError
 from .march import INCREMENT_CAP, Run, march
 from .plane import Solid, solid, to_band
 from .stepper import Motion, Stepper
-from .structure import Contacts, Elastic
+from .structure import Elastic
 
 T_END = 0.03  # [s]
 DT = 1e-5  # [s]
@@ -239,7 +240,7 @@ def build(ratchet: Ratchet) -> Assembly:
         to_band([plate.mass, coo_matrix([[wheel.inertia]])], kept),
         to_band([plate.stiffness, coo_matrix((1, 1))], kept),
         force,
-        Contacts(B, opening, np.zeros(len(opening))),
+        FlatStops(B, opening, np.zeros(len(opening))),
         energy_scale=ratchet.work,
     )
     nose = np.stack([place[2 * end], place[2 * end + 1]], axis=1)
