@@ -83,6 +83,11 @@ class Run:
         """Whether the run reached its end."""
         return self.status == "done"
 
+    @property
+    def is_capped(self) -> bool:
+        """Whether the run used up its increments."""
+        return self.status.startswith("gave up")
+
 
 @dataclass
 class _State:
