@@ -9,6 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from model.impact.bars import BarsRun
+from model.impact.journals import JournalRun
 from model.impact.ratchet import RatchetRun
 
 from .figures import BLUE, GREEN, GREY, ORANGE, new_figure
@@ -60,24 +61,24 @@ def _curves(axes: object, curves: Mapping[str, tuple[np.ndarray, np.ndarray]]) -
 
 
 def bars_energy(runs: Mapping[str, BarsRun], dt: float) -> Figure:
-    """Energy of both bars over time, relative to the start."""
-    figure, axes = new_figure(6.8, 4.2)
+    """Energy of both bars over time, relative to the start: all of it, and near one."""
+    figure, axes = panels(2, 6.8, 6.0, sharex=True)
     curves = {name: (1e3 * r.t, r.run.energy / r.run.energy[0]) for name, r in runs.items()}
-    _curves(axes, curves)
-    axes.axhline(1, color=GREY, lw=0.8)
+    for one in axes:
+        _curves(one, curves)
     largest = float(np.nanmax([np.nanmax(y) for _, y in curves.values()]))
     if largest > 2:
-        axes.set_yscale("log")
-        axes.set_ylim(0.8, 1.3 * min(largest, 1e6))
-        axes.set_yticks([tick for tick in (1, 2, 5, 10, 20, 50) if tick <= largest])
-        axes.yaxis.set_major_formatter("{x:g}")
-        axes.minorticks_off()
-    axes.set_xlabel("Time [ms]")
-    axes.set_ylabel("Energy of both bars over that at the start [1]")
-    axes.set_title(
-        f"What the integrators make of the energy, $\\Delta t$ = {dt:g} s", loc="left", fontsize=10
-    )
-    axes.legend(frameon=False, fontsize=8.5)
+        axes[0].set_yscale("log")
+        axes[0].set_ylim(0.8, 1.3 * min(largest, 1e6))
+        axes[0].set_yticks([tick for tick in (1, 2, 5, 10, 20, 50) if tick <= largest])
+        axes[0].yaxis.set_major_formatter("{x:g}")
+        axes[0].minorticks_off()
+    axes[1].set_ylim(0.96, 1.04)
+    axes[1].set_xlabel("Time [ms]")
+    figure.supylabel("Energy of both bars over that at the start [1]", fontsize=10)
+    caption = f"What the integrators make of the energy, $\\Delta t$ = {dt:g} s"
+    axes[0].set_title(caption, loc="left", fontsize=10)
+    axes[0].legend(frameon=False, fontsize=8.5)
     return figure
 
 
@@ -92,7 +93,7 @@ def bars_momentum(runs: Mapping[str, BarsRun], dt: float) -> Figure:
     axes.set_xlabel("Time [ms]")
     axes.set_ylabel("Momentum of the left bar over that at the start [1]")
     axes.set_title(f"Momentum handed over, $\\Delta t$ = {dt:g} s", loc="left", fontsize=10)
-    axes.set_ylim(-2, 1.6)
+    axes.set_ylim(-1.5, 1.2)
     axes.legend(frameon=False, fontsize=8.5)
     return figure
 
@@ -141,8 +142,7 @@ def stall(name: str, found: RatchetRun, others: Mapping[str, RatchetRun], captio
     axes[1].set_ylabel("Time reached [ms]")
     axes[1].set_yscale("log")
     axes[0].set_title(caption, loc="left", fontsize=10)
-    for one in axes:
-        one.legend(frameon=False, fontsize=8.5)
+    axes[1].legend(frameon=False, fontsize=8.5)
     return figure
 
 
@@ -171,4 +171,30 @@ def shaking(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
     axes[0].legend(frameon=False, fontsize=8.5, loc="lower left")
     axes[0].set_title(caption, loc="left", fontsize=10)
     axes[1].set_xlabel("Time [ms]")
+    return figure
+
+
+def progress_of_runs(runs: Sequence[tuple[str, float, float, JournalRun]], stop: float) -> Figure:
+    """How far the runs of a rotor came, and with how many increments; a run is label, eta_v [s],
+    dt [s] and result."""
+    figure, axes = new_figure(7.0, 4.6)
+    kinds = {"no": (BLUE, "o"), "average-time": (ORANGE, "X"), "current-time": (GREEN, "s")}
+    seen = set()
+    for label, eta_v, dt, found in runs:
+        impact = label.partition(", ")[2] or "no"
+        colour, mark = kinds[impact]
+        needed = stop / dt
+        style = {"color": colour, "marker": mark, "ls": "none", "ms": 7}
+        style |= {"mfc": colour if eta_v else "none", "alpha": 0.85}
+        key = f"IMPACT={impact.upper().replace('-', ' ')}"
+        key += ", shaft damped" if eta_v else ", undamped"
+        text = {} if key in seen else {"label": key}
+        seen.add(key)
+        axes.plot(found.run.increments / needed, 100 * found.t[-1] / stop, **style, **text)
+    axes.set_xscale("log")
+    axes.set_xlabel("Increments used, over those that the time increment asks for [1]")
+    axes.set_ylabel("Part of the run reached [%]")
+    axes.set_ylim(0, 108)
+    axes.set_title("A rotor in hard stops: who comes to the end", loc="left", fontsize=10)
+    axes.legend(frameon=False, fontsize=8.5)
     return figure

@@ -1,4 +1,4 @@
-"""The ratchet drawn: rack, pawl and its deformation, at a few instants and in motion."""
+"""The ratchet drawn: wheel, pawl and its deformation, at a few instants and in motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from model.impact.ratchet import Ratchet, RatchetRun
 
 from .impact_figures import panels
 
-_RACK, _EDGE = "#d9d4c7", "#6d675a"
+_WHEEL, _EDGE = "#d9d4c7", "#6d675a"
 _SHOWN = 1.5e-3  # size at which the largest bending is drawn [m]
 _SLOWER = 300  # the animation's time over the ratchet's
 _FRAME_RATE = 20
@@ -37,44 +37,45 @@ def _magnification(bent: np.ndarray) -> float:
     return max(1.0, decade * max(k for k in (1, 2, 5) if k * decade <= factor))
 
 
-def _rack(ratchet: Ratchet, angle: float, left: float, right: float, bottom: float) -> np.ndarray:
-    """Outline of the rack [m] between left and right, moved by R theta, shape (points, 2)."""
-    pawl, tooth, pitch = ratchet.pawl, ratchet.tooth, ratchet.pitch
-    face = pawl.length + tooth.slip + ratchet.wheel.radius * angle
-    # on the back of the first tooth the nose's tip begins `clearance` above
-    depth = pawl.height / 2 + tooth.slope * pawl.nose_length
-    foot = -depth - tooth.clearance * math.hypot(1, tooth.slope) - tooth.slope * tooth.slip
-    outline = []
-    for k in range(-2, 3):
-        x = face + k * pitch
-        outline += [(x, foot), (x, foot + tooth.slope * pitch)]
-    outline = np.array(outline)
-    x = np.clip(outline[:, 0], left, right)
-    inside = np.flatnonzero((outline[:, 0] > left) & (outline[:, 0] < right))
-    height = np.interp([left, right], outline[:, 0], outline[:, 1])
-    body = [(left, height[0]), *zip(x[inside], outline[inside, 1], strict=True), (right, height[1])]
-    return np.array([*body, (right, bottom), (left, bottom)])
+def _wheel(ratchet: Ratchet, angle: float) -> np.ndarray:
+    """Outline of the wheel [m], shape (points, 2), turned by an angle [rad].
+
+    The model unrolls the wheel below the tip of the nose; here it is rolled up again.
+    """
+    pawl, tooth, wheel = ratchet.pawl, ratchet.tooth, ratchet.wheel
+    tip = -(pawl.height / 2 + tooth.slope * pawl.nose_length)
+    on_back = -tooth.clearance * math.hypot(1, tooth.slope)
+    along = np.linspace(0.0, ratchet.pitch, 40)
+    teeth = []
+    for k in range(wheel.teeth):
+        # from the foot of a face up, then down the back of its tooth
+        x = tooth.slip + k * ratchet.pitch + along
+        y = on_back + tooth.slope * (ratchet.pitch - tooth.slip - along)
+        teeth.append(np.stack([x, y], axis=1))
+    x, y = np.concatenate(teeth).T
+    turned = x / wheel.radius + angle
+    r = wheel.radius + y
+    centre = (pawl.length, tip - wheel.radius)
+    return np.stack([centre[0] + r * np.sin(turned), centre[1] + r * np.cos(turned)], axis=1)
 
 
 class _Scene:
-    """Rack and pawl in one pair of axes; `show` moves them."""
+    """Wheel and pawl in one pair of axes; `show` moves them."""
 
     def __init__(self, axes: object, ratchet: Ratchet, factor: float, largest: float) -> None:
-        pawl, tooth = ratchet.pawl, ratchet.tooth
+        pawl = ratchet.pawl
         self._ratchet, self._factor = ratchet, factor
-        self._left, self._right = -0.15 * pawl.length, pawl.length + 2.5 * tooth.slip
-        deep = pawl.height + tooth.slope * (pawl.nose_length + tooth.slip)
-        self._bottom = -1.9 * deep
         c = ratchet.plate.columns
         quads = np.stack([c[:-1, :-1], c[1:, :-1], c[1:, 1:], c[:-1, 1:]], axis=-1)
         self._quads = quads.reshape(-1, 4)
-        (self._rack,) = axes.fill([0], [0], facecolor=_RACK, edgecolor=_EDGE, lw=1.2)
+        (self._wheel,) = axes.fill([0], [0], facecolor=_WHEEL, edgecolor=_EDGE, lw=1.2)
         self.mesh = PolyCollection([], cmap="viridis", edgecolor="white", linewidths=0.4)
         self.mesh.set_clim(0, 1e6 * largest)
         axes.add_collection(self.mesh)
         axes.plot(0, 0, "o", color="black", ms=6, zorder=5)
-        axes.set_xlim(1e3 * self._left, 1e3 * self._right)
-        axes.set_ylim(1e3 * self._bottom, 1e3 * 1.1 * pawl.height)
+        tip = pawl.height / 2 + ratchet.tooth.slope * pawl.nose_length
+        axes.set_xlim(-200 * pawl.length, 1e3 * (pawl.length + 3 * ratchet.tooth.slip))
+        axes.set_ylim(-4000 * tip, 2000 * pawl.height)
         axes.set_aspect("equal")
         axes.grid(False)
         axes.set_ylabel("y [mm]")
@@ -86,8 +87,7 @@ class _Scene:
         self.mesh.set_verts(1e3 * points[self._quads])
         size = np.hypot(*bent.T)
         self.mesh.set_array(1e6 * size[self._quads].mean(axis=1))
-        outline = _rack(self._ratchet, angle, self._left, self._right, self._bottom)
-        self._rack.set_xy(1e3 * outline)
+        self._wheel.set_xy(1e3 * _wheel(self._ratchet, angle))
 
 
 def _frame_at(found: RatchetRun, t: float) -> int:

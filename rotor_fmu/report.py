@@ -11,6 +11,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+_FIRST = 20  # characters that the first column keeps on a narrow screen
+
 
 @dataclass(frozen=True)
 class Column:
@@ -38,13 +40,13 @@ class Report:
             title_justify="left",
             title_style="bold",
             box=box.SIMPLE_HEAD,
-            padding=(0, 1, 0, 0),
+            padding=0,
             pad_edge=False,
         )
         shown = [column for column in self._columns if column.on_screen]
         for k, column in enumerate(shown):
             if k == 0:
-                table.add_column(column.head, overflow="fold")
+                table.add_column(column.head, overflow="fold", min_width=_FIRST)
             else:
                 table.add_column(column.head, justify="right", no_wrap=True)
         for row in self._rows:
