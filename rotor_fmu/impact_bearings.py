@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from model.impact.journals import JournalRun, RunDown, run_journals
 from model.rotor import Rotor
@@ -21,7 +22,7 @@ from .report import Column, Report
 COLUMNS = (
     Column("label", "scheme"),
     Column("eta_v", "eta_v\n[s]", "g"),
-    Column("dt", "dt [s]", ".1e"),
+    Column("dt", "dt [s]", ".3g"),
     Column("x_peak", "X [µm]", ".1f"),
     Column("error", "RMS error\n[µm]", ".2f"),
     Column("increments", "incre-\nments", "d"),
@@ -96,11 +97,7 @@ def present(
     title = f"Rotor in hard stops, {speed[0]:g} rad/s and {speed[1]:g} rad/s2, {stop:g} s"
     report = Report(COLUMNS, rows, title)
     report.write(out / "bearings.csv", out / "bearings.md")
-    found = [
-        (t.case.label, t.run_down.rotor.eta_v, t.dt, r)
-        for t, (r, _) in zip(trials, results, strict=True)
-    ]
-    save(pictures.progress_of_runs(found, stop), out / "bearings.png")
+    save(_picture(trials, rows, fine, stop, title), out / "bearings.png")
     finish([report], chosen, [], out)
 
 
@@ -114,3 +111,26 @@ def _row(trial: Trial, found: JournalRun, right: JournalRun, wall: float) -> dic
         error = ((found.disc - exact) ** 2).sum(axis=1)
         row["error"] = 1e6 * float(np.sqrt(error.mean()))
     return row | {"wall_time": wall, "status": found.run.status}
+
+
+def _picture(
+    trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, stop: float, title: str
+) -> Figure:
+    """Scheme and increment against impact option and shaft: who arrives, and how well."""
+    cells, lines, columns = {}, {}, {}
+    for trial, row in zip(trials, rows, strict=True):
+        if trial.dt == fine:
+            continue
+        name = f"{trial.case.name}, {1e3 * trial.dt:g} ms"
+        shaft = "damped shaft" if trial.run_down.rotor.eta_v else "undamped"
+        column = f"{trial.case.impact}\n{shaft}"
+        lines[name] = columns[column] = None
+        if row["status"] == "done":
+            more = row["increments"] * trial.dt / stop
+            work = f", x {more:.1f}" if more > 1.01 else ""
+            cells[name, column] = "arrived", f"{row['error']:.3g} µm{work}"
+        else:
+            outcome = "stalled" if row["status"].startswith("gave up") else "diverged"
+            cells[name, column] = outcome, f"{outcome}, {row['t_end']:.3f} s"
+    caption = f"{title}: error of the disc, increments; or when it ended"
+    return pictures.outcomes(list(lines), list(columns), cells, caption)

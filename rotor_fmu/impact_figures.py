@@ -7,15 +7,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
 from model.impact.bars import BarsRun
-from model.impact.journals import JournalRun
 from model.impact.ratchet import RatchetRun
 
 from .figures import BLUE, GREEN, GREY, ORANGE, new_figure
 
 PURPLE, SKY = "#cc79a7", "#56b4e9"
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#000000")
+OUTCOMES = {"arrived": "#a9d0ea", "stalled": "#f2c38f", "diverged": "#d9d9d9"}
 _DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 
 
@@ -174,27 +175,20 @@ def shaking(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
     return figure
 
 
-def progress_of_runs(runs: Sequence[tuple[str, float, float, JournalRun]], stop: float) -> Figure:
-    """How far the runs of a rotor came, and with how many increments; a run is label, eta_v [s],
-    dt [s] and result."""
-    figure, axes = new_figure(7.0, 4.6)
-    kinds = {"no": (BLUE, "o"), "average-time": (ORANGE, "X"), "current-time": (GREEN, "s")}
-    seen = set()
-    for label, eta_v, dt, found in runs:
-        impact = label.partition(", ")[2] or "no"
-        colour, mark = kinds[impact]
-        needed = stop / dt
-        style = {"color": colour, "marker": mark, "ls": "none", "ms": 7}
-        style |= {"mfc": colour if eta_v else "none", "alpha": 0.85}
-        key = f"IMPACT={impact.upper().replace('-', ' ')}"
-        key += ", shaft damped" if eta_v else ", undamped"
-        text = {} if key in seen else {"label": key}
-        seen.add(key)
-        axes.plot(found.run.increments / needed, 100 * found.t[-1] / stop, **style, **text)
-    axes.set_xscale("log")
-    axes.set_xlabel("Increments used, over those that the time increment asks for [1]")
-    axes.set_ylabel("Part of the run reached [%]")
-    axes.set_ylim(0, 108)
-    axes.set_title("A rotor in hard stops: who comes to the end", loc="left", fontsize=10)
-    axes.legend(frameon=False, fontsize=8.5)
+def outcomes(rows: Sequence[str], columns: Sequence[str], cells: Mapping, caption: str) -> Figure:
+    """Which runs reached their end; cells: (row, column) -> (outcome, text), outcome one of
+    `OUTCOMES`."""
+    figure, axes = new_figure(1.9 + 1.45 * len(columns), 1.0 + 0.42 * len(rows))
+    axes.grid(False)
+    axes.spines[:].set_visible(False)
+    for (row, column), (outcome, text) in cells.items():
+        i, j = rows.index(row), columns.index(column)
+        axes.add_patch(Rectangle((j, i), 0.97, 0.94, facecolor=OUTCOMES[outcome], lw=0))
+        axes.text(j + 0.485, i + 0.47, text, ha="center", va="center", fontsize=8.5)
+    axes.set_xlim(0, len(columns))
+    axes.set_ylim(len(rows), 0)
+    axes.set_xticks(np.arange(len(columns)) + 0.485, columns, fontsize=8.5)
+    axes.set_yticks(np.arange(len(rows)) + 0.47, rows, fontsize=8.5)
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    axes.set_title(caption, loc="left", fontsize=10, pad=8)
     return figure
