@@ -7,9 +7,10 @@ locking face of the next tooth meets it. Openings, frictionless and hard (u: nod
     back of the tooth   s = clearance + (u_y + m u_x - m R theta) / sqrt(1 + m^2)
     locking face        s = slip + R theta - u_x
 
-With the pawl taken as rigid, moment of inertia I about its pin, the wheel accelerates by
+With the pawl taken as rigid, moment of inertia I about its pin, and touching with the tip of its
+nose, which lies d below the pin, the wheel turns the pawl by i = m R / (L + m d) a radian:
 
-    (J + I (m R / L)^2) theta'' = -(T + m R F)
+    (J + I i^2) theta'' = -(T + i L F)
 """
 
 from __future__ import annotations
@@ -134,9 +135,11 @@ class Ratchet:
     @property
     def acceleration(self) -> float:
         """Of the wheel while a rigid pawl slides [rad/s2]; negative."""
-        arm = self.tooth.slope * self.wheel.radius
-        inertia = self.wheel.inertia + self.pawl_inertia * (arm / self.pawl.length) ** 2
-        return -(self.wheel.torque + arm * self.pawl.force) / inertia
+        pawl, m = self.pawl, self.tooth.slope
+        below = pawl.height / 2 + m * pawl.nose_length
+        i = m * self.wheel.radius / (pawl.length + m * below)
+        torque = self.wheel.torque + i * pawl.length * pawl.force
+        return -torque / (self.wheel.inertia + i**2 * self.pawl_inertia)
 
     @property
     def work(self) -> float:
