@@ -37,5 +37,5 @@ lint: $(VENV)/made
 	$(BIN)/ruff format --check .
 
 clean:
-	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu
+	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
