@@ -10,7 +10,7 @@ import typer
 
 from model.settings import PRESETS
 
-from . import figures
+from . import figures, impact_command
 from .bundle import build
 from .drive_train_command import drive_train
 from .errors import RunFailed, run, writable_folder
@@ -100,6 +100,7 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+app.add_typer(impact_command.app, name="impact")
 app.command("drive-train")(drive_train)
 
 
