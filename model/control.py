@@ -20,7 +20,7 @@ class Control(NamedTuple):
     eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with
     beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol
     |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2 (a1 - a0) in the local
-    error of the scheme [1].
+    error of the scheme [1]; is_fitted: whether the scheme is fitted to the speed (`fitting`).
     """
 
     mode: int
@@ -35,6 +35,7 @@ class Control(NamedTuple):
     rtol: float
     tolerance: float
     error_constant: float
+    is_fitted: bool
 
 
 @compiled

@@ -12,7 +12,8 @@ import math
 from .compiled import compiled
 
 SAFETY = 0.8
-GROWTH, SHRINKAGE = 2.0, 0.2  # of one step length to the next, at most
+# Of one step length to the next, at most; growing slowly costs little and calms the next impact.
+GROWTH, SHRINKAGE = 1.25, 0.2
 # Gains of the controller; the error per unit of time is of order 2 in the step length.
 INTEGRAL, PROPORTIONAL = 0.35, 0.2
 SMALLEST = 1e-8  # an error that it does not pay to tell from none

@@ -44,12 +44,13 @@ def correct(scheme, h, a, q, v):
 
 
 @compiled
-def balance(scheme, a0, v_dot0, a, v_dot):
+def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
     """Fill v_dot, the accelerations of the equation of motion at the end of a step: the scheme,
-    solved for them. What v_dot0 lacked in exactness does not come along: a has met it already."""
+    solved for them, the mass taken with the factor that a `fitting` gives it. What v_dot0 lacked in
+    exactness does not come along: a has met it already."""
     share = 1.0 / (1.0 - scheme.alpha_f)
-    by_new = (1.0 - scheme.alpha_m) * share
-    by_old = scheme.alpha_m * share
+    by_new = mass_factor * (1.0 - scheme.alpha_m) * share
+    by_old = mass_factor * scheme.alpha_m * share
     by_balance = scheme.alpha_f * share
     for i in range(len(v_dot)):
         v_dot[i] = by_new * a[i] + by_old * a0[i] - by_balance * v_dot0[i]

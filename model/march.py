@@ -12,6 +12,7 @@ from .compiled import compiled
 from .control import ADAPTIVE, CONTROLLED, FIXED, error_indicator, next_step, shorter_step
 from .energy import powers, total_energy
 from .error_control import local_error, next_length, repeated_length
+from .fitting import fitted, unfitted
 from .memory import spin_at, spin_now
 from .step import accelerate, try_step
 from .watch import watch_amplitudes, watch_bounces
@@ -94,7 +95,7 @@ def _imbalance(structure, record, torque):
 
 
 @compiled
-def _turn(structure, scheme, t, h, loads, motion, trial, memory, work):
+def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
     """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
     rotor's torques balance at its end. Fills work.powers.
 
@@ -104,7 +105,8 @@ def _turn(structure, scheme, t, h, loads, motion, trial, memory, work):
     spin = spin_at(memory.record, t, r.alpha)
     status, total, torque = NOT_CONVERGED, 0, 0.0
     for correction in range(SPIN_ITERATIONS):
-        status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
+        fit = fitted(scheme, spin.omega * h) if control.is_fitted else unfitted()
+        status, iterations = try_step(structure, scheme, fit, spin, h, loads, motion, trial, work)
         total += iterations
         if status != DONE:
             break
@@ -116,6 +118,21 @@ def _turn(structure, scheme, t, h, loads, motion, trial, memory, work):
         spin = spin_at(memory.record, t, spin.alpha + change)
         status = NOT_CONVERGED
     return status, total, spin, torque
+
+
+@compiled
+def _rescale(record, h, motion):
+    """Make the accelerations that generalized-alpha carries along those of steps of length h [s].
+
+    They belong to an instant (alpha_m - alpha_f) h away: left as they were, a step would be of
+    first order in the change of h.
+    """
+    r = record[0]
+    if r.h_carried > 0.0 and h != r.h_carried:
+        ratio = h / r.h_carried
+        for i in range(len(motion.a)):
+            motion.a[i] = motion.v_dot[i] + ratio * (motion.a[i] - motion.v_dot[i])
+    r.h_carried = h
 
 
 @compiled
@@ -167,8 +184,10 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
         was_rejected = False
         while True:
             t = t_end if parts == 1.0 else r.t + h
+            if control.mode == CONTROLLED:
+                _rescale(memory.record, h, motion)
             status, iterations, spin, torque = _turn(
-                structure, scheme, t, h, loads, motion, trial, memory, work
+                structure, scheme, control, t, h, loads, motion, trial, memory, work
             )
             r.newton += iterations
             error = 0.0
@@ -186,6 +205,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
             parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
             h = (t_end - r.t) / parts
         r.t = t
+        r.h_carried = h
         r.h = _next(control, wished, h, error, r.error, was_rejected)
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)

@@ -24,6 +24,7 @@ RECORD = np.dtype(
             "theta",  # at t [rad]
             "h",  # wished step length [s]
             "h_last",
+            "h_carried",  # to which the carried accelerations belong
             "h_smallest",
             "h_largest",
             "error",  # of the last step, relative [1]

@@ -33,6 +33,7 @@ INDICATORS = {
     "li-zeng-wiberg": (LI_ZENG_WIBERG, False),
     "li-zeng-wiberg-corrected": (LI_ZENG_WIBERG, True),
 }
+FITTED = ("no", "yes")
 NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
 
 
@@ -49,6 +50,7 @@ class Settings:
     [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
     relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
     with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
+    fitted: `yes` or `no`, whether the method is fitted to the speed of rotation (`fitting`).
     reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
     """
 
@@ -67,6 +69,7 @@ class Settings:
     atol: float = 1e-6
     rtol: float = 1e-3
     tolerance: float = 1e-3
+    fitted: str = "no"
     reduction: int = 0
 
     def __post_init__(self) -> None:
@@ -75,6 +78,7 @@ class Settings:
             ("mode", MODES),
             ("indicator", INDICATORS),
             ("norm", NORMS),
+            ("fitted", FITTED),
         ):
             if getattr(self, name) not in allowed:
                 raise SettingsError(
@@ -131,6 +135,7 @@ class Settings:
             rtol=self.rtol,
             tolerance=self.tolerance,
             error_constant=scheme.beta + shift - 1 / 6,
+            is_fitted=self.fitted == "yes",
         )
 
 
@@ -156,7 +161,13 @@ PRESETS = {
     "moderate": Settings(method="hht", alpha_f=math.sqrt(2) - 1, h=5e-4),
     # Steps as long as the tolerance allows; no run fell into the false state.
     "controlled": Settings(
-        method="chung-hulbert", rho=0.3, mode="controlled", h=1e-5, h_min=1e-9, h_max=5e-3
+        method="chung-hulbert",
+        rho=0.3,
+        mode="controlled",
+        h=1e-5,
+        h_min=1e-9,
+        h_max=5e-3,
+        fitted="yes",
     ),
 }
 DEFAULT_PRESET = "controlled"

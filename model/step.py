@@ -78,17 +78,17 @@ def by_axis(x_factor, y_factor, z):
 
 
 @compiled
-def _add_internal(structure, spin, factor, q, v, scratch, out):
-    """out += factor ((C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q), n entries."""
+def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
+    """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
     n = len(out)
     for i in range(n):
-        scratch[i] = factor * v[i]
+        scratch[i] = factor * damping * v[i]
     add_product(structure.C, scratch, out)
     for i in range(n):
         scratch[i] = factor * q[i]
     add_product(structure.K, scratch, out)
     for i in range(n):
-        turned = factor * (spin.omega * v[i] + 0.5 * spin.alpha * q[i])
+        turned = factor * (damping * spin.omega * v[i] + 0.5 * spin.alpha * q[i])
         scratch[i] = complex(turned.imag, -turned.real)
     add_product(structure.G, scratch, out)
     kappa = factor * circulation(structure, spin.omega)
@@ -114,7 +114,7 @@ def accelerate(structure, spin, loads, motion, work):
     for i in range(n):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
-    _add_internal(structure, spin, -1.0, motion.q, motion.v, work.scratch, f)
+    _add_internal(structure, spin, -1.0, 1.0, motion.q, motion.v, work.scratch, f)
     for j in range(len(structure.contacts)):
         bearing = structure.contacts[j]
         q, v = motion.q[n + j], motion.v[n + j]
@@ -129,10 +129,12 @@ def accelerate(structure, spin, loads, motion, work):
 
 
 @compiled
-def _factor_step_matrix(structure, scheme, spin, h, work):
+def _factor_step_matrix(structure, scheme, fit, spin, h, work):
     """Factorize the step matrix of the accelerations; condense it to the journals and housings."""
     share = 1.0 - scheme.alpha_f
     m_factor, c_factor, k_factor = weights(scheme, h)
+    m_factor *= fit.mass
+    c_factor *= fit.damping
     gyroscopic = -(c_factor * spin.omega + 0.5 * k_factor * spin.alpha)
     circulatory = -k_factor * circulation(structure, spin.omega)
     n, width = structure.M.shape
@@ -173,9 +175,9 @@ def _factor_step_matrix(structure, scheme, spin, h, work):
 
 
 @compiled
-def _free_response(structure, scheme, spin, h, loads, old, new, work):
+def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     """Predictions of q and v, and the accelerations that would follow without contact."""
-    am, af = scheme.alpha_m, scheme.alpha_f
+    am, af = fit.mass * scheme.alpha_m, scheme.alpha_f
     share = 1.0 - af
     n = structure.M.shape[0]
     predict(scheme, h, old.q, old.v, old.a, new.q, new.v)
@@ -188,12 +190,13 @@ def _free_response(structure, scheme, spin, h, loads, old, new, work):
         free[i] *= share
         scratch[i] = af * old.v_dot[i] - am * old.a[i]
     add_product(structure.M, scratch, free)
-    _add_internal(structure, spin, -share, new.q, new.v, scratch, free)
+    _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
     for j in range(len(structure.contacts)):
         bearing = structure.contacts[j]
         at = n + j
-        force = _housing_forces(bearing, structure.gravity, new.q[at], new.v[at])
+        v = fit.damping * new.v[at]
+        force = _housing_forces(bearing, structure.gravity, new.q[at], v)
         force += (am * old.a[at] - af * old.v_dot[at]) * (bearing.mass / share)
         new.a[at] = -by_axis(work.housing[j, 0], work.housing[j, 1], force)
 
@@ -216,16 +219,17 @@ def _is_sane(x, bound):
 
 
 @compiled
-def try_step(structure, scheme, spin, h, loads, old, new, work):
-    """One step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end.
+def try_step(structure, scheme, fit, spin, h, loads, old, new, work):
+    """One step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
+    `fit` what the scheme is fitted with.
 
     Returns (status, Newton iterations): 0 done, 1 the contacts did not converge, 2 not finite or
     past the bound. Whatever the status, `old` is untouched.
     """
     n = structure.M.shape[0]
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
-        _factor_step_matrix(structure, scheme, spin, h, work)
-    _free_response(structure, scheme, spin, h, loads, old, new, work)
+        _factor_step_matrix(structure, scheme, fit, spin, h, work)
+    _free_response(structure, scheme, fit, spin, h, loads, old, new, work)
 
     contacts, problem = structure.contacts, work.problem
     is_finite = True
@@ -254,5 +258,5 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
     for i in range(len(structure.deflections)):
         if not _is_sane(new.q[structure.deflections[i, 0]], structure.bound):
             return 2, iterations
-    balance(scheme, old.a, old.v_dot, new.a, new.v_dot)
+    balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     return 0, iterations

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from model.assembly import assemble
 from model.observe import observed_names
 from model.rotor import Rotor
-from model.settings import DEFAULT_PRESET, INDICATORS, METHODS, MODES, NORMS, PRESETS
+from model.settings import DEFAULT_PRESET, FITTED, INDICATORS, METHODS, MODES, NORMS, PRESETS
 
 AS_PRESET = "as the preset"
 _BIG = 1e9
@@ -231,6 +231,7 @@ def _solver_parameters() -> list[Variable]:
         real("alpha_m", "1", 1.0, -1.0, 1.0, "alpha_m of wbz and generalized-alpha"),
         real("rho", "1", -1.0, -1.0, 1.0, "spectral radius at infinity of chung-hulbert"),
         choice("adaptive", (AS_PRESET, *MODES), 0, "step length"),
+        choice("fitted", (AS_PRESET, *FITTED), 0, "whether fitted to the speed of rotation"),
         real("tolerance", "1", 0.0, 0.0, 1.0, "relative tolerance of the controlled mode"),
         real("h", "s", 0.0, 0.0, 1.0, "step length, the first one where it varies"),
         real("h_min", "s", 0.0, 0.0, 1.0, "shortest step where it varies"),

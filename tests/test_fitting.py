@@ -1,0 +1,67 @@
+"""Fitting to the speed of rotation: a steady whirl keeps its size and phase at coarse steps."""
+
+import math
+
+import numpy as np
+import pytest
+
+from model.band import to_dense
+from model.fitting import fitted, unfitted
+from model.schemes import chung_hulbert, generalized_alpha, hht, newmark
+from model.settings import choose
+from model.simulation import Simulation
+
+from .machines import overhung, unbalance_vector
+
+SCHEMES = [
+    chung_hulbert(0.3),
+    chung_hulbert(0.0),
+    hht(0.3),
+    newmark(),
+    generalized_alpha(0.1, 0.08),
+]
+
+
+def whirl_error(omega, fit, per_revolution=24):
+    """Relative error of the steady whirl's complex amplitude after its start has died away."""
+    machine = overhung(gravity=0.0, eta_v=2e-3)
+    h = 2 * math.pi / omega / per_revolution
+    sim = Simulation(machine, choose("robust", rho=0.3, h=h, fitted=fit), speed=omega)
+    turns = 120
+    for i in range(turns):
+        sim.advance((i + 1) * per_revolution * h, omega)
+    s = sim.structure
+    M, C, K, G = (to_dense(band) for band in (s.M, s.C, s.K, s.G))
+    dynamic = K + 1j * omega * (C - 1j * omega * G) - omega**2 * M
+    amplitude = np.linalg.solve(dynamic, omega**2 * unbalance_vector(s))
+    seen = sim.motion.q[: len(M)] * np.exp(-1j * sim.read("phi"))
+    return np.abs(seen - amplitude)[s.disc_dof].max() / np.abs(amplitude)[s.disc_dof].max()
+
+
+@pytest.mark.parametrize("omega", [60.0, 110.0])
+def test_a_steady_whirl_comes_out_several_times_closer(omega):
+    assert whirl_error(omega, "no") > 0.004
+    assert whirl_error(omega, "yes") < 0.25 * whirl_error(omega, "no")
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_the_factors_approach_one_with_the_square_of_the_step(scheme):
+    coarse, fine = (np.array(fitted(scheme, w)) - 1 for w in (0.02, 0.01))
+    for a, b in zip(coarse, fine, strict=True):
+        assert abs(a) < 1e-9 or a / b == pytest.approx(4, rel=0.01)
+    assert fitted(scheme, 1e-5) == unfitted()
+    assert fitted(scheme, -0.3) == pytest.approx(fitted(scheme, 0.3))
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_a_free_oscillation_keeps_its_period(scheme):
+    """The undamped oscillator, stepped by hand: the phase of its least damped root."""
+    am, af, beta, gamma = scheme
+    for w in (0.1, 0.4):
+        phases = []
+        for s in (1.0, fitted(scheme, w).mass):
+            left = np.array([[1, 0, -beta], [0, 1, -gamma], [w * w * (1 - af), 0, s * (1 - am)]])
+            right = np.array([[1, 1, 0.5 - beta], [0, 1, 1 - gamma], [-w * w * af, 0, -s * am]])
+            roots = np.linalg.eigvals(np.linalg.solve(left, right))
+            phases.append(abs(np.angle(roots[np.argmax(np.abs(roots) * (roots.imag > 0))])))
+        assert abs(phases[1] - w) < 0.1 * abs(phases[0] - w)
