@@ -1,0 +1,114 @@
+"""Closures of a step by hard stops: which contacts are closed, and with what force.
+
+Every one of them is the linear complementarity problem  z >= 0, A z + b >= 0, z (A z + b) = 0  with
+a symmetric positive definite A: for the forces of a step, for the impulses of an impact and for the
+accelerations after it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..compiled import compiled
+from ..contact_problem import solve_dense
+from .stepper import FreeStep
+
+_ROUNDING = 1e-12
+_PATIENCE = 10
+_MOST_PIVOTS = 10000
+
+
+@compiled
+def _solve_active(A, b, is_active, z, w):
+    """z of the active set, w = A z + b of the others; False if the set's matrix is singular."""
+    m = len(b)
+    index = np.empty(m, dtype=np.int64)
+    count = 0
+    for i in range(m):
+        z[i] = 0.0
+        if is_active[i]:
+            index[count] = i
+            count += 1
+    part = np.empty((count, count))
+    x = np.empty(count)
+    for i in range(count):
+        x[i] = -b[index[i]]
+        for j in range(count):
+            part[i, j] = A[index[i], index[j]]
+    if not solve_dense(part, x):
+        return False
+    for i in range(count):
+        z[index[i]] = x[i]
+    for i in range(m):
+        w[i] = b[i]
+        for j in range(count):
+            w[i] += A[i, index[j]] * x[j]
+    for i in range(count):
+        w[index[i]] = 0.0
+    return True
+
+
+@compiled
+def complementarity(A, b, is_active):
+    """Solve z >= 0, w = A z + b >= 0, z w = 0; A: symmetric positive definite, shape (m, m).
+
+    is_active: where to start, shape (m,); overwritten by the solution's z > 0. Returns z and
+    whether it was found. Active set by block principal pivoting, by Murty's single pivots where
+    that cycles (Judice and Pires 1994).
+    """
+    m = len(b)
+    z, w = np.zeros(m), np.zeros(m)
+    scale = 0.0
+    for i in range(m):
+        scale = max(scale, abs(b[i]))
+    least, patience = m + 1, _PATIENCE
+    for _ in range(_MOST_PIVOTS):
+        if not _solve_active(A, b, is_active, z, w):
+            return z, False
+        wrong, last = 0, -1
+        for i in range(m):
+            if (is_active[i] and z[i] * A[i, i] < -_ROUNDING * scale) or (
+                not is_active[i] and w[i] < -_ROUNDING * scale
+            ):
+                wrong += 1
+                last = i
+        if wrong == 0:
+            for i in range(m):
+                z[i] = max(z[i], 0.0)
+            return z, True
+        if wrong < least:
+            least, patience = wrong, _PATIENCE
+        else:
+            patience -= 1
+        for i in range(m) if patience > 0 else range(last, last + 1):
+            if (is_active[i] and z[i] * A[i, i] < -_ROUNDING * scale) or (
+                not is_active[i] and w[i] < -_ROUNDING * scale
+            ):
+                is_active[i] = not is_active[i]
+    return z, False
+
+
+def unilateral(free: FreeStep, compliance: np.ndarray, closed: np.ndarray) -> np.ndarray:
+    """Contact forces [N] with which no opening is negative at the end of the step.
+
+    compliance [m/N], shape (m,); closed: where the search begins, shape (m,).
+    """
+    A = free.W + np.diag(compliance / free.b)
+    force, is_found = complementarity(A, free.s / free.b + free.w, closed.copy())
+    if not is_found:
+        raise ArithmeticError("the contact problem has a singular matrix")
+    return force
+
+
+def held(free: FreeStep, closed: np.ndarray, rest: np.ndarray, by_acceleration: bool) -> np.ndarray:
+    """Contact forces [N], of either sign, that hold the closed contacts at the openings `rest`.
+
+    rest: shape (m,) [m]. by_acceleration: hold the openings' accelerations at zero instead, for
+    steps so short that the rounding errors of the openings would be amplified.
+    """
+    force = np.zeros(len(closed))
+    if closed.any():
+        wanted = 0.0 if by_acceleration else (rest - free.s) / free.b
+        part = free.W[np.ix_(closed, closed)]
+        force[closed] = np.linalg.solve(part, (wanted - free.w)[closed])
+    return force
