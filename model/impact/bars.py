@@ -14,11 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..schemes import Scheme
+from .contacts import FlatStops
 from .failures import ImpactError
 from .march import INCREMENT_CAP, Run, march
 from .plane import solid, to_band
 from .stepper import Motion
-from .structure import Contacts, Elastic
+from .structure import Elastic
 
 T_END = 0.04  # paper B's [s]
 # Where the errors are taken, from the impact on [s]: all of it, the plateau, after the release.
@@ -109,7 +110,7 @@ def build(bars: Bars) -> tuple[Elastic, Motion, np.ndarray]:
     for j, (of_left, of_right) in enumerate(zip(*ends, strict=True)):
         B[of_left, j], B[of_right, j] = -1.0, 1.0
     compliance = 0.0 if bars.penalty is None else 1 / bars.penalty
-    contacts = Contacts(B, np.full(bars.ny + 1, bars.opening), np.full(bars.ny + 1, compliance))
+    contacts = FlatStops(B, np.full(bars.ny + 1, bars.opening), np.full(bars.ny + 1, compliance))
     mass = to_band([left.mass, right.mass])
     stiffness = to_band([left.stiffness, right.stiffness])
     structure = Elastic(mass, stiffness, np.zeros(2 * half), contacts, bars.energy)
@@ -177,11 +178,12 @@ def run_bars(
     """Let the bars meet; dt, t_end [s]; see `march` for the rest and for what it raises."""
     structure, start, tip = build(bars)
     half = len(start.q) // 2
+    B = structure.contacts.B
 
     def observe(motion: Motion) -> tuple[float, ...]:
         momentum = structure.inertia(motion.v)
         left, right = momentum[:half:2].sum(), momentum[half::2].sum()
-        opening = structure.contacts.openings(motion.q).mean()
+        opening = structure.contacts.openings(B.T @ motion.q).mean()
         return motion.v[tip].mean(), left, left + right, opening
 
     run = march(structure, scheme, start, dt, t_end, impact, observe, cap, progress)

@@ -11,11 +11,15 @@ import numpy as np
 
 from ..compiled import compiled
 from ..contact_problem import solve_dense
+from .contacts import Contacts
 from .stepper import FreeStep
 
 _ROUNDING = 1e-12
 _PATIENCE = 10
 _MOST_PIVOTS = 10000
+# Turns of a gradient that follows its contact, and when it has come to rest [rad].
+_MOST_TURNS = 60
+_STILL = 1e-9
 
 
 @compiled
@@ -88,27 +92,62 @@ def complementarity(A, b, is_active):
     return z, False
 
 
-def unilateral(free: FreeStep, compliance: np.ndarray, closed: np.ndarray) -> np.ndarray:
-    """Contact forces [N] with which no opening is negative at the end of the step.
+def unilateral(
+    free: FreeStep, contacts: Contacts, closed: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gradient N and contact forces [N] with which no opening is negative at the end of the step.
 
-    compliance [m/N], shape (m,); closed: where the search begins, shape (m,).
+    closed: where the search for the closed contacts begins, shape (m,).
+    Raises `ArithmeticError` if no such forces are found.
     """
-    A = free.W + np.diag(compliance / free.b)
-    force, is_found = complementarity(A, free.s / free.b + free.w, closed.copy())
-    if not is_found:
-        raise ArithmeticError("the contact problem has a singular matrix")
-    return force
+    softness = np.diag(contacts.compliance / free.b)
+
+    def forces(N: np.ndarray, b: np.ndarray) -> np.ndarray:
+        found, is_found = complementarity(N.T @ free.W @ N + softness, b, closed.copy())
+        if not is_found:
+            raise ArithmeticError("the contact problem has no solution")
+        return found
+
+    return _turned(free, contacts, np.zeros(len(closed)), forces)
 
 
-def held(free: FreeStep, closed: np.ndarray, rest: np.ndarray, by_acceleration: bool) -> np.ndarray:
-    """Contact forces [N], of either sign, that hold the closed contacts at the openings `rest`.
+def held(
+    free: FreeStep,
+    contacts: Contacts,
+    closed: np.ndarray,
+    rest: np.ndarray,
+    by_acceleration: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Gradient N and contact forces [N], of either sign, that hold the closed contacts at the
+    openings `rest`, shape (m,) [m].
 
-    rest: shape (m,) [m]. by_acceleration: hold the openings' accelerations at zero instead, for
-    steps so short that the rounding errors of the openings would be amplified.
+    by_acceleration: hold the openings' accelerations at zero instead, for steps so short that the
+    rounding errors of the openings would be amplified.
     """
-    force = np.zeros(len(closed))
-    if closed.any():
-        wanted = 0.0 if by_acceleration else (rest - free.s) / free.b
-        part = free.W[np.ix_(closed, closed)]
-        force[closed] = np.linalg.solve(part, (wanted - free.w)[closed])
-    return force
+
+    def forces(N: np.ndarray, b: np.ndarray) -> np.ndarray:
+        found = np.zeros(len(closed))
+        if closed.any():
+            part = N[:, closed].T @ free.W @ N[:, closed]
+            found[closed] = np.linalg.solve(part, -b[closed])
+        return found
+
+    if by_acceleration:
+        N = contacts.gradient(free.p)
+        return N, forces(N, N.T @ free.w + contacts.bend(free.p, free.p_dot))
+    return _turned(free, contacts, rest, forces)
+
+
+def _turned(free, contacts, rest, forces) -> tuple[np.ndarray, np.ndarray]:
+    """Forces with the gradient at the end of the step, which they themselves move."""
+    reached = free.p + free.b * free.w
+    for _ in range(_MOST_TURNS):
+        N = contacts.gradient(reached)
+        s = contacts.openings(reached) - rest
+        found = forces(N, (s + N.T @ (free.p - reached)) / free.b + N.T @ free.w)
+        if contacts.is_flat:
+            return N, found
+        before, reached = N, free.p + free.b * (free.w + free.W @ (N @ found))
+        if np.abs(contacts.gradient(reached) - before).max() < _STILL or not found.any():
+            return N, found
+    raise ArithmeticError("the contact's direction does not come to rest")

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..schemes import Scheme
-from .failures import Diverged, ImpactError
+from .failures import ImpactError
 from .hard_stop import complementarity, held, unilateral
 from .stepper import Motion, Stepper
 from .structure import Structure
@@ -111,9 +111,9 @@ def march(
     """Run from `start` to t_end [s] in increments of dt [s].
 
     impact: one of `IMPACTS`; observe: what is to be kept of each increment; cap: increments after
-    which the run is given up, with a status that says so; progress: told the time reached [s].
-    Raises `ImpactError` for what cannot be and `Diverged` when the energy exceeds a million times
-    that of the system.
+    which the run is given up; progress: told the time reached [s].
+    A run that is given up, or that diverged (its energy past a million times the system's), says
+    so in its status. Raises `ImpactError` for what cannot be.
     """
     if not 0 < dt < math.inf:
         raise ImpactError(f"dt = {dt:g} s: must be > 0 and finite")
@@ -121,7 +121,7 @@ def march(
         raise ImpactError(f"end = {t_end:g} s: must be after the start and finite")
     if impact not in IMPACTS:
         raise ImpactError(f"impact = {impact}: must be one of {', '.join(IMPACTS)}")
-    if impact != "no" and not structure.contacts.is_hard:
+    if impact != "no" and structure.contacts.compliance.any():
         raise ImpactError(f"impact = {impact}: needs hard contacts, a penalty law has no impulse")
     stepper = Stepper(structure, scheme)
     m = len(start.force)
@@ -131,16 +131,23 @@ def march(
     _keep(kept, structure, observe, start)
     status = "done"
     tiny = 0.5 * RESTART * dt
-    while state.motion.t < t_end - tiny:
+    while state.motion.t < t_end - tiny and status == "done":
         if len(kept) > cap:
             status = f"gave up after {cap} increments at t = {state.motion.t:.6g} s"
             break
         k = math.floor((state.motion.t - start.t + tiny) / dt) + 1
         target = min(start.t + k * dt, t_end)
-        for motion in increment[impact](stepper, state, dt, target, len(kept), cap):
-            energy = _keep(kept, structure, observe, motion)
-            if not abs(energy) <= _EXPLOSION * structure.energy_scale:
-                raise Diverged(motion.t, len(kept) - 1, energy, structure.energy_scale)
+        try:
+            for motion in increment[impact](stepper, state, dt, target, len(kept), cap):
+                energy = _keep(kept, structure, observe, motion)
+                if not abs(energy) <= _EXPLOSION * structure.energy_scale:
+                    status = (
+                        f"diverged at t = {motion.t:.6g} s, increment {len(kept) - 1}, "
+                        f"energy {energy:.4g} J (the system's: {structure.energy_scale:.4g} J)"
+                    )
+                    break
+        except ArithmeticError as error:
+            status = f"stopped at t = {state.motion.t:.6g} s, increment {len(kept)}: {error}"
         progress(state.motion.t)
     t, seen, force, energy = zip(*kept, strict=True)
     columns = (np.array(t), np.array(seen), np.array(force), np.array(energy))
@@ -164,10 +171,10 @@ def _solved(stepper, state, dt, target, number, cap):
     """IMPACT=NO: the contacts are solved at the end of the increment."""
     h = _length(state, dt, target)
     free = stepper.free(state.motion, h)
-    force = unilateral(free, stepper.structure.contacts.compliance, state.closed)
+    N, force = unilateral(free, stepper.structure.contacts, state.closed)
     state.solves += 1
     state.closed = force > 0
-    motion = stepper.finish(free, force)._replace(t=target)
+    motion = stepper.finish(free, N, force)._replace(t=target)
     yield _accept(state, motion, Line(number, 1, 1, target, h, False))
 
 
@@ -175,13 +182,12 @@ def _current_time(stepper, state, dt, target, number, cap):
     """IMPACT=CURRENT TIME: as IMPACT=NO, then compatible velocities and accelerations."""
     before = state.closed
     (motion,) = _solved(stepper, state, dt, target, number, cap)
-    new = state.closed & ~before
-    if new.any():
-        impulse = np.zeros(len(new))
-        part = stepper.mass_flexibility[np.ix_(state.closed, state.closed)]
-        rates = stepper.structure.contacts.B.T @ motion.v
-        impulse[state.closed] = np.linalg.solve(part, -rates[state.closed])
-        motion = motion._replace(v=motion.v + stepper.mass_columns @ impulse)
+    if (state.closed & ~before).any():
+        here = _Here(stepper, motion)
+        impulse = np.zeros(len(before))
+        part = here.flexibility[np.ix_(state.closed, state.closed)]
+        impulse[state.closed] = np.linalg.solve(part, -here.rates(motion.v)[state.closed])
+        motion = motion._replace(v=motion.v + here.columns @ impulse)
     if (state.closed != before).any():
         motion = _compatible_accelerations(stepper, state, motion)
     state.motion = motion
@@ -221,60 +227,80 @@ def _length(state: _State, dt: float, target: float) -> float:
 
 def _frozen(stepper, state, h, dt) -> tuple[Motion, np.ndarray]:
     """The motion after h with the contacts as they are, and which of them should have changed."""
+    contacts = stepper.structure.contacts
     free = stepper.free(state.motion, h)
-    force = held(free, state.closed, state.rest, by_acceleration=h < SHORT * dt)
+    N, force = held(free, contacts, state.closed, state.rest, by_acceleration=h < SHORT * dt)
     state.solves += 1
-    motion = stepper.finish(free, force)
-    openings = stepper.structure.contacts.openings(motion.q) - state.rest
+    motion = stepper.finish(free, N, force)
     opens = state.closed & (force < -TENSION * state.largest_force)
-    closes = ~state.closed & (openings < -PENETRATION)
+    closes = ~state.closed & (_openings(stepper, motion) - state.rest < -PENETRATION)
     return motion, opens | closes
+
+
+def _openings(stepper, motion) -> np.ndarray:
+    contacts = stepper.structure.contacts
+    return contacts.openings(contacts.B.T @ motion.q)
 
 
 def _mean_event(stepper, state, motion, changing) -> float:
     """Mean of the times at which contacts change, linear in openings and forces, over h."""
-    contacts = stepper.structure.contacts
-    before = np.where(
-        state.closed, state.motion.force, contacts.openings(state.motion.q) - state.rest
+    before, after = (
+        np.where(state.closed, at.force, _openings(stepper, at) - state.rest)[changing]
+        for at in (state.motion, motion)
     )
-    after = np.where(state.closed, motion.force, contacts.openings(motion.q) - state.rest)
-    before, after = np.maximum(before[changing], 0.0), after[changing]
+    before = np.maximum(before, 0.0)
     return float(np.mean(before / (before - after)))
+
+
+class _Here:
+    """What the contacts do to the masses at one instant, when nothing has time to move."""
+
+    def __init__(self, stepper: Stepper, motion: Motion) -> None:
+        contacts = stepper.structure.contacts
+        p, self._B = contacts.B.T @ motion.q, contacts.B
+        self.N = contacts.gradient(p)
+        self.bend = contacts.bend(p, contacts.B.T @ motion.v)
+        self.columns = stepper.mass_columns @ self.N
+        self.flexibility = self.N.T @ stepper.mass_flexibility @ self.N
+
+    def rates(self, v: np.ndarray) -> np.ndarray:
+        """Of the openings, for velocities or accelerations (these without `bend`)."""
+        return self.N.T @ (self._B.T @ v)
 
 
 def _impact(stepper, state, changing, dt) -> Motion:
     """Change the contacts; impulse and compatible accelerations, at no cost of time."""
-    contacts = stepper.structure.contacts
     motion = state.motion
     closes = changing & ~state.closed
     state.closed = state.closed ^ changing
-    state.rest = np.where(closes, contacts.openings(motion.q), state.rest)
+    state.rest = np.where(closes, _openings(stepper, motion), state.rest)
     if closes.any():
-        rates = contacts.B.T @ motion.v
-        impulse = _pushing(stepper, state, rates, TENSION * float(np.abs(rates).max()))
+        here = _Here(stepper, motion)
+        rates = here.rates(motion.v)
+        impulse = _pushing(here, state, rates, TENSION * float(np.abs(rates).max()))
         # what stops a contact point within an increment: the first measure of the forces to come
         state.largest_force = max(state.largest_force, float(impulse.max()) / dt)
-        motion = motion._replace(v=motion.v + stepper.mass_columns @ impulse)
+        motion = motion._replace(v=motion.v + here.columns @ impulse)
     return _compatible_accelerations(stepper, state, motion)
 
 
 def _compatible_accelerations(stepper, state, motion: Motion) -> Motion:
     """Accelerations of the equation of motion with which no closed contact penetrates."""
+    here = _Here(stepper, motion)
     r = stepper.residual(motion.t, motion.q, motion.v)
     a = stepper.free_acceleration(r)
-    rates = stepper.structure.contacts.B.T @ a
-    loose = TENSION * state.largest_force * float(stepper.mass_flexibility.max())
-    force = _pushing(stepper, state, rates, loose)
-    return motion._replace(a=a + stepper.mass_columns @ force, r=r, force=force)
+    loose = TENSION * state.largest_force * float(here.flexibility.max())
+    force = _pushing(here, state, here.rates(a) + here.bend, loose)
+    return motion._replace(a=a + here.columns @ force, r=r, force=force)
 
 
-def _pushing(stepper, state, rates: np.ndarray, loose: float) -> np.ndarray:
+def _pushing(here, state, rates: np.ndarray, loose: float) -> np.ndarray:
     """Impulses or forces on the closed contacts, none of them pulling, that leave no negative rate
     of theirs; contacts whose rate is above `loose` then open."""
     pushing = np.zeros(len(rates))
     closed = np.flatnonzero(state.closed)
-    part = stepper.mass_flexibility[np.ix_(closed, closed)]
+    part = here.flexibility[np.ix_(closed, closed)]
     pushing[closed], _ = complementarity(part, rates[closed], np.ones(len(closed), dtype=bool))
-    after = rates + stepper.mass_flexibility @ pushing
+    after = rates + here.flexibility @ pushing
     state.closed = state.closed & ((pushing > 0) | (after <= loose))
     return pushing

@@ -1,11 +1,11 @@
 """One implicit step of a structure, its linear part solved and condensed to the contacts.
 
-    M ((1 - alpha_m) a1 + alpha_m a0) + (1 - alpha_f) r1 + alpha_f r0 = B lambda
-    r = C v + K q - f
+    M ((1 - alpha_m) a1 + alpha_m a0) + (1 - alpha_f) r1 + alpha_f r0 = B F,   r = C v + K q - f
 
 The contact force acts at the end of the step and is not weighted by alpha_f: only so does eq. (12)
-of paper B give the restitution 1. What is left is a problem in the accelerations of the openings,
-w = w_free + W lambda; displacements as unknowns would lose digits in very short steps.
+of paper B give the restitution 1. What is left is a problem in the accelerations of the relative
+displacements p = B^T q at the contacts, p1'' = w + W F; displacements as unknowns would lose digits
+in very short steps.
 """
 
 from __future__ import annotations
@@ -33,11 +33,12 @@ class Motion(NamedTuple):
 
 
 class FreeStep(NamedTuple):
-    """A step of length h [s] before its contact forces are known.
+    """A step of length h [s] to the time t [s] before its contact forces are known.
 
-    q, v: predictions; a: accelerations without contact; columns: S^-1 B, shape (n, m).
-    s: predicted openings [m]; w: their accelerations without contact [m/s2]; W: flexibility
-    B^T S^-1 B [1/kg], shape (m, m); b = beta h^2, so that the openings become s + b w.
+    q, v: predictions; a: accelerations without contact; columns: S^-1 B, shape (n, k).
+    p, p_dot: predictions at the contacts; w: their accelerations without contact [m/s2]; W:
+    flexibility B^T S^-1 B [1/kg], shape (k, k); b = beta h^2, so that p + b (w + W F) is reached,
+    c = gamma h likewise for the velocity.
     """
 
     h: float
@@ -46,10 +47,12 @@ class FreeStep(NamedTuple):
     v: np.ndarray
     a: np.ndarray
     columns: np.ndarray
-    s: np.ndarray
+    p: np.ndarray
+    p_dot: np.ndarray
     w: np.ndarray
     W: np.ndarray
     b: float
+    c: float
 
 
 class Stepper:
@@ -75,7 +78,7 @@ class Stepper:
     def start(self, t: float, q: np.ndarray, v: np.ndarray) -> Motion:
         """Motion at rest in its contacts, accelerations from the equation of motion."""
         r = self.residual(t, q, v)
-        force = np.zeros(len(self.structure.contacts.opening))
+        force = np.zeros(len(self.structure.contacts.compliance))
         return Motion(t, q, v, -self._mass_solver(r), r, force)
 
     def residual(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -88,7 +91,7 @@ class Stepper:
 
     def free(self, old: Motion, h: float) -> FreeStep:
         """Predict and solve the linear part of a step of length h [s]."""
-        am, af, beta, _ = self.scheme
+        am, af, beta, gamma = self.scheme
         t = old.t + h
         solver, columns, flexibility = self._linear(h, t)
         q, v = np.empty_like(old.q), np.empty_like(old.q)
@@ -97,13 +100,14 @@ class Stepper:
         if am:
             right -= am * self.structure.inertia(old.a)
         a = solver(right)
-        contacts = self.structure.contacts
-        w = contacts.B.T @ a
-        return FreeStep(h, t, q, v, a, columns, contacts.openings(q), w, flexibility, beta * h * h)
+        B = self.structure.contacts.B
+        at_contacts = (B.T @ q, B.T @ v, B.T @ a)
+        weights_of_a = (beta * h * h, gamma * h)
+        return FreeStep(h, t, q, v, a, columns, *at_contacts, flexibility, *weights_of_a)
 
-    def finish(self, free: FreeStep, force: np.ndarray) -> Motion:
-        """The motion at the end of the step with these contact forces [N], shape (m,)."""
-        a = free.a + free.columns @ force
+    def finish(self, free: FreeStep, N: np.ndarray, force: np.ndarray) -> Motion:
+        """The motion at the end of the step; contact forces [N], shape (m,), along N, (k, m)."""
+        a = free.a + free.columns @ (N @ force)
         q, v = free.q.copy(), free.v.copy()
         correct(self.scheme, free.h, a, q, v)
         return Motion(free.t, q, v, a, self.residual(free.t, q, v), force)

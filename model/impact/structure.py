@@ -1,9 +1,9 @@
 """A linear structure with a few unilateral contacts, as the impact experiments need it.
 
-    M q'' + C q' + K q = f(t) + B lambda,    s = s_0 + B^T q >= -compliance lambda,   lambda >= 0
+    M q'' + C q' + K q = f(t) + B N lambda,   s(B^T q) >= -compliance lambda,   lambda >= 0
 
-s: openings of the contacts, lambda: contact forces; lambda s = 0 for a hard stop, whose compliance
-is zero, and lambda = -s / compliance in the penetration of a penalty law.
+s: openings of the contacts, N their gradient (see `contacts`), lambda: contact forces. For a hard
+stop, whose compliance is zero, lambda s = 0; a penalty law has lambda = -s / compliance.
 """
 
 from __future__ import annotations
@@ -15,26 +15,9 @@ from typing import Protocol
 import numpy as np
 
 from ..band import add_product, factorize, solve
+from .contacts import Contacts
 
 Solver = Callable[[np.ndarray], np.ndarray]
-
-
-@dataclass(frozen=True)
-class Contacts:
-    """B, shape (n, m); openings s_0 at q = 0 [m], shape (m,); compliance [m/N], shape (m,)."""
-
-    B: np.ndarray
-    opening: np.ndarray
-    compliance: np.ndarray
-
-    @property
-    def is_hard(self) -> bool:
-        """Whether no contact gives way."""
-        return not self.compliance.any()
-
-    def openings(self, q: np.ndarray) -> np.ndarray:
-        """s [m], shape (m,), for displacements q, shape (n,)."""
-        return self.opening + self.B.T @ q
 
 
 class Structure(Protocol):
