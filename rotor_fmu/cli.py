@@ -19,6 +19,7 @@ from .reproduce import reproduce
 from .run_down import summary
 from .schemes_command import schemes
 from .signals import RUN_DOWN_STOP
+from .survey.command import survey
 from .variable_table import markdown
 
 app = typer.Typer(
@@ -94,6 +95,7 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+app.command("survey")(survey)
 
 
 @app.command("variables")

@@ -7,15 +7,18 @@ import time
 from pathlib import Path
 
 from model.impact.bars import Bars, run_bars
-from model.impact.failures import Diverged
+from model.impact.march import Run
+from model.impact.ratchet import parse_ratchet, ratchet_toml, run_ratchet
 from model.schemes import Scheme
 
 from .grid import Experiment, Row
-from .sources import source_digest
+from .sources import file_digest, source_digest
 
 BARS = Bars()
 BARS_STEPS = (8e-4, 4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
+RATCHET_STEPS = (2e-5, 1e-5, 5e-6)
 IMPACTS = ("no", "average-time")
+_CAP = 10_000  # paper B's, of the increments
 
 
 def bars(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
@@ -24,40 +27,59 @@ def bars(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     error: root mean square of the tip velocity's error from the impact on, over the speed.
     """
     begun = time.process_time()
-    # short steps for an impact treated by cutbacks may need more increments than the paper's cap
-    cap = max(10_000, math.ceil(20 * 0.04 / h))
-    try:
-        run = run_bars(BARS, scheme, h, IMPACTS[case], cap=cap)
-    except Diverged as failure:
-        return {"status": f"failed at {failure.t:.4g} s", "cpu_s": time.process_time() - begun}
-    if not run.run.is_done:
-        return {
-            "status": f"stalled at {run.t[-1]:.4g} s",
-            "cutbacks": float(run.run.cutbacks),
-            "steps": float(run.run.increments),
-            "cpu_s": time.process_time() - begun,
+    made = run_bars(BARS, scheme, h, IMPACTS[case], cap=_CAP)
+    row = _ended(made.run, begun)
+    if made.run.is_done:
+        row |= {
+            "error": made.rms_error() / BARS.speed,
+            "plateau": made.rms_error("plateau"),
+            "released": made.mean_after_release,
+            "energy_made": made.energy_change,
         }
+    return row
+
+
+def ratchet(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
+    """The ratchet that comes with the package.
+
+    error: of the wheel's deceleration while the pawl slides, against a rigid pawl's; fast: the
+    pawl's high-frequency content then.
+    """
+    machine = parse_ratchet(ratchet_toml())
+    begun = time.process_time()
+    made = run_ratchet(machine, scheme, h, IMPACTS[case], cap=_CAP)
+    row = _ended(made.run, begun)
+    for name, value in (
+        ("error", abs(made.slope / machine.acceleration - 1.0)),
+        ("fast", made.fast_content),
+        ("energy_made", made.energy_change if made.run.is_done else math.nan),
+    ):
+        if math.isfinite(value):
+            row[name] = value
+    return row
+
+
+def _ended(run: Run, begun: float) -> Row:
     return {
-        "status": "ok",
-        "error": run.rms_error() / BARS.speed,
-        "plateau": run.rms_error("plateau"),
-        "released": run.mean_after_release,
-        "energy_made": run.energy_change,
-        "steps": float(run.run.increments),
-        "newton": float(run.run.solves),
-        "cutbacks": float(run.run.cutbacks),
+        "status": "ok" if run.is_done else f"{_end_of(run)} at {run.t[-1]:.4g} s",
+        "steps": float(run.increments),
+        "newton": float(run.solves),
+        "cutbacks": float(run.cutbacks),
         "cpu_s": time.process_time() - begun,
     }
 
 
+def _end_of(run: Run) -> str:
+    return "diverged" if run.status.startswith("diverged") else "stalled"
+
+
 def _bars_version() -> str:
-    return f"{source_digest('model.impact.bars')} {BARS!r}"
+    return f"{source_digest('model.impact.bars')} {file_digest(__file__)}"
 
 
-BARS_EXPERIMENT = Experiment(
-    name="bars",
-    steps=BARS_STEPS,
-    cases=IMPACTS,
-    version=_bars_version,
-    run=bars,
-)
+def _ratchet_version() -> str:
+    return f"{source_digest('model.impact.ratchet')} {file_digest(__file__)} {ratchet_toml()}"
+
+
+ON_BARS = Experiment("bars", BARS_STEPS, IMPACTS, _bars_version, bars)
+ON_RATCHET = Experiment("ratchet", RATCHET_STEPS, IMPACTS, _ratchet_version, ratchet)

@@ -20,6 +20,12 @@ def source_digest(*modules: str) -> str:
     return digest.hexdigest()[:16]
 
 
+@cache
+def file_digest(path: str) -> str:
+    """Digest of one file alone."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
+
+
 def _closure(modules: tuple[str, ...]) -> dict[str, str]:
     found: dict[str, str] = {}
     left = list(modules)
