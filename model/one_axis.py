@@ -65,7 +65,7 @@ def axis_of(structure: Structure, bearing: int, direction: int) -> Axis:
     clearance in x. Raises `EquilibriumError`.
     """
     contacts = structure.contacts
-    n, nb = structure.M.shape[1], len(contacts)
+    n, nb = structure.M.shape[0], len(contacts)
     M, C, K = (np.zeros((n + nb, n + nb)) for _ in range(3))
     for whole, band in ((M, structure.M), (C, structure.C), (K, structure.K)):
         whole[:n, :n] = to_dense(band)
@@ -96,7 +96,7 @@ def unbalance_loads(structure: Structure, omega: float) -> np.ndarray:
     (bearings, 2), in x and y.
     """
     contacts = structure.contacts
-    n, nb = structure.M.shape[1], len(contacts)
+    n, nb = structure.M.shape[0], len(contacts)
     size = n + nb
     M, C, K, G = (to_dense(b) for b in (structure.M, structure.C, structure.K, structure.G))
     dynamic = np.zeros((2 * size, 2 * size), dtype=complex)

@@ -34,7 +34,9 @@ FOUND = (
     "fast",  # ratchet: high-frequency content of the pawl's speed [rad/s]
     "trapped",  # rotor: share of the steps in the false state [1]
     "trapped_at",  # since when [s]
-    "trapped_speed",  # at what speed of rotation [rad/s]
+    "trapped_speed",  # from that speed of rotation [rad/s]
+    "trapped_until",  # to that one
+    "impact_speed",  # greatest of a journal in the converged run [m/s]
     "energy_made",  # by the integrator [J], or of the energy at the start [1] (bars, ratchet)
     "power",  # planted: energy made a second while in the false state [W]
     "power_predicted",
@@ -95,7 +97,8 @@ class Job:
 
 
 def jobs_of(experiments: Sequence[Experiment], schemes: Mapping[str, Scheme]) -> list[Job]:
-    """Every run of the grid, the long ones first."""
+    """Every run of the grid, the first case of all before the second of any: a grid that is stopped
+    has a bit of everything."""
     found = []
     for experiment in experiments:
         version = experiment.version()
@@ -108,7 +111,7 @@ def jobs_of(experiments: Sequence[Experiment], schemes: Mapping[str, Scheme]) ->
                     text = repr((experiment.name, version, tuple(scheme), h, case))
                     key = hashlib.sha256(text.encode()).hexdigest()[:12]
                     found.append(Job(key, experiment.name, label, scheme, h, i, case))
-    return sorted(found, key=lambda job: job.h)
+    return sorted(found, key=lambda job: (job.case, job.h))
 
 
 def read_table(path: Path) -> list[Row]:
@@ -221,9 +224,12 @@ def _set_stale_aside(by_key: dict[str, Row], jobs: Sequence[Job], out: Path) -> 
 def _finished(experiments, left, stores, processes) -> Iterable[Row]:
     by_name = {experiment.name: experiment for experiment in experiments}
     tasks = [(by_name[job.experiment].run, job, stores[job.experiment]) for job in left]
-    if processes == 1 or len(tasks) < 2:
+    if len(tasks) < 2:
         yield from map(_carry_out, tasks)
         return
+    # a process a core, and each with one thread: its matrices are small
+    for name in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
     # Ctrl-C is the parent's to handle: leaving the block ends the others at once
     context = multiprocessing.get_context("spawn")
     count = min(processes or os.cpu_count() or 1, len(tasks))

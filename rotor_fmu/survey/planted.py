@@ -11,11 +11,11 @@ import numpy as np
 
 from model import false_state, one_axis
 from model.assembly import Structure, assemble
-from model.excitation import Spin
+from model.excitation import Spin, spin_of
 from model.rotor_toml import rig, rig_toml
 from model.schemes import Scheme
 from model.simulation import Simulation, StepFailure
-from model.step import Motion, residual
+from model.step import Motion, accelerate, new_workspace
 
 from ..signals import RUN_DOWN_RATE
 from .grid import Experiment, Row
@@ -32,6 +32,7 @@ def _rig() -> Structure:
     return assemble(rig())
 
 
+@cache
 def lasting_cycles(
     scheme: Scheme, h: float
 ) -> list[tuple[float, int, int, one_axis.Axis, false_state.Cycle]]:
@@ -69,7 +70,7 @@ def plant(
         lift = math.copysign(axis.clearance * math.sin(tilt), axis.across) - other.rest
         motion.q[:] += 1j * lift * other.static[0]
     loads = np.zeros(len(structure.load_dof), dtype=complex)
-    residual(structure, spin, loads, motion, np.zeros(structure.M.shape[1], dtype=complex))
+    accelerate(structure, spin, loads, motion, new_workspace(structure))
     simulation.restore(snapshot)
 
 
@@ -85,7 +86,7 @@ def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     speed = SPEEDS[case]
     simulation = perturbed(scheme, h, 0.0, speed)
     begun = time.process_time()
-    plant(simulation, bearing, direction, cycle, Spin(speed, RUN_DOWN_RATE, 0.0))
+    plant(simulation, bearing, direction, cycle, spin_of(speed, RUN_DOWN_RATE, 0.0))
     row: Row = {
         "bears": bears,
         "load": float(one_axis.unbalance_loads(simulation.structure, speed)[bearing].max()),

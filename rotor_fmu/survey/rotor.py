@@ -50,14 +50,17 @@ def _ends() -> np.ndarray:
     return WINDOW * np.arange(1, round(RUN_DOWN_STOP / WINDOW) + 1)
 
 
-def _run_down(simulation: Simulation) -> np.ndarray:
-    """Amplitudes of the last disc at the ends of all windows, shape (windows, 2) [m]."""
+def _run_down(simulation: Simulation) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes of the last disc at the ends of all windows, shape (windows, 2) [m], and the steps
+    in the false state up to there, shape (windows,)."""
     names = [simulation.names.index(f"{_DISC}.{axis}_amp") for axis in "xy"]
-    amplitudes = []
+    trapped = simulation.names.index("solver.trapped")
+    seen = []
     for n, t in enumerate(_ends()):
         simulation.advance(t, RUN_DOWN_SPEED + RUN_DOWN_RATE * n * WINDOW)
-        amplitudes.append(simulation.observed[names])
-    return np.array(amplitudes)
+        seen.append(simulation.observed[[*names, trapped]])
+    amplitudes_and_count = np.array(seen)
+    return amplitudes_and_count[:, :2], amplitudes_and_count[:, 2]
 
 
 def prepare_run_down(folder: Path) -> None:
@@ -68,7 +71,7 @@ def prepare_run_down(folder: Path) -> None:
         return
     scheme, h = REFERENCE
     simulation = perturbed(scheme, h, 0.0, RUN_DOWN_SPEED)
-    amplitudes = _run_down(simulation)
+    amplitudes, _ = _run_down(simulation)
     unfinished = path.with_suffix(".part.npz")
     np.savez_compressed(unfinished, amplitudes=amplitudes, impacts=_impact_speeds())
     unfinished.replace(path)
@@ -81,7 +84,7 @@ def _impact_speeds() -> np.ndarray:
     h = STEPS[-1]
     simulation = perturbed(scheme, h, 0.0, RUN_DOWN_SPEED)
     contacts = simulation.structure.contacts
-    n = simulation.structure.M.shape[1]
+    n = simulation.structure.M.shape[0]
     parts = round(WINDOW / h / 4)
     greatest = np.zeros((len(_ends()), len(contacts)))
     for i in range(len(greatest)):
@@ -105,11 +108,11 @@ def run_down(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     error: root mean square of the amplitudes' difference from the converged run, over that of the
     converged amplitudes, both axes, t > 2 s.
     """
-    reference, _ = read_reference(folder)
+    reference, impacts = read_reference(folder)
     simulation = perturbed(scheme, h, case * PHASE_STEP, RUN_DOWN_SPEED)
     begun = time.process_time()
     try:
-        amplitudes = _run_down(simulation)
+        amplitudes, trapped = _run_down(simulation)
     except StepFailure as failure:
         how = "diverged" if "diverged" in str(failure) else "stalled"
         return {"status": f"{how} at {simulation.time:.4g} s", **work_of(simulation, begun)}
@@ -121,17 +124,21 @@ def run_down(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
         "error": float(np.sqrt(np.mean(difference**2) / np.mean(reference[late] ** 2))),
         "error_x": float(peaks[0]),
         "error_y": float(peaks[1]),
-        **false_state_of(simulation),
+        **_false_state(simulation, trapped),
         "energy_made": simulation.read("energy.residual"),
+        "impact_speed": float(impacts.max()),
         **work_of(simulation, begun),
     }
 
 
-def false_state_of(simulation: Simulation) -> Row:
-    found: Row = {"trapped": simulation.read("solver.trapped") / simulation.read("solver.steps")}
-    if found["trapped"]:
+def _false_state(simulation: Simulation, trapped: np.ndarray) -> Row:
+    found: Row = {"trapped": float(trapped[-1]) / simulation.read("solver.steps")}
+    if trapped[-1]:
         at = simulation.read("solver.trapped_at")
-        found |= {"trapped_at": at, "trapped_speed": RUN_DOWN_SPEED + RUN_DOWN_RATE * at}
+        last = _ends()[np.flatnonzero(np.diff(trapped, prepend=0.0))[-1]]
+        found["trapped_at"] = at
+        found["trapped_speed"] = RUN_DOWN_SPEED + RUN_DOWN_RATE * at
+        found["trapped_until"] = RUN_DOWN_SPEED + RUN_DOWN_RATE * float(last)
     return found
 
 
