@@ -13,12 +13,18 @@ from model.schemes import Scheme
 
 from ..errors import InputError, writable_folder
 from ..schemes_command import parse_scheme
-from . import impact, planted, rotor
+from . import bounces, impact, planted, rotor
 from .grid import TABLE, Experiment, Row, read_table, run_grid
 
 EXPERIMENTS = {
     experiment.name: experiment
-    for experiment in (rotor.RUN_DOWN, planted.PLANTED, impact.ON_BARS, impact.ON_RATCHET)
+    for experiment in (
+        rotor.RUN_DOWN,
+        bounces.BOUNCE,
+        planted.PLANTED,
+        impact.ON_BARS,
+        impact.ON_RATCHET,
+    )
 }
 SCHEMES = (
     "newmark",
@@ -39,6 +45,7 @@ SCHEMES = (
 QUICK_SCHEMES = ("newmark", "moderate-dissipation", "chung-hulbert=0.2")
 QUICK = {
     "rotor": ((rotor.STEPS[0], rotor.STEPS[2]), rotor.RUN_DOWN.cases[:2]),
+    "bounce": ((rotor.STEPS[6],), bounces.BOUNCE.cases[2:3]),
     "planted": ((rotor.STEPS[2],), planted.PLANTED.cases[:2]),
     "bars": (impact.BARS_STEPS[:1], impact.IMPACTS),
     "ratchet": (impact.RATCHET_STEPS[:1], impact.IMPACTS[:1]),

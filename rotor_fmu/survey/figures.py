@@ -1,0 +1,162 @@
+"""Pictures of a survey, one a finding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
+from .findings import Findings, median, title_of
+
+_PURPLE, _SKY = "#cc79a7", "#56b4e9"
+# Schemes that the curves show; the tables have them all.
+SHOWN = {
+    "newmark": (GREY, "o"),
+    "generalized-alpha=0.1,0.08": (ORANGE, "s"),
+    "hht=0.1": (_SKY, "v"),
+    "moderate-dissipation": (GREEN, "^"),
+    "chung-hulbert=0.5": (_PURPLE, "D"),
+    "chung-hulbert=0.2": (BLUE, "o"),
+}
+_STEP_LABEL = "Step length $h$ [ms]"
+
+
+def _step_axis(axes: object, steps: Sequence[float]) -> None:
+    axes.set_xscale("log")
+    ticks = [h * 1e3 for h in steps]
+    axes.set_xticks(ticks[::2], [f"{t:.2g}" for t in ticks[::2]])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel(_STEP_LABEL)
+
+
+def error(findings: Findings) -> Figure:
+    """Error of the run-down's amplitudes against step length."""
+    figure, axes = new_figure(7.0, 4.4)
+    steps = findings.steps("rotor")
+    for label, (color, marker) in SHOWN.items():
+        h, value, is_safe = [], [], []
+        for step in steps:
+            rows = findings.of("rotor", scheme=label, h=step)
+            middle = median(rows, "error")
+            if middle is not None:
+                h.append(step * 1e3)
+                value.append(middle * 100)
+                is_safe.append(not findings.trapped_share(label, step))
+        axes.plot(h, value, color=color, lw=1.3, label=title_of(label))
+        fill = [color if safe else "white" for safe in is_safe]
+        axes.scatter(h, value, c=fill, edgecolors=color, marker=marker, s=28, zorder=3)
+    axes.set_yscale("log")
+    _step_axis(axes, steps)
+    axes.set_ylabel("Error of the amplitudes [%]")
+    axes.legend(frameon=False, fontsize=8, loc="upper left", ncols=2)
+    axes.set_title(
+        "Run-down: median error of twelve runs; open: some in the false state",
+        loc="left",
+        fontsize=10,
+    )
+    return figure
+
+
+def false_states(findings: Findings) -> Figure:
+    """Share of the run-downs in the false state, and what the map of one impact predicts."""
+    figure = Figure(figsize=(8.6, 5.4), dpi=150, layout="constrained")
+    panels = figure.subplots(1, 2, sharey=True)
+    schemes, steps = findings.schemes("bounce"), findings.steps("rotor")
+    speed = findings.impact_speed()
+    contents: tuple[tuple[str, Callable[[str, float], float | None]], ...] = (
+        ("seen: share of twelve run-downs", findings.trapped_share),
+        (
+            f"predicted: share of single impacts at {speed:.2g} m/s",
+            lambda label, h: findings.bounce_share(label, h, speed),
+        ),
+    )
+    for axes, (title, share) in zip(panels, contents, strict=True):
+        values = np.array(
+            [[np.nan if (s := share(x, h)) is None else s for h in steps] for x in schemes]
+        )
+        image = axes.imshow(values, cmap="cividis", vmin=0, vmax=1, aspect="auto")
+        for i, j in np.ndindex(values.shape):
+            text = "x" if np.isnan(values[i, j]) else f"{values[i, j]:.1f}".lstrip("0")
+            if values[i, j] != 0:
+                shade = "black" if values[i, j] > 0.6 or text == "x" else "white"
+                text = "1" if text == "1.0" else text
+                axes.text(j, i, text, ha="center", va="center", fontsize=6, color=shade)
+        axes.set_xticks(range(len(steps)), [f"{h * 1e3:.2g}" for h in steps], fontsize=7)
+        axes.set_yticks(range(len(schemes)), [title_of(x) for x in schemes], fontsize=8)
+        axes.set_xlabel(_STEP_LABEL)
+        axes.set_title(title, loc="left", fontsize=9)
+    figure.colorbar(image, ax=panels, shrink=0.7, label="share in the false state [1]")
+    figure.suptitle(
+        "The false state: seen in the run-down, predicted from one impact (x: diverged)",
+        x=0.01,
+        ha="left",
+        fontsize=10,
+    )
+    return figure
+
+
+def bars(findings: Findings) -> Figure:
+    """Error of the bars' tip velocity, with and without average-time impact, at 5e-5 s."""
+    return _by_impact(
+        findings,
+        "bars",
+        5e-5,
+        "error",
+        "RMS error of the tip velocity / speed [1]",
+        "Bars, h = {h:g} ms: short steps ask for dissipation or for average time",
+    )
+
+
+def ratchet(findings: Findings) -> Figure:
+    """High-frequency content of the pawl at 1e-5 s."""
+    return _by_impact(
+        findings,
+        "ratchet",
+        1e-5,
+        "fast",
+        "High-frequency content of the pawl's speed [rad/s]",
+        "Ratchet, h = {h:g} ms: average time stalls (x)",
+    )
+
+
+def _by_impact(
+    findings: Findings, experiment: str, h: float, column: str, label: str, title: str
+) -> Figure:
+    figure, axes = new_figure(6.8, 5.0)
+    schemes = findings.schemes(experiment)
+    h = findings.nearest_step(experiment, h)
+    for impact, color, marker in (("no", ORANGE, "o"), ("average-time", BLUE, "s")):
+        values = {}
+        for i, scheme in enumerate(schemes):
+            for row in findings.of(experiment, scheme=scheme, h=h, case=impact):
+                if row["status"] == "ok" and column in row:
+                    values[i] = row[column]
+                else:
+                    axes.plot(
+                        0.99,
+                        i,
+                        "x",
+                        color=color,
+                        ms=6,
+                        mew=1.6,
+                        transform=axes.get_yaxis_transform(),
+                        clip_on=False,
+                    )
+        axes.plot(
+            list(values.values()),
+            list(values),
+            marker,
+            color=color,
+            ms=5,
+            label=f"impact = {impact}",
+            alpha=0.9,
+        )
+    axes.set_xscale("log")
+    axes.set_yticks(range(len(schemes)), [title_of(s) for s in schemes], fontsize=8)
+    axes.invert_yaxis()
+    axes.set_xlabel(label)
+    axes.legend(frameon=False, fontsize=8)
+    axes.set_title(title.format(h=h * 1e3), loc="left", fontsize=10)
+    return figure
