@@ -31,7 +31,7 @@ SCHEMES = (
     "newmark=0.5,0.5",
     "transient-fidelity",
     "hht=0.1",
-    "hht=0.333333333333333",
+    "hht=0.3333333333333333",
     "moderate-dissipation",
     "hht=0.5",
     "wbz=-0.3",
@@ -116,6 +116,9 @@ def survey(
     schemes = chosen_schemes(scheme or (QUICK_SCHEMES if quick else SCHEMES))
     experiments = chosen_experiments(experiment or (), step or (), quick)
     rows = read_table(table) if table is not None else None
+    for name in EXPERIMENTS if rows is not None else ():
+        if not any(row["experiment"] == name for row in rows):
+            raise InputError(f"--table {table}: has no rows of {name}")
     writable_folder(out)
     if rows is None:
         rows = run_grid(experiments, schemes, out, jobs)

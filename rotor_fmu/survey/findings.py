@@ -16,7 +16,7 @@ TITLES = {
     "newmark=0.5,0.5": "Newmark 1/2, 1/2",
     "transient-fidelity": "HHT 0.05",
     "hht=0.1": "HHT 0.1",
-    "hht=0.333333333333333": "HHT 1/3",
+    "hht=0.3333333333333333": "HHT 1/3",
     "moderate-dissipation": "HHT √2 - 1",
     "hht=0.5": "HHT 0.5",
     "wbz=-0.3": "WBZ -0.3",

@@ -224,7 +224,7 @@ def _set_stale_aside(by_key: dict[str, Row], jobs: Sequence[Job], out: Path) -> 
 def _finished(experiments, left, stores, processes) -> Iterable[Row]:
     by_name = {experiment.name: experiment for experiment in experiments}
     tasks = [(by_name[job.experiment].run, job, stores[job.experiment]) for job in left]
-    if len(tasks) < 2:
+    if processes == 1 or len(tasks) < 2:
         yield from map(_carry_out, tasks)
         return
     # a process a core, and each with one thread: its matrices are small

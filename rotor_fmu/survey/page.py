@@ -43,20 +43,22 @@ def write_page(rows: Sequence[Row], out: Path) -> Path:
     }
     for name, figure in pictures.items():
         save(figure, folder / f"integrators_{name}.png")
-    template = files(__package__).joinpath(PAGE).read_text(encoding="utf-8")
     page = out / PAGE
-    page.write_text(Template(template).substitute(_numbers(findings)), encoding="utf-8")
+    page.write_text(page_text(findings), encoding="utf-8")
     return page
 
 
-def _numbers(findings: Findings) -> dict[str, object]:
-    return {
+def page_text(findings: Findings) -> str:
+    """The page: the template beside this module, and the numbers of the table."""
+    template = files(__package__).joinpath(PAGE).read_text(encoding="utf-8")
+    numbers = {
         **_of_the_run_down(findings),
         **_of_the_false_state(findings),
         **_of_its_power(findings),
         **_of_the_impacts(findings),
         "work_table": _work_table(findings),
     }
+    return Template(template).substitute(numbers)
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

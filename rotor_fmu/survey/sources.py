@@ -15,7 +15,7 @@ _OURS = ("model", "rotor_fmu")
 def source_digest(*modules: str) -> str:
     """Digest of the sources of these modules and, through their imports, of all they depend on."""
     digest = hashlib.sha256()
-    for name, text in sorted(_closure(modules).items()):
+    for name, text in sorted(closure(modules).items()):
         digest.update(f"{name}\0{text}\0".encode())
     return digest.hexdigest()[:16]
 
@@ -26,7 +26,8 @@ def file_digest(path: str) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
 
 
-def _closure(modules: tuple[str, ...]) -> dict[str, str]:
+def closure(modules: tuple[str, ...]) -> dict[str, str]:
+    """Sources of these modules and of all of this project's that they import, by name."""
     found: dict[str, str] = {}
     left = list(modules)
     while left:
