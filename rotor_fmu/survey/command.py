@@ -34,6 +34,7 @@ SCHEMES = (
     "hht=0.3333333333333333",
     "moderate-dissipation",
     "hht=0.5",
+    "wbz=-0.6",
     "wbz=-0.3",
     "wbz=-0.1",
     "wbz=0.08",

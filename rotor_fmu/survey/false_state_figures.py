@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +13,7 @@ from model import bouncing, false_state, one_axis
 from model.assembly import assemble
 from model.excitation import spin_of
 from model.rotor_toml import rig
-from model.schemes import Scheme, chung_hulbert, hht, newmark, wbz
+from model.schemes import Scheme, chung_hulbert, generalized_alpha, hht, newmark, wbz
 
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..signals import RUN_DOWN_RATE
@@ -30,14 +30,14 @@ def _axis() -> one_axis.Axis:
     return one_axis.axis_of(assemble(rig()), 0, one_axis.X)
 
 
-def safe_radius() -> float:
-    """Spectral radius of Chung and Hulbert's scheme at which the phase is 45 degrees [1]."""
+def phase_limit(member: Callable[[float], Scheme], low: float, high: float) -> float:
+    """Parameter of a one-parameter family, between low (phase above) and high (below), at which the
+    phase is 45 degrees."""
     axis = _axis()
-    low, high = 0.0, 1.0
-    for _ in range(30):
+    for _ in range(40):
         middle = 0.5 * (low + high)
-        is_safe = false_state.quarter_phase(axis, chung_hulbert(middle), _H) > math.pi / 4
-        low, high = (middle, high) if is_safe else (low, middle)
+        is_above = false_state.quarter_phase(axis, member(middle), _H) > math.pi / 4
+        low, high = (middle, high) if is_above else (low, middle)
     return low
 
 
@@ -157,22 +157,28 @@ def phases() -> Figure:
     figure, axes = new_figure(6.4, 4.2)
     axis, h = _axis(), _H
     families: tuple[tuple[str, str, Sequence[Scheme]], ...] = (
-        ("Chung-Hulbert", BLUE, [chung_hulbert(r) for r in np.linspace(0, 1, 81)]),
-        ("HHT, alpha from 0 to 1/3", GREEN, [hht(a) for a in np.linspace(0, 1 / 3, 41)]),
-        ("WBZ, alpha from -0.3 to 0", ORANGE, [wbz(a) for a in np.linspace(-0.3, 0, 41)]),
+        ("Chung-Hulbert, 0 to 1", BLUE, [chung_hulbert(r) for r in np.linspace(0, 1, 81)]),
+        ("HHT, alpha_f from 0 to 0.5", GREEN, [hht(a) for a in np.linspace(0, 0.5, 61)]),
+        ("WBZ, alpha_m from -1 to 0", ORANGE, [wbz(a) for a in np.linspace(-1, 0, 61)]),
     )
     for label, color, members in families:
         rho = [s.rho_infinity for s in members]
         phase = [math.degrees(false_state.quarter_phase(axis, s, h)) for s in members]
         axes.plot(rho, phase, color=color, lw=1.6, label=label)
-    for name, scheme in (
-        ("√2 - 1", hht(math.sqrt(2) - 1)),
-        ("0.5", hht(0.5)),
+    for name, scheme, color, offset in (
+        ("√2 - 1", hht(math.sqrt(2) - 1), GREEN, (5, 5)),
+        ("0.2", chung_hulbert(0.2), BLUE, (-4, -13)),
+        ("0.1 / 0.08", generalized_alpha(0.1, 0.08), GREY, (-6, 7)),
     ):
         at = scheme.rho_infinity, math.degrees(false_state.quarter_phase(axis, scheme, h))
-        axes.plot(*at, "o", color=GREEN, ms=5)
+        axes.plot(*at, "o", color=color, ms=5, zorder=3)
         axes.annotate(
-            f"HHT {name}", at, xytext=(-4, 7), textcoords="offset points", fontsize=8, ha="right"
+            name,
+            at,
+            xytext=offset,
+            textcoords="offset points",
+            fontsize=8,
+            ha="left" if offset[0] > 0 else "right",
         )
     axes.axhline(45, color=GREY, lw=1, ls="--")
     axes.text(0.99, 46.5, "above: no false state between hard walls", fontsize=8, ha="right")
@@ -180,9 +186,9 @@ def phases() -> Figure:
     axes.set_ylim(0, None)
     axes.set_xlabel("Spectral radius at infinity [1]")
     axes.set_ylabel("Phase of -1 / H(i) [deg]")
-    axes.legend(frameon=False, fontsize=8, loc="upper right", bbox_to_anchor=(1, 0.85))
+    axes.legend(frameon=False, fontsize=8, loc="upper right", bbox_to_anchor=(1, 0.98))
     axes.set_title(
-        f"Only Chung-Hulbert with a small spectral radius gets to 45° (h = {h * 1e3:g} ms)",
+        f"Strong damping at infinity turns the force by 45°, HHT cannot (h = {h * 1e3:g} ms)",
         loc="left",
         fontsize=10,
     )

@@ -19,6 +19,7 @@ TITLES = {
     "hht=0.3333333333333333": "HHT 1/3",
     "moderate-dissipation": "HHT √2 - 1",
     "hht=0.5": "HHT 0.5",
+    "wbz=-0.6": "WBZ -0.6",
     "wbz=-0.3": "WBZ -0.3",
     "wbz=-0.1": "WBZ -0.1",
     "wbz=0.08": "WBZ 0.08",
