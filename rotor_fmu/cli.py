@@ -9,7 +9,7 @@ import typer
 
 from model.settings import PRESETS
 
-from . import figures
+from . import figures, impact_command
 from .bundle import build
 from .errors import RunFailed, run, writable_folder
 from .host_env import host_environment
@@ -96,6 +96,7 @@ def reproduce_command(
 
 app.command("schemes")(schemes)
 app.command("survey")(survey)
+app.add_typer(impact_command.app, name="impact")
 
 
 @app.command("variables")

@@ -144,6 +144,11 @@ class BarsRun:
         """Between the bars [N]."""
         return self.run.force.sum(axis=1)
 
+    @property
+    def is_complete(self) -> bool:
+        """Whether the run reached into all of `WINDOWS`."""
+        return self.run.is_done and self.t[-1] > self.bars.t_impact + WINDOWS["released"][0]
+
     def rms_error(self, window: str = "all") -> float:
         """Root mean square of the tip velocity's error [m/s] in one of `WINDOWS`, over time, with
         straight lines between the increments."""

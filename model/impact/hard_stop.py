@@ -12,14 +12,12 @@ import numpy as np
 from ..compiled import compiled
 from ..contact_problem import solve_dense
 from .contacts import Contacts
+from .round_stop import hold_on_circle, push_inside
 from .stepper import FreeStep
 
 _ROUNDING = 1e-12
 _PATIENCE = 10
 _MOST_PIVOTS = 10000
-# Turns of a gradient that follows its contact, and when it has come to rest [rad].
-_MOST_TURNS = 60
-_STILL = 1e-9
 
 
 @compiled
@@ -100,15 +98,15 @@ def unilateral(
     closed: where the search for the closed contacts begins, shape (m,).
     Raises `ArithmeticError` if no such forces are found.
     """
-    softness = np.diag(contacts.compliance / free.b)
-
-    def forces(N: np.ndarray, b: np.ndarray) -> np.ndarray:
-        found, is_found = complementarity(N.T @ free.W @ N + softness, b, closed.copy())
-        if not is_found:
-            raise ArithmeticError("the contact problem has no solution")
-        return found
-
-    return _turned(free, contacts, np.zeros(len(closed)), forces)
+    N = contacts.gradient(free.p)
+    if not contacts.is_flat:
+        return push_inside(free, contacts, closed)
+    A = N.T @ free.W @ N + np.diag(contacts.compliance / free.b)
+    b = contacts.openings(free.p) / free.b + N.T @ free.w
+    force, is_found = complementarity(A, b, closed.copy())
+    if not is_found:
+        raise ArithmeticError("the contact problem has no solution")
+    return N, force
 
 
 def held(
@@ -124,30 +122,16 @@ def held(
     by_acceleration: hold the openings' accelerations at zero instead, for steps so short that the
     rounding errors of the openings would be amplified.
     """
-
-    def forces(N: np.ndarray, b: np.ndarray) -> np.ndarray:
-        found = np.zeros(len(closed))
-        if closed.any():
-            part = N[:, closed].T @ free.W @ N[:, closed]
-            found[closed] = np.linalg.solve(part, -b[closed])
-        return found
-
+    N = contacts.gradient(free.p)
+    force = np.zeros(len(closed))
+    if not closed.any():
+        return N, force
     if by_acceleration:
-        N = contacts.gradient(free.p)
-        return N, forces(N, N.T @ free.w + contacts.bend(free.p, free.p_dot))
-    return _turned(free, contacts, rest, forces)
-
-
-def _turned(free, contacts, rest, forces) -> tuple[np.ndarray, np.ndarray]:
-    """Forces with the gradient at the end of the step, which they themselves move."""
-    reached = free.p + free.b * free.w
-    for _ in range(_MOST_TURNS):
-        N = contacts.gradient(reached)
-        s = contacts.openings(reached) - rest
-        found = forces(N, (s + N.T @ (free.p - reached)) / free.b + N.T @ free.w)
-        if contacts.is_flat:
-            return N, found
-        before, reached = N, free.p + free.b * (free.w + free.W @ (N @ found))
-        if np.abs(contacts.gradient(reached) - before).max() < _STILL or not found.any():
-            return N, found
-    raise ArithmeticError("the contact's direction does not come to rest")
+        b = N.T @ free.w + contacts.bend(free.p, free.p_dot)
+    elif contacts.is_flat:
+        b = (contacts.openings(free.p) - rest) / free.b + N.T @ free.w
+    else:
+        return hold_on_circle(free, contacts, closed, rest)
+    part = N[:, closed].T @ free.W @ N[:, closed]
+    force[closed] = np.linalg.solve(part, -b[closed])
+    return N, force

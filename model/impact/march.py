@@ -83,6 +83,11 @@ class Run:
         """Whether the run reached its end."""
         return self.status == "done"
 
+    @property
+    def is_capped(self) -> bool:
+        """Whether the run used up its increments."""
+        return self.status.startswith("gave up")
+
 
 @dataclass
 class _State:
@@ -124,11 +129,10 @@ def march(
     if impact != "no" and structure.contacts.compliance.any():
         raise ImpactError(f"impact = {impact}: needs hard contacts, a penalty law has no impulse")
     stepper = Stepper(structure, scheme)
-    m = len(start.force)
-    state = _State(start, np.zeros(m, dtype=bool), np.zeros(m))
+    state = _at_start(stepper, start)
     increment = {"no": _solved, "average-time": _average_time, "current-time": _current_time}
     kept: list[tuple] = []
-    _keep(kept, structure, observe, start)
+    _keep(kept, structure, observe, state.motion)
     status = "done"
     tiny = 0.5 * RESTART * dt
     while state.motion.t < t_end - tiny and status == "done":
@@ -152,6 +156,19 @@ def march(
     t, seen, force, energy = zip(*kept, strict=True)
     columns = (np.array(t), np.array(seen), np.array(force), np.array(energy))
     return Run(*columns, state.log, state.cutbacks, state.solves, status)
+
+
+def _at_start(stepper: Stepper, start: Motion) -> _State:
+    """Contacts that touch and do not approach each other are closed from the start."""
+    contacts = stepper.structure.contacts
+    openings = _openings(stepper, start)
+    rates = contacts.gradient(contacts.B.T @ start.q).T @ (contacts.B.T @ start.v)
+    closed = (openings <= PENETRATION) & (rates >= 0)
+    state = _State(start, closed, np.where(closed, openings, 0.0))
+    if closed.any():
+        state.motion = _compatible_accelerations(stepper, state, start)
+        state.largest_force = float(state.motion.force.max())
+    return state
 
 
 def _keep(kept, structure, observe, motion) -> float:
