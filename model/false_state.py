@@ -8,7 +8,7 @@ period p is answered by
 
     d_n = mean + sum_m H_(n-m) F_m,    H_n: inverse discrete Fourier transform of H(z), z^p = 1
     H(z) = b^T (M m(z) / (h^2 s(z)) + C d(z) / (h s(z)) + K)^-1 b,    H(1) = 0
-    K_s (mean - d_rest) = mean force + load,    K_s = 1 / (b^T K^-1 b)
+    K_s (mean - d_rest) = mean force + load (all of it),    K_s = 1 / (b^T K^-1 b)
 
 with the scheme's polynomials m, d, s (`Scheme.characteristic`); b: journal less housing. With
 F_n = -(k (d_n -+ s) + c d_n') at the walls a word is a linear system of at most p + 1 equations. It
@@ -137,64 +137,76 @@ def cycles(axis: Axis, scheme: Scheme, h: float, longest: int = LONGEST) -> list
 
 
 def _cycle(axis, scheme, h, word, answers) -> Cycle | None:
-    p = len(word)
-    later = np.subtract.outer(np.arange(p), np.arange(p)) % p
-    by_force, rate_by_force = (np.fft.ifft(answers[:, i] @ axis.pick).real[later] for i in range(2))
-    shape, stiffness = axis.static
+    """The cycle of a word, if it is a motion; answers: `response` for each z, zero for z = 1."""
     side = np.array(word)
-    on = np.flatnonzero(side)
-    # unknowns: the forces of the walls and the mean; two right-hand sides: what is there without a
-    # load, and by each newton of it
-    size = len(on)
-    matrix = np.zeros((size + 1, size + 1))
-    matrix[:size, :size] = np.eye(size)
-    matrix[:size, :size] += (axis.k * by_force + axis.c * rate_by_force)[np.ix_(on, on)]
-    matrix[:size, size] = axis.k
-    matrix[size, :size] = -1.0 / p
-    matrix[size, size] = stiffness
-    right = np.zeros((size + 1, 2))
-    right[:size, 0] = axis.k * side[on] * axis.clearance
-    right[size] = stiffness * axis.rest, 1.0
-    try:
-        solved = np.linalg.solve(matrix, right)
-    except np.linalg.LinAlgError:
+    solved = _solve_word(axis, side, answers)
+    if solved is None:
         return None
-    force = np.zeros((p, 2))
-    force[on] = solved[:size]
-    displacement = by_force @ force + solved[size]
-    wall = np.array([axis.clearance, 0.0])
-    free = displacement[side == FREE]
-    must_be_positive = np.concatenate(
-        [
-            axis.k * (side[on, None] * displacement[on] - wall),
-            -side[on, None] * force[on],
-            axis.k * (wall - free),
-            axis.k * (wall + free),
-        ]
-    )
-    constant, slope = must_be_positive.T
-    with np.errstate(divide="ignore", invalid="ignore"):
-        limits = -constant / slope
-    low, high = limits[slope > 0].max(initial=-np.inf), limits[slope < 0].min(initial=np.inf)
-    if not low < axis.along < high or (constant[slope == 0] <= 0.0).any():
+    low, high = _load_range(axis, side, *solved[:2])
+    if not low < axis.along < high:
         return None
-    loaded = np.array([1.0, axis.along])
-    force, displacement, mean = force @ loaded, displacement @ loaded, solved[size] @ loaded
-    spectrum = np.fft.fft(force)[:, None, None] * answers
-    state = np.fft.ifft(spectrum, axis=0).real
+    force, displacement, mean = (pair @ np.array([1.0, axis.along]) for pair in solved)
+    state = np.fft.ifft(np.fft.fft(force)[:, None, None] * answers, axis=0).real
     velocity = state[:, 1]
-    loss = np.einsum("ni,ij,nj->n", velocity, axis.C, velocity).mean()
-    loss += (axis.c * (velocity[on] @ axis.pick) ** 2).sum() / p
+    at_wall = velocity[side != FREE] @ axis.pick
+    loss = np.einsum("ni,ij,nj->", velocity, axis.C, velocity) + axis.c * at_wall @ at_wall
+    shape, _ = axis.static
     state[:, 0] += (mean - axis.rest) * shape
     return Cycle(
         word="".join(_LETTERS[letter] for letter in word),
         force=force,
         displacement=displacement,
-        load=(float(low), float(high)),
+        load=(low, high),
         radius=_radius(axis, scheme, h, word),
-        power=float(loss),
+        power=float(loss) / len(word),
         state=state[0],
     )
+
+
+def _solve_word(axis, side, answers) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Forces and displacements, shape (p, 2), and their mean, shape (2,), if the word were true:
+    without a load, and by each newton of it."""
+    p = len(side)
+    later = np.subtract.outer(np.arange(p), np.arange(p)) % p
+    d_by_force, v_by_force = (np.fft.ifft(answers[:, i] @ axis.pick).real[later] for i in range(2))
+    _, stiffness = axis.static
+    on = np.flatnonzero(side)
+    n = len(on)
+    # unknowns: the forces of the walls, the mean displacement
+    matrix = np.zeros((n + 1, n + 1))
+    matrix[:n, :n] = np.eye(n) + (axis.k * d_by_force + axis.c * v_by_force)[np.ix_(on, on)]
+    matrix[:n, n] = axis.k
+    matrix[n, :n] = -1.0 / p
+    matrix[n, n] = stiffness
+    right = np.zeros((n + 1, 2))
+    right[:n, 0] = axis.k * side[on] * axis.clearance
+    right[n] = stiffness * axis.rest, 1.0
+    try:
+        solved = np.linalg.solve(matrix, right)
+    except np.linalg.LinAlgError:
+        return None
+    force = np.zeros((p, 2))
+    force[on] = solved[:n]
+    return force, d_by_force @ force + solved[n], solved[n]
+
+
+def _load_range(axis, side, force, displacement) -> tuple[float, float]:
+    """Loads [N] between which the journal is where the word says and the walls push."""
+    s = np.array([axis.clearance, 0.0])
+    on, free = side != FREE, side == FREE
+    must_be_positive = [
+        axis.k * (side[on, None] * displacement[on] - s),
+        -side[on, None] * force[on],
+        axis.k * (s - displacement[free]),
+        axis.k * (s + displacement[free]),
+    ]
+    constant, slope = np.concatenate(must_be_positive).T
+    if (constant[slope == 0.0] <= 0.0).any():
+        return math.inf, -math.inf
+    rising, falling = slope > 0.0, slope < 0.0
+    low = (-constant[rising] / slope[rising]).max(initial=-math.inf)
+    high = (-constant[falling] / slope[falling]).min(initial=math.inf)
+    return float(low), float(high)
 
 
 def _radius(axis, scheme, h, word) -> float:
