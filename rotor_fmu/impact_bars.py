@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from model.impact.bars import WINDOWS, Bars, BarsRun, run_bars
+from model.impact.bars import WINDOWS, Bars, BarsRun, build, run_bars
 from model.impact.march import Line
 
 from . import impact_figures as pictures
@@ -49,6 +49,7 @@ def present(
     if wants_figure_8:
         timed = [c for c in chosen if c.impact == "average-time"]
         plan += [(c, Bars(opening=FIGURE_8_OPENING, **options), min(steps)) for c in timed]
+    build(plan[0][1])  # refuses bars that cannot be before anything is written
     writable_folder(out)
     jobs = [
         (

@@ -63,6 +63,10 @@ def bars(
     """Two elastic bars meet (paper B, 3.1): Figures 3 to 8 and the table of errors."""
     from .impact_bars import present
 
+    if penalty is not None:
+        if impact not in (None, "no"):
+            raise InputError(f"--penalty {penalty:g}: needs --impact no; a penalty has no impulse")
+        impact = "no"
     chosen = cases(scheme or PAPER_BARS, impact)
     steps = positive("--dt", dt or BARS_DT)
     positive("--stop", [stop])

@@ -25,7 +25,8 @@ COLUMNS = (
     Column("lowest", "before\n[rad/s]", ".1f"),
     Column("highest", "after\n[rad/s]", "+.1f"),
     Column("fast_content", "fast\n[rad/s]", ".2g"),
-    Column("energy_change", "energy made [of the work]", "+.3f", False),
+    Column("energy_sliding", "energy made while sliding [of the work]", "+.4f", False),
+    Column("energy_change", "until the end", "+.3f", False),
     Column("increments", "increments", "d", False),
     Column("cutbacks", "cut-\nbacks", "d"),
     Column("t_end", "until\n[ms]", ".3g"),
@@ -92,6 +93,7 @@ def _row(case: Case, dt: float, found: RatchetRun, wall: float) -> dict[str, obj
     if found.t_reversal == found.t_reversal:
         once = found.t < 1.6 * found.t_reversal
         row |= {"lowest": float(speed[once].min()), "highest": float(speed[once].max())}
+    row |= {"energy_sliding": found.energy_sliding}
     row |= {"energy_change": found.energy_change, "increments": found.run.increments}
     row |= {"cutbacks": found.run.cutbacks, "t_end": 1e3 * float(found.t[-1])}
     return row | {"wall_time": wall, "status": found.run.status}

@@ -20,24 +20,34 @@ _PATIENCE = 10
 _MOST_PIVOTS = 10000
 
 
+def complementarity(A: np.ndarray, b: np.ndarray, is_active: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Solve z >= 0, w = A z + b >= 0, z w = 0; A: symmetric positive definite, shape (m, m).
+
+    is_active: where to start, shape (m,); overwritten by the solution's active set. Returns z and
+    whether it was found. Active set by block principal pivoting, by Murty's single pivots where
+    that cycles (Judice and Pires 1994).
+    """
+    m = len(b)
+    z, w, x = np.zeros((3, m))
+    is_found = _pivot(A, b, is_active, z, w, x, np.zeros((m, m)), np.zeros(m, dtype=np.int64))
+    return np.maximum(z, 0.0), is_found
+
+
 @compiled
-def _solve_active(A, b, is_active, z, w):
+def _solve_active(A, b, is_active, z, w, x, part, index):
     """z of the active set, w = A z + b of the others; False if the set's matrix is singular."""
     m = len(b)
-    index = np.empty(m, dtype=np.int64)
     count = 0
     for i in range(m):
         z[i] = 0.0
         if is_active[i]:
             index[count] = i
             count += 1
-    part = np.empty((count, count))
-    x = np.empty(count)
     for i in range(count):
         x[i] = -b[index[i]]
         for j in range(count):
             part[i, j] = A[index[i], index[j]]
-    if not solve_dense(part, x):
+    if not solve_dense(part[:count, :count], x[:count]):
         return False
     for i in range(count):
         z[index[i]] = x[i]
@@ -51,43 +61,38 @@ def _solve_active(A, b, is_active, z, w):
 
 
 @compiled
-def complementarity(A, b, is_active):
-    """Solve z >= 0, w = A z + b >= 0, z w = 0; A: symmetric positive definite, shape (m, m).
+def _is_wrong(A, is_active, z, w, i, scale):
+    if is_active[i]:
+        return z[i] * A[i, i] < -_ROUNDING * scale
+    return w[i] < -_ROUNDING * scale
 
-    is_active: where to start, shape (m,); overwritten by the solution's z > 0. Returns z and
-    whether it was found. Active set by block principal pivoting, by Murty's single pivots where
-    that cycles (Judice and Pires 1994).
-    """
+
+@compiled
+def _pivot(A, b, is_active, z, w, x, part, index):
+    """`complementarity` with its scratch; False if no solution was found."""
     m = len(b)
-    z, w = np.zeros(m), np.zeros(m)
     scale = 0.0
     for i in range(m):
         scale = max(scale, abs(b[i]))
     least, patience = m + 1, _PATIENCE
     for _ in range(_MOST_PIVOTS):
-        if not _solve_active(A, b, is_active, z, w):
-            return z, False
+        if not _solve_active(A, b, is_active, z, w, x, part, index):
+            return False
         wrong, last = 0, -1
         for i in range(m):
-            if (is_active[i] and z[i] * A[i, i] < -_ROUNDING * scale) or (
-                not is_active[i] and w[i] < -_ROUNDING * scale
-            ):
+            if _is_wrong(A, is_active, z, w, i, scale):
                 wrong += 1
                 last = i
         if wrong == 0:
-            for i in range(m):
-                z[i] = max(z[i], 0.0)
-            return z, True
+            return True
         if wrong < least:
             least, patience = wrong, _PATIENCE
         else:
             patience -= 1
-        for i in range(m) if patience > 0 else range(last, last + 1):
-            if (is_active[i] and z[i] * A[i, i] < -_ROUNDING * scale) or (
-                not is_active[i] and w[i] < -_ROUNDING * scale
-            ):
+        for i in range(0 if patience > 0 else last, m):
+            if _is_wrong(A, is_active, z, w, i, scale):
                 is_active[i] = not is_active[i]
-    return z, False
+    return False
 
 
 def unilateral(

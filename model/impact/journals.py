@@ -15,7 +15,7 @@ import numpy as np
 from .. import assembly
 from ..band import to_dense
 from ..equilibrium import static_equilibrium
-from ..excitation import Spin, add_applied
+from ..excitation import Spin, add_applied, spin_of
 from ..rotor import Rotor
 from ..schemes import Scheme
 from .contacts import RoundStops
@@ -41,7 +41,7 @@ class RunDown:
     def spin(self, t: float) -> Spin:
         """Rotation at time t [s]."""
         omega = self.speed + self.rate * t
-        return Spin(omega, self.rate, t * (self.speed + 0.5 * self.rate * t))
+        return spin_of(omega, self.rate, t * (self.speed + 0.5 * self.rate * t))
 
 
 class JournalStructure:
@@ -55,7 +55,7 @@ class JournalStructure:
         machine = assembly.assemble(run_down.rotor)
         self._machine = machine
         housings = machine.contacts
-        n, nb = machine.M.shape[1], len(housings)
+        n, nb = len(machine.weight), len(housings)
         self.size = size = n + nb
         if machine.eta_v or machine.eta_h:
             raise ImpactError("rotating internal damping: not with hard stops; set it to false")
@@ -79,7 +79,7 @@ class JournalStructure:
     def load(self, t: float) -> np.ndarray:
         """See `structure.Structure`: weight and unbalance."""
         machine = self._machine
-        n = machine.M.shape[1]
+        n = len(machine.weight)
         applied = np.zeros(n, dtype=complex)
         none = np.zeros(len(machine.load_dof), dtype=complex)
         add_applied(machine, self._run_down.spin(t), none, applied)
@@ -129,7 +129,7 @@ class JournalStructure:
 
 
 def _both_planes(band: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    n, nb = band.shape[1], len(x)
+    n, nb = len(band), len(x)
     size = n + nb
     full = np.zeros((2 * size, 2 * size))
     for start, housing in ((0, x), (size, y)):

@@ -90,6 +90,6 @@ def to_band(parts: list[coo_matrix], kept: np.ndarray | None = None) -> np.ndarr
     i, j, value = place[np.concatenate(rows)], place[np.concatenate(cols)], np.concatenate(data)
     stays = (i >= j) & (j >= 0) & (value != 0)
     i, j, value = i[stays], j[stays], value[stays]
-    band = np.zeros((int((i - j).max()) + 1, len(kept)))
-    np.add.at(band, (i - j, j), value)
+    band = np.zeros((len(kept), int((i - j).max()) + 1))
+    np.add.at(band, (j, i - j), value)
     return band

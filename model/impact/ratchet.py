@@ -310,6 +310,15 @@ class RatchetRun:
         return float(np.sqrt(np.mean(fast**2)))
 
     @property
+    def energy_sliding(self) -> float:
+        """As `energy_change`, until shortly before the locking face [1]; what is made by then has
+        no source but the integrator. NaN if the run did not come that far."""
+        if self.t[-1] < 0.95 * self.ratchet.t_locking:
+            return math.nan
+        energy = self.run.energy[self.t < 0.95 * self.ratchet.t_locking]
+        return float((energy[-1] - energy[0]) / self.ratchet.work)
+
+    @property
     def energy_change(self) -> float:
         """Kinetic, elastic and potential energy at the end less that at the start, over
         `Ratchet.work` [1]: what the integrator made, or (negative) lost, impacts included."""

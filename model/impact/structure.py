@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 
 from ..band import add_product, factorize, solve
+from ..compiled import compiled
 from .contacts import Contacts
 
 Solver = Callable[[np.ndarray], np.ndarray]
@@ -75,7 +76,7 @@ class Elastic:
     def step_solver(self, m: float, c: float, k: float, t: float) -> Solver:
         """See `Structure`."""
         matrix = k * self.stiffness
-        matrix[: len(self.mass)] += m * self.mass
+        matrix[:, : self.mass.shape[1]] += m * self.mass
         return _factorized(matrix)
 
     def mass_solver(self) -> Solver:
@@ -90,16 +91,26 @@ class Elastic:
 
 def _product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
     y = np.zeros_like(x)
-    add_product(1.0, band, x, y)
+    add_product(band, x, y)
     return y
+
+
+@compiled
+def _solve_rows(factors, rows):
+    for k in range(len(rows)):
+        solve(factors, rows[k])
 
 
 def _factorized(band: np.ndarray) -> Solver:
     factorize(band)
 
     def solved(right: np.ndarray) -> np.ndarray:
-        x = np.array(right, dtype=float).reshape(len(right), -1)
-        solve(band, x)
-        return x.reshape(right.shape)
+        if right.ndim == 1:
+            x = right.copy()
+            solve(band, x)
+            return x
+        rows = np.ascontiguousarray(right.T).copy()
+        _solve_rows(band, rows)
+        return np.ascontiguousarray(rows.T)
 
     return solved
