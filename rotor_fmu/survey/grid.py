@@ -37,7 +37,7 @@ FOUND = (
     "trapped_speed",  # from that speed of rotation [rad/s]
     "trapped_until",  # to that one
     "impact_speed",  # greatest of a journal in the converged run [m/s]
-    "energy_made",  # by the integrator [J], or of the energy at the start [1] (bars, ratchet)
+    "energy_made",  # by the integrator [J], or of what there is [1] (bars, ratchet)
     "power",  # planted: energy made a second while in the false state [W]
     "power_predicted",
     "bears",  # planted: load that the cycle should bear [N]

@@ -48,7 +48,7 @@ def slide(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     """The ratchet that comes with the package.
 
     error: of the wheel's deceleration while the pawl slides, against a rigid pawl's; fast: the
-    pawl's high-frequency content then.
+    pawl's high-frequency content then; energy_made: until the locking face, over the work done.
     """
     from model.impact.ratchet import parse_ratchet, ratchet_toml, run_ratchet
 
@@ -59,7 +59,7 @@ def slide(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     for name, value in (
         ("error", abs(made.slope / machine.acceleration - 1.0)),
         ("fast", made.fast_content),
-        ("energy_made", made.energy_change if made.run.is_done else math.nan),
+        ("energy_made", made.energy_sliding),
     ):
         if math.isfinite(value):
             row[name] = value
