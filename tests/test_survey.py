@@ -96,8 +96,8 @@ def test_a_survey_that_was_stopped_goes_on_where_it_was(tmp_path):
 
 def read_in_order(rows, out):
     """The rows as they come back from the table."""
-    kept = {row["key"]: row for row in read_table(out / TABLE)}
-    return [kept[row["key"]] for row in rows]
+    kept = {(row["key"], row["scheme"]): row for row in read_table(out / TABLE)}
+    return [kept[row["key"], row["scheme"]] for row in rows]
 
 
 def test_rows_of_other_code_leave_the_table_and_are_not_lost(tmp_path):
@@ -114,7 +114,9 @@ def test_two_names_of_one_scheme_are_run_once(tmp_path):
     rows = run_grid([counting()], schemes, tmp_path, 1)
     assert runs(tmp_path) == 4
     assert [row["scheme"] for row in rows].count("chung-hulbert=0.5") == 4
-    assert len(rows) == 8
+    assert len(rows) == len(read_table(tmp_path / TABLE)) == 8
+    assert run_grid([counting()], schemes, tmp_path, 1) == read_in_order(rows, tmp_path)
+    assert runs(tmp_path) == 4
 
 
 @pytest.mark.parametrize("name", ["table.csv", "table.csv.gz"])

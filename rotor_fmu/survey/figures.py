@@ -99,64 +99,62 @@ def false_states(findings: Findings) -> Figure:
 
 def bars(findings: Findings) -> Figure:
     """Error of the bars' tip velocity, with and without average-time impact, at 5e-5 s."""
-    return _by_impact(
-        findings,
-        "bars",
-        5e-5,
-        "error",
-        "RMS error of the tip velocity / speed [1]",
-        "Bars, h = {h:g} ms: short steps ask for dissipation or for average time",
+    figure, axes, h = _by_impact(findings, "bars", 5e-5, "error")
+    ticks = (0.15, 0.2, 0.3, 0.5, 1, 2, 5)
+    axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel("RMS error of the tip velocity / speed [1]")
+    axes.set_title(
+        f"Bars, h = {h * 1e3:g} ms: a restitution near 1, or average time (x: stalled)",
+        loc="left",
+        fontsize=10,
     )
+    return figure
 
 
 def ratchet(findings: Findings) -> Figure:
     """High-frequency content of the pawl at 1e-5 s."""
-    return _by_impact(
-        findings,
-        "ratchet",
-        1e-5,
-        "fast",
-        "High-frequency content of the pawl's speed [rad/s]",
-        "Ratchet, h = {h:g} ms: average time stalls (x)",
+    figure, axes, h = _by_impact(findings, "ratchet", 1e-5, "fast")
+    axes.set_xlabel("High-frequency content of the pawl's speed [rad/s]")
+    axes.set_title(
+        f"Ratchet, h = {h * 1e3:g} ms: average time fails (x: stalled or diverged)",
+        loc="left",
+        fontsize=10,
     )
+    return figure
 
 
 def _by_impact(
-    findings: Findings, experiment: str, h: float, column: str, label: str, title: str
-) -> Figure:
+    findings: Findings, experiment: str, h: float, column: str
+) -> tuple[Figure, object, float]:
+    """A column for all schemes at the step nearest to h [s], by the treatment of the impact."""
     figure, axes = new_figure(6.8, 5.0)
     schemes = findings.schemes(experiment)
     h = findings.nearest_step(experiment, h)
-    for impact, color, marker in (("no", ORANGE, "o"), ("average-time", BLUE, "s")):
-        values = {}
+    for impact, color, marker, aside in (
+        ("no", ORANGE, "o", 0.985),
+        ("average-time", BLUE, "s", 0.955),
+    ):
+        shown, ended = [], []
         for i, scheme in enumerate(schemes):
             for row in findings.of(experiment, scheme=scheme, h=h, case=impact):
-                if row["status"] == "ok" and column in row:
-                    values[i] = row[column]
-                else:
-                    axes.plot(
-                        0.99,
-                        i,
-                        "x",
-                        color=color,
-                        ms=6,
-                        mew=1.6,
-                        transform=axes.get_yaxis_transform(),
-                        clip_on=False,
-                    )
+                is_whole = row["status"] == "ok" and column in row
+                (shown if is_whole else ended).append((row.get(column), i))
+        label = f"impact = {impact}"
+        axes.plot(*np.array(shown).reshape(-1, 2).T, marker, color=color, ms=5, label=label)
         axes.plot(
-            list(values.values()),
-            list(values),
-            marker,
+            [aside] * len(ended),
+            [i for _, i in ended],
+            "x",
             color=color,
             ms=5,
-            label=f"impact = {impact}",
-            alpha=0.9,
+            mew=1.5,
+            transform=axes.get_yaxis_transform(),
         )
     axes.set_xscale("log")
+    low, high = axes.get_xlim()
+    axes.set_xlim(low, high * (high / low) ** 0.08)
     axes.set_yticks(range(len(schemes)), [title_of(s) for s in schemes], fontsize=8)
     axes.invert_yaxis()
-    axes.set_xlabel(label)
-    axes.legend(frameon=False, fontsize=8)
-    axes.set_title(title.format(h=h * 1e3), loc="left", fontsize=10)
-    return figure
+    axes.legend(frameon=False, fontsize=8, ncols=2, loc="upper right", bbox_to_anchor=(1, -0.1))
+    return figure, axes, h

@@ -176,11 +176,11 @@ def run_grid(
     """
     jobs = jobs_of(experiments, schemes)
     path = out / TABLE
-    by_key = {row["key"]: row for row in read_table(path)} if path.exists() else {}
+    kept = _without_stale(read_table(path), jobs, out) if path.exists() else []
+    by_key = {row["key"]: row for row in kept}
     versions = {e.name: hashlib.sha256(e.version().encode()).hexdigest()[:8] for e in experiments}
     stores = {e.name: out / "reference" / f"{e.name}-{versions[e.name]}" for e in experiments}
-    _set_stale_aside(by_key, jobs, out)
-    write_table(by_key.values(), path)
+    write_table(kept, path)
     left = list({job.key: job for job in jobs if job.key not in by_key}.values())
     console = Console(stderr=True)
     columns = (*Progress.get_default_columns()[:-1], MofNCompleteColumn(), TimeRemainingColumn())
@@ -201,7 +201,9 @@ def run_grid(
                 bar.advance(task)
     # a scheme of two names has one run, and a row under each
     rows = [by_key[job.key] | {"scheme": job.label} for job in jobs]
-    write_table(sorted(by_key.values(), key=_order), path)
+    own = {(row["key"], row["scheme"]) for row in rows}
+    others = [row for row in kept if (row["key"], row["scheme"]) not in own]
+    write_table(sorted(rows + others, key=_order), path)
     return rows
 
 
@@ -209,16 +211,17 @@ def _order(row: Row) -> tuple[object, ...]:
     return row["experiment"], row["scheme"], -row["h"], row["case"]
 
 
-def _set_stale_aside(by_key: dict[str, Row], jobs: Sequence[Job], out: Path) -> None:
-    """Move to another file the rows whose place in the grid another version has taken."""
+def _without_stale(rows: Sequence[Row], jobs: Sequence[Job], out: Path) -> list[Row]:
+    """Rows but those whose place in the grid another version has taken: they go to another file."""
     place = {(job.experiment, job.scheme, job.h, job.case_name): job.key for job in jobs}
-    stale = []
-    for key, row in list(by_key.items()):
+    kept, stale = [], []
+    for row in rows:
         scheme = Scheme(row["alpha_m"], row["alpha_f"], row["beta"], row["gamma"])
-        if place.get((row["experiment"], scheme, row["h"], row["case"]), key) != key:
-            stale.append(by_key.pop(key))
+        now = place.get((row["experiment"], scheme, row["h"], row["case"]), row["key"])
+        (kept if now == row["key"] else stale).append(row)
     if stale:
         write_table(stale, out / "stale.csv")
+    return kept
 
 
 def _finished(experiments, left, stores, processes) -> Iterable[Row]:
