@@ -84,6 +84,19 @@ class Findings:
             return None
         return min(rows, key=lambda row: abs(float(row["case"].split()[0]) - speed))["trapped"]
 
+    def predictions(self) -> list[tuple[float, float, float]]:
+        """Share of the run-downs in the false state, share predicted from one impact [1], step
+        length [s], for each scheme and step with which the rotor gets to its end."""
+        speed = self.impact_speed()
+        found = []
+        for scheme in self.schemes("rotor"):
+            for h in self.steps("rotor"):
+                seen = self.trapped_share(scheme, h)
+                predicted = self.bounce_share(scheme, h, speed)
+                if seen is not None and predicted is not None:
+                    found.append((seen, predicted, h))
+        return found
+
     def impact_speed(self) -> float:
         """Greatest speed of a journal in its clearance in the converged run-down [m/s]."""
         return max(row.get("impact_speed", 0.0) for row in self.of("rotor"))

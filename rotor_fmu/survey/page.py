@@ -118,8 +118,10 @@ def _of_the_run_down(findings: Findings) -> dict[str, object]:
         "coarse_best_scheme": title_of(best),
         "coarse_paper": _percent(coarse.get(_PAPER_A)),
         "coarse_newmark": _percent(coarse.get("newmark")),
-        "wbz_diverged": sum(row["status"].startswith("diverged") for row in wbz),
+        "wbz_failed": sum(row["status"] not in ("ok", "false state") for row in wbz),
         "wbz_runs": len(wbz),
+        "repetitions": len({row["case"] for row in findings.of("rotor")}),
+        "energy_table": _energy_table(findings),
         "paper_trapped": _where_trapped(findings, _PAPER_A),
         "newmark_trapped": _where_trapped(findings, "newmark"),
         "md_trapped": _where_trapped(findings, _MD),
@@ -192,6 +194,7 @@ def _of_the_false_state(findings: Findings) -> dict[str, object]:
     shortest = findings.steps("rotor")[-1]
     planted = [row for row in findings.of("planted", h=shortest) if row["status"] == "ok"]
     low, high = (findings.of("planted", scheme=f"chung-hulbert={r}") for r in ("0.2", "0.3"))
+    free = [row for row in findings.of("planted", status="ok") if "." in row["word"]]
     speeds = np.arange(20.0, 401.0, 1.0)
     structure = assemble(rig())
     loads = [one_axis.unbalance_loads(structure, speed).max() for speed in speeds]
@@ -200,7 +203,10 @@ def _of_the_false_state(findings: Findings) -> dict[str, object]:
         "trapped_shortest": _ms(min(seen)) if seen else "-",
         "trapped_longest": _ms(max(seen)) if seen else "-",
         "bears_02": f"{max((row.get('bears', 0.0) for row in low), default=0.0):.2g}",
-        "bears_03": f"{max((row.get('bears', 0.0) for row in high), default=0.0):.2g}",
+        "bears_03": f"{max((row.get('bears', 0.0) for row in high), default=0.0):.0f}",
+        "correlation": f"{np.corrcoef(np.array(findings.predictions())[:, :2].T)[0, 1]:.2f}",
+        "free_planted": len(free),
+        "free_lasting": sum(row["trapped"] > 0.99 for row in free),
         "lasting_03": sum(row.get("trapped", 0.0) > 0.99 for row in high),
         "planted_03": sum(row["status"] == "ok" for row in high),
         "lasting_short": sum(row.get("trapped", 0.0) > 0.99 for row in planted),
@@ -296,11 +302,8 @@ def _of_the_impacts(findings: Findings) -> dict[str, object]:
         "bars_floor": f"{min(row['error'] for row in averaged if 'error' in row):.2g}",
         "bars_table": _bars_table(findings),
         "ratchet_h": f"{slow * 1e3:g}",
-        "quiet": _listed(
-            [title_of(scheme) for scheme in findings.schemes("ratchet") if scheme in quiet]
-        ),
         "noisy": _listed(
-            [title_of(row["scheme"]) for row in sliding if row["scheme"] not in quiet]
+            [title_of(scheme) for scheme in findings.schemes("ratchet") if scheme not in quiet]
         ),
         "quieter": f"{_QUIETER:g}",
         "ratchet_table": _ratchet_table(findings),
@@ -358,6 +361,18 @@ def _ratchet_cell(row: Row) -> str:
     if row["status"] != "ok":
         return row["status"].replace("stalled at", "stall at")
     return f"{row['fast']:.2g}" if math.isfinite(row.get("fast", math.nan)) else "-"
+
+
+def _energy_table(findings: Findings) -> str:
+    steps = [findings.nearest_step("rotor", h) for h in (4e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)]
+    rows = []
+    for scheme in findings.schemes("rotor"):
+        cells = [title_of(scheme)]
+        for h in steps:
+            made = median(findings.of("rotor", scheme=scheme, h=h), "energy_made")
+            cells.append("-" if made is None else f"{made:+.2g}")
+        rows.append(cells)
+    return _table(["h [ms]", *map(_ms, steps)], rows)
 
 
 def _work_table(findings: Findings) -> str:
