@@ -7,12 +7,13 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey test test-all lint clean
+.PHONY: run-down reproduce survey reference test test-all lint clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made
 
 run-down: $(VENV)/made
@@ -23,6 +24,10 @@ reproduce: $(VENV)/made
 
 survey: $(VENV)/made
 	$(BIN)/rotor-fmu survey --out out/survey
+
+# after a change of the model's numbers: the result that the FMU carries
+reference: $(VENV)/made
+	$(BIN)/python -m rotor_fmu.reference
 
 test: $(VENV)/made
 	$(BIN)/python -m pytest
@@ -35,5 +40,5 @@ lint: $(VENV)/made
 	$(BIN)/ruff format --check .
 
 clean:
-	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu
+	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -11,6 +12,7 @@ from model.settings import PRESETS
 
 from . import figures, impact_command
 from .bundle import build
+from .drive_train_command import drive_train
 from .errors import RunFailed, run, writable_folder
 from .host_env import host_environment
 from .interface import interface
@@ -21,6 +23,7 @@ from .schemes_command import schemes
 from .signals import RUN_DOWN_STOP
 from .survey.command import survey
 from .variable_table import markdown
+from .warm import warm
 
 app = typer.Typer(
     add_completion=False,
@@ -31,6 +34,9 @@ app = typer.Typer(
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
+]
+Free = Annotated[
+    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
 ]
 Sets = Annotated[
     list[str] | None,
@@ -97,12 +103,13 @@ def reproduce_command(
 app.command("schemes")(schemes)
 app.command("survey")(survey)
 app.add_typer(impact_command.app, name="impact")
+app.command("drive-train")(drive_train)
 
 
 @app.command("variables")
-def variables(rotor: RotorFile = None) -> None:
+def variables(rotor: RotorFile = None, is_free: Free = False) -> None:
     """Print the FMU's variables as a Markdown table."""
-    typer.echo(markdown(interface(load_rotor(rotor)[1])), nl=False)
+    typer.echo(markdown(interface(load_rotor(rotor)[1], is_free)), nl=False)
 
 
 @app.command("host-env")
@@ -112,11 +119,25 @@ def host_env() -> None:
         typer.echo(f'export {name}="{value}"')
 
 
+@app.command("warm")
+def warm_command(
+    fmus: Annotated[
+        list[Path] | None, typer.Argument(help="FMUs; default: one built from this version.")
+    ] = None,
+) -> None:
+    """Compile the FMU's solver ahead of its first use on this machine."""
+    with tempfile.TemporaryDirectory() as folder:
+        for fmu in fmus or [build(Path(folder))]:
+            seconds = warm(fmu)
+            typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
+
+
 @app.command("build")
 def build_command(
     rotor: RotorFile = None,
+    is_free: Free = False,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> None:
-    """Build RotorBearing.fmu."""
+    """Build RotorBearing.fmu, or RotorBearingFree.fmu."""
     toml, _ = load_rotor(rotor)
-    typer.echo(build(writable_folder(out), toml))
+    typer.echo(build(writable_folder(out), toml, is_free))

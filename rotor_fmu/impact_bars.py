@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from model.impact.bars import WINDOWS, Bars, BarsRun, build, run_bars
-from model.impact.march import Line
+from model.impact.state import Line
 
 from . import impact_figures as pictures
 from .errors import writable_folder

@@ -13,6 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from model import schemes as family
 from model import spectral
+from model.impact.march import IMPACTS
 from model.schemes import Scheme
 
 from .errors import InputError, RunFailed
@@ -23,7 +24,6 @@ from .schemes_command import Row, parse_scheme, remarks
 PAPER_BARS = ("newmark", "newmark=0.5,0.5", "hht=0.5", "moderate-dissipation", "transient-fidelity")
 PAPER_RATCHET = ("moderate-dissipation", "transient-fidelity", "newmark")
 FIGURE_8_OPENING = 0.0200008
-IMPACTS = ("no", "average-time", "current-time")
 # What Abaqus takes where nothing is said.
 _OWN_IMPACT = {"transient-fidelity": "average-time"}
 console = Console(highlight=False, markup=False, soft_wrap=True)

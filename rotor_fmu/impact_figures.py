@@ -151,7 +151,8 @@ def shaking(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
     """Angular velocity of the pawl while it slides (paper B, Figure 12)."""
     figure, axes = panels(2, 6.8, 5.6)
     ratchet = next(iter(runs.values())).ratchet
-    windows = ((0.0, ratchet.t_locking), (0.5 * ratchet.t_locking, 0.55 * ratchet.t_locking))
+    t0 = ratchet.t_locking
+    windows = ((0.0, 0.97 * t0), (0.5 * t0, 0.55 * t0))
     for one, (first, last) in zip(axes, windows, strict=True):
         for k, (name, found) in enumerate(runs.items()):
             inside = (found.t >= first) & (found.t <= last)
@@ -169,7 +170,9 @@ def shaking(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
             )
         one.set_ylabel("Pawl [rad/s]")
         one.set_xlim(1e3 * first, 1e3 * last)
-    axes[0].legend(frameon=False, fontsize=8.5, loc="lower left")
+    low, high = axes[0].get_ylim()
+    axes[0].set_ylim(low, high + 0.35 * (high - low))
+    axes[0].legend(frameon=False, fontsize=8.5, loc="upper left")
     axes[0].set_title(caption, loc="left", fontsize=10)
     axes[1].set_xlabel("Time [ms]")
     return figure

@@ -23,10 +23,12 @@ from pythonfmu import (
 )
 from pythonfmu.enums import Fmi2Status
 
+from model import calls
+from model.compiled import has_to_compile
 from model.equilibrium import EquilibriumError
 from model.rotor import Rotor, RotorError
 from model.rotor_toml import parse_rotor, rig_toml
-from model.settings import SettingsError
+from model.settings import Settings, SettingsError
 from model.simulation import Simulation, StepFailure
 
 from .about import RELEASED, __version__
@@ -38,8 +40,8 @@ from .wrapper import hold, settle_exit
 
 # What the master may be off in its time, of a step or absolutely [s].
 _TIME_TOLERANCE = 1e-9
-# The rotor of an FMU, as TOML, in its resources.
-ROTOR_FILE = "rotor.toml"
+# In an FMU's resources: the rotor as TOML, and what drives it, speed or torque.
+ROTOR_FILE, DRIVE_FILE = "rotor.toml", "drive.txt"
 _KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
 
 
@@ -54,6 +56,9 @@ class FmuError(RuntimeError):
 # Errors whose message says all; of any other the kind is named too.
 _PLAIN = (FmuError, RotorError, SettingsError, EquilibriumError, StepFailure, StateError)
 INTERRUPTED = "interrupted by the user"
+COMPILING = "compiling the solver, once on this machine: about half a minute"
+
+_said: set[str] = set()
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,7 @@ class Face:
     rotor: Rotor
     table: tuple[Variable, ...]
     index: dict[str, int]
+    inputs: frozenset[int]
 
     @property
     def observed_at(self) -> int:
@@ -72,31 +78,35 @@ class Face:
 
 
 @cache
-def face(toml: str) -> Face:
+def face(toml: str, is_free: bool) -> Face:
     """The face of an FMU with this rotor, made once for all its instances."""
     rotor = parse_rotor(toml)
-    table = interface(rotor)
-    return Face(toml, rotor, table, {variable.name: i for i, variable in enumerate(table)})
+    table = interface(rotor, is_free)
+    index = {variable.name: i for i, variable in enumerate(table)}
+    inputs = frozenset(i for i, variable in enumerate(table) if variable.causality == "input")
+    return Face(toml, rotor, table, index, inputs)
 
 
-_rotors_read: dict[str, str] = {}
+_texts_read: dict[Path, str] = {}
 
 
-def _rotor_text(resources: str | None) -> str:
-    """The rotor in an FMU's resources, as TOML; without an FMU, the paper's rig. It is remembered,
+def _resource(resources: str | None, name: str, otherwise: Callable[[], str]) -> str:
+    """Text of a file in an FMU's resources, or `otherwise()` without an FMU. It is remembered,
     since a reset makes the instance anew and the folder may be gone by then."""
     if resources is None:
-        return rig_toml()
-    file = Path(resources, ROTOR_FILE)
-    if file.is_file() or resources not in _rotors_read:
-        _rotors_read[resources] = file.read_text(encoding="utf-8")
-    return _rotors_read[resources]
+        return otherwise()
+    file = Path(resources, name)
+    if file.is_file() or file not in _texts_read:
+        _texts_read[file] = file.read_text(encoding="utf-8")
+    return _texts_read[file]
 
 
 class RotorBearing(Fmi2Slave):
-    """A flexible rotor that rubs in clearance bearings, driven by its speed."""
+    """A flexible rotor that rubs in clearance bearings, driven by its speed or by a torque.
 
-    description = "Flexible rotor with discs that rubs in two clearance bearings with dry friction"
+    One class for both: pythonfmu's wrapper finds direct subclasses of its own only.
+    """
+
     author = "The rotor-fmu authors"
     license = "MIT"
     version = __version__
@@ -104,22 +114,32 @@ class RotorBearing(Fmi2Slave):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
+        is_free = _resource(self.resources, DRIVE_FILE, lambda: "speed") == "torque"
+        self.modelName = "RotorBearingFree" if is_free else "RotorBearing"
+        self.description = (
+            "Flexible rotor with discs that rubs in two clearance bearings with dry friction, "
+            f"driven by {'a torque' if is_free else 'its speed'}"
+        )
         settle_exit(self.resources, self.modelName)
-        self._face = face(_rotor_text(self.resources))
+        self._face = face(_resource(self.resources, ROTOR_FILE, rig_toml), is_free)
         self._table = self._face.table
         self._observed_at = self._face.observed_at
-        self._speed_at = self._face.index["speed"]
-        self._load_at = [
-            (self._face.index[x], self._face.index[y]) for x, y in load_names(self._face.rotor)
-        ]
+        self._drive_at = self._face.index["tau_drive" if is_free else "speed"]
+        self._load_at = [self._face.index[n] for pair in load_names(self._face.rotor) for n in pair]
+        self._loads = np.zeros(len(self._load_at) // 2, dtype=complex)
+        self._load_parts = self._loads.view(float)
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
         self.guid = guid(self._table, f"{Path(__file__).parent.name} {self._face.toml}")
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
+        self.default_experiment = DefaultExperiment(
+            start_time=0.0, stop_time=40.0, step_size=0.04, tolerance=Settings.tolerance
+        )
         self._simulation: Simulation | None = None
         self._start_time = 0.0
+        self._tolerance: float | None = None
         self._is_initializing = False
         self._is_running = False
         self._is_stale = False
+        self._failure = ""
         for index, variable in enumerate(self._table):
             self.register_variable(self._fmi_variable(index, variable))
 
@@ -154,8 +174,9 @@ class RotorBearing(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """Remember when the simulation starts [s]."""
+        """Remember when the simulation starts [s] and its relative tolerance [1]."""
         self._start_time = start_time
+        self._tolerance = tolerance
 
     def enter_initialization_mode(self) -> None:
         """From here on the outputs can be read."""
@@ -175,6 +196,13 @@ class RotorBearing(Fmi2Slave):
 
     def _march(self, current_time: float, step_size: float) -> None:
         simulation = self._simulation
+        if simulation is None or not self._is_running:
+            raise FmuError("doStep: the initialization has not ended")
+        if self._failure:
+            raise FmuError(
+                f"doStep: an earlier step failed ({self._failure}); reset the FMU, or set a state "
+                "from before"
+            )
         slack = _TIME_TOLERANCE * max(1.0, abs(current_time))
         if not abs(current_time - simulation.time) <= slack:
             raise FmuError(
@@ -184,9 +212,13 @@ class RotorBearing(Fmi2Slave):
         if not (step_size > 0 and math.isfinite(step_size)):
             raise FmuError(f"doStep over {step_size:g} s: the step must be > 0")
         values = self._values
-        loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
+        self._load_parts[:] = [values[i] for i in self._load_at]
         self._is_stale = True
-        simulation.advance(current_time + step_size, values[self._speed_at], loads)
+        try:
+            simulation.advance(current_time + step_size, values[self._drive_at], self._loads)
+        except StepFailure as error:
+            self._failure = str(error)
+            raise
 
     # --- state -------------------------------------------------------------------------------
 
@@ -195,9 +227,11 @@ class RotorBearing(Fmi2Slave):
         about = {
             "values": self._values,
             "start_time": self._start_time,
+            "tolerance": self._tolerance,
             "is_initializing": self._is_initializing,
             "is_running": self._is_running,
             "is_built": simulation is not None,
+            "failure": self._failure,
         }
         return pack(str(self.guid), about, simulation.snapshot() if simulation else ())
 
@@ -216,11 +250,15 @@ class RotorBearing(Fmi2Slave):
     def _restore(self, state: bytes) -> None:
         about, chunks = unpack(str(self.guid), state)
         fixed = [i for i, v in enumerate(self._table) if v.causality == "parameter"]
-        is_same = all(about["values"][i] == self._values[i] for i in fixed)
+        is_same = about["tolerance"] == self._tolerance and all(
+            about["values"][i] == self._values[i] for i in fixed
+        )
         self._values = about["values"]
         self._start_time = about["start_time"]
+        self._tolerance = about["tolerance"]
         self._is_initializing = about["is_initializing"]
         self._is_running = about["is_running"]
+        self._failure = about["failure"]
         self._is_stale = True
         if not about["is_built"]:
             self._simulation = None
@@ -258,7 +296,11 @@ class RotorBearing(Fmi2Slave):
         self._guard(self._set, vrs, values)
 
     def _set(self, vrs: list[int], values: list[float]) -> None:
+        inputs = self._face.inputs
         for vr, value in zip(vrs, values, strict=True):
+            if vr in inputs and -math.inf < value < math.inf:
+                self._values[vr] = value
+                continue
             variable = self._table[vr]
             if not math.isfinite(value):
                 raise FmuError(f"{variable.name} = {value}: must be a finite number")
@@ -286,9 +328,14 @@ class RotorBearing(Fmi2Slave):
         self._is_stale = False
 
     def _build(self) -> Simulation:
+        if COMPILING not in _said and has_to_compile(calls.advance):
+            _said.add(COMPILING)
+            self.log(self._say("note", COMPILING), Fmi2Status.ok)
         values = dict(zip(self._face.index, self._values, strict=True))
         rotor = self._face.rotor
-        return build_simulation(rotor, self._table, values, self._start_time, self._warn)
+        return build_simulation(
+            rotor, self._table, values, self._start_time, self._warn, self._tolerance
+        )
 
     # --- what goes wrong ---------------------------------------------------------------------
 
@@ -316,8 +363,8 @@ class RotorBearing(Fmi2Slave):
         self.log(self._say("warning", message), Fmi2Status.warning)
 
     def _say(self, level: str, message: str) -> str:
-        """Print a message, since hosts drop them unless logging was switched on; returns it without
-        percent signs, which the host's logger would read as a printf format."""
-        plain = message.replace("%", " percent")
+        """Print a message, since hosts drop them unless logging was switched on; returns it in one
+        line and without percent signs, which the host's logger would read as a printf format."""
+        plain = " ".join(message.replace("%", " percent").split())
         print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
         return plain

@@ -1,6 +1,7 @@
 """The command line: what a user may give, and what happens when it cannot be."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -128,7 +129,7 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
     assert written == pictures | {"summary.json", "run_down.csv"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
-    assert rows[0].startswith("time,phi,w,tau,disc[1].x")
+    assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,disc[1].x")
     assert len(rows) == 1 + 101
 
 
@@ -175,7 +176,7 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how):
     process = subprocess.Popen(
         [
             *(sys.executable, "-c", "from rotor_fmu.cli import main; main()", "run-down"),
-            *("--set", "solver.h=1e-5", "--out", ".", *how),
+            *("--preset", "robust", "--set", "solver.h=1e-5", "--out", ".", *how),
         ],
         stderr=subprocess.PIPE,
         text=True,
@@ -192,3 +193,22 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how):
     assert "Traceback" not in said
     assert not (tmp_path / "summary.json").exists()
     assert not (tmp_path / "run_down.csv").exists()
+
+
+@pytest.mark.slow
+def test_warm_compiles_ahead_so_that_the_next_process_need_not(tmp_path):
+    environment = {**os.environ, "ROTOR_FMU_CACHE": str(tmp_path)}
+    command = [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "warm"]
+
+    def said():
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+        assert "RotorBearing.fmu: ready" in done.stdout
+        return done.stderr
+
+    assert "compiling the solver" in said()
+    assert "compiling the solver" not in said()
+
+
+def test_warm_refuses_what_is_no_fmu(refusal, tmp_path):
+    (tmp_path / "text.fmu").write_text("no")
+    assert "text.fmu: is no FMU" in refusal("warm", "text.fmu")

@@ -37,8 +37,7 @@ class FreeStep(NamedTuple):
 
     q, v: predictions; a: accelerations without contact; columns: S^-1 B, shape (n, k).
     p, p_dot: predictions at the contacts; w: their accelerations without contact [m/s2]; W:
-    flexibility B^T S^-1 B [1/kg], shape (k, k); b = beta h^2, so that p + b (w + W F) is reached,
-    c = gamma h likewise for the velocity.
+    flexibility B^T S^-1 B [1/kg], shape (k, k); b = beta h^2, so that p + b (w + W F) is reached.
     """
 
     h: float
@@ -52,7 +51,6 @@ class FreeStep(NamedTuple):
     w: np.ndarray
     W: np.ndarray
     b: float
-    c: float
 
 
 class Stepper:
@@ -91,7 +89,7 @@ class Stepper:
 
     def free(self, old: Motion, h: float) -> FreeStep:
         """Predict and solve the linear part of a step of length h [s]."""
-        am, af, beta, gamma = self.scheme
+        am, af, beta, _ = self.scheme
         t = old.t + h
         solver, columns, flexibility = self._linear(h, t)
         q, v = np.empty_like(old.q), np.empty_like(old.q)
@@ -102,8 +100,7 @@ class Stepper:
         a = solver(right)
         B = self.structure.contacts.B
         at_contacts = (B.T @ q, B.T @ v, B.T @ a)
-        weights_of_a = (beta * h * h, gamma * h)
-        return FreeStep(h, t, q, v, a, columns, *at_contacts, flexibility, *weights_of_a)
+        return FreeStep(h, t, q, v, a, columns, *at_contacts, flexibility, beta * h * h)
 
     def finish(self, free: FreeStep, N: np.ndarray, force: np.ndarray) -> Motion:
         """The motion at the end of the step; contact forces [N], shape (m,), along N, (k, m)."""

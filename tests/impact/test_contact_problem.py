@@ -48,7 +48,7 @@ def test_the_active_set_is_that_of_a_quadratic_program(seed, m):
 
 def free_step(W, p, b=1e-6, w=None):
     w = np.zeros(len(p)) if w is None else w
-    return SimpleNamespace(W=W, p=p, w=w, b=b, p_dot=np.zeros(len(p)), c=0.0)
+    return SimpleNamespace(W=W, p=p, w=w, b=b, p_dot=np.zeros(len(p)))
 
 
 @pytest.mark.parametrize("seed", range(10))

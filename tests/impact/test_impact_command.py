@@ -83,7 +83,7 @@ def test_a_users_own_bars(tmp_path):
 
 def test_a_penalty_takes_the_place_of_the_hard_contact(tmp_path):
     arguments = ["--scheme", "moderate-dissipation", "--dt", 8e-4, "--opening", 0.01]
-    assert call("bars", *arguments, "--penalty", 300, "--out", tmp_path)[0] == 0
+    assert call("bars", *arguments, "--penalty", 20, "--out", tmp_path)[0] == 0
     (soft,) = rows_of(tmp_path / "bars.csv")
     assert call("bars", *arguments, "--out", tmp_path)[0] == 0
     (hard,) = rows_of(tmp_path / "bars.csv")
