@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce reference test test-all lint clean
+.PHONY: run-down reproduce survey reference test test-all lint clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -21,6 +21,9 @@ run-down: $(VENV)/made
 
 reproduce: $(VENV)/made
 	$(BIN)/rotor-fmu reproduce --out out/reproduce
+
+survey: $(VENV)/made
+	$(BIN)/rotor-fmu survey --out out/survey
 
 # after a change of the model's numbers: the result that the FMU carries
 reference: $(VENV)/made

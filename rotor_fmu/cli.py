@@ -21,6 +21,7 @@ from .reproduce import reproduce
 from .run_down import summary
 from .schemes_command import schemes
 from .signals import RUN_DOWN_STOP
+from .survey.command import survey
 from .variable_table import markdown
 from .warm import warm
 
@@ -100,6 +101,7 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+app.command("survey")(survey)
 app.add_typer(impact_command.app, name="impact")
 app.command("drive-train")(drive_train)
 

@@ -1,0 +1,127 @@
+"""The survey's cycles of the false state: predicted, planted in the rig, and watched."""
+
+from __future__ import annotations
+
+import math
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from model import false_state, one_axis
+from model.assembly import Structure, assemble
+from model.excitation import Spin, spin_of
+from model.rotor_toml import rig, rig_toml
+from model.schemes import Scheme
+from model.simulation import Simulation, StepFailure
+from model.step import Motion, accelerate, new_workspace
+
+from ..signals import RUN_DOWN_RATE
+from .grid import Experiment, Row
+from .rotor import STEPS, is_of_the_rotor, perturbed, work_of
+from .sources import file_digest, source_digest
+
+SPEEDS = (50.0, 120.0, 160.0, 185.0, 200.0, 220.0, 260.0, 300.0, 400.0)  # of planted cycles [rad/s]
+PLANTED_FOR = 1.0  # [s]
+_WATCHED = 0.2  # at its end [s]
+
+
+@cache
+def _rig() -> Structure:
+    return assemble(rig())
+
+
+@cache
+def lasting_cycles(
+    scheme: Scheme, h: float
+) -> list[tuple[float, int, int, one_axis.Axis, false_state.Cycle]]:
+    """The rig's lasting cycles at a step h [s], the one that bears most first: load that it bears
+    [N], bearing, direction, axis, cycle."""
+    structure = _rig()
+    found = []
+    for bearing in range(len(structure.contacts)):
+        for direction in (one_axis.X, one_axis.Y):
+            axis = one_axis.axis_of(structure, bearing, direction)
+            for cycle in false_state.cycles(axis, scheme, h):
+                bears = cycle.bears(axis)
+                if bears > 0.0 and cycle.is_stable:
+                    found.append((bears, bearing, direction, axis, cycle))
+    return sorted(found, key=lambda entry: -entry[0])
+
+
+def plant(
+    simulation: Simulation, bearing: int, direction: int, cycle: false_state.Cycle, spin: Spin
+) -> None:
+    """Put a simulation at rest into a cycle of the false state, at its first letter.
+
+    The static load at right angles turns and shortens the chord on which the journal bounces.
+    """
+    structure = simulation.structure
+    axes = [one_axis.axis_of(structure, bearing, d) for d in (one_axis.X, one_axis.Y)]
+    axis, other = axes[direction], axes[1 - direction]
+    snapshot = simulation.snapshot()
+    motion = Motion(*snapshot[: len(Motion._fields)])
+    tilt = cycle.tilt(axis.across)
+    unit = (1.0, 1j)[direction]
+    for array, change in zip(motion, cycle.state, strict=False):
+        array += unit * math.cos(tilt) * change
+    if direction == one_axis.X:
+        lift = math.copysign(axis.clearance * math.sin(tilt), axis.across) - other.rest
+        motion.q[:] += 1j * lift * other.static[0]
+    loads = np.zeros(len(structure.load_dof), dtype=complex)
+    accelerate(structure, spin, loads, motion, new_workspace(structure))
+    simulation.restore(snapshot)
+
+
+def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
+    """The strongest predicted cycle planted at one of `SPEEDS`: whether it lasts for a second.
+
+    trapped: share of the last 0.2 s; power: energy made then.
+    """
+    predicted = lasting_cycles(scheme, h)
+    if not predicted:
+        return {"status": "no cycle"}
+    bears, bearing, direction, _, cycle = predicted[0]
+    speed = SPEEDS[case]
+    simulation = perturbed(scheme, h, 0.0, speed)
+    begun = time.process_time()
+    plant(simulation, bearing, direction, cycle, spin_of(speed, RUN_DOWN_RATE, 0.0))
+    row: Row = {
+        "bears": bears,
+        "load": float(one_axis.unbalance_loads(simulation.structure, speed)[bearing].max()),
+        "power_predicted": cycle.power,
+        "word": f"{bearing + 1}{'xy'[direction]}:{cycle.word}",
+    }
+    try:
+        simulation.advance(PLANTED_FOR - _WATCHED, speed)
+        before = simulation.read("solver.trapped"), simulation.read("energy.residual")
+        steps = simulation.read("solver.steps")
+        simulation.advance(PLANTED_FOR, speed + RUN_DOWN_RATE * (PLANTED_FOR - _WATCHED))
+    except StepFailure:
+        return row | {"status": f"stalled at {simulation.time:.4g} s", **work_of(simulation, begun)}
+    made = simulation.read("energy.residual") - before[1]
+    trapped = (simulation.read("solver.trapped") - before[0]) / (
+        simulation.read("solver.steps") - steps
+    )
+    return row | {
+        "status": "ok",
+        "trapped": trapped,
+        "power": made / _WATCHED,
+        **work_of(simulation, begun),
+    }
+
+
+def _version() -> str:
+    code = source_digest("model.simulation", "model.false_state")
+    return f"{code} {file_digest(__file__)} {rig_toml()}"
+
+
+PLANTED = Experiment(
+    name="planted",
+    steps=STEPS,
+    cases=tuple(f"{speed:g} rad/s" for speed in SPEEDS),
+    version=_version,
+    run=planted,
+    takes=is_of_the_rotor,
+)
