@@ -101,9 +101,7 @@ def _callbacks() -> tuple[object, object]:
         return 0
 
     @numba.cfunc(
-        types.int32(
-            types.float64, pointer, pointer, pointer, numbers, pointer, pointer, pointer
-        )
+        types.int32(types.float64, pointer, pointer, pointer, numbers, pointer, pointer, pointer)
     )
     def jacobian_matrix(t, y, y_dot, matrix, user, one, two, three):
         size = 4 * int(carray(user, 1)[0])
@@ -138,16 +136,18 @@ def solve(
             raise SundialsError(f"CVODE stopped at t = {reached.value:.6g} s with flag {flag}")
 
     def vector(values: np.ndarray) -> tuple[c_void_p, np.ndarray]:
-        handle = c_void_p(_function("nvecserial", "N_VNew_Serial", c_void_p, c_int64, c_void_p)(
-            size, context
-        ))
+        handle = c_void_p(
+            _function("nvecserial", "N_VNew_Serial", c_void_p, c_int64, c_void_p)(size, context)
+        )
         numbers = _function("core", "N_VGetArrayPointer", _NUMBERS, c_void_p)(handle)
         shown = np.ctypeslib.as_array(numbers, (size,))
         shown[:] = values
         return handle, shown
 
     def call(name: str, *arguments: object) -> None:
-        types_ = tuple(type(a) if isinstance(a, ctypes._SimpleCData) else c_void_p for a in arguments)
+        types_ = tuple(
+            type(a) if isinstance(a, ctypes._SimpleCData) else c_void_p for a in arguments
+        )
         check(_function("cvode", name, c_int, *types_)(*arguments))
 
     check(_function("core", "SUNContext_Create", c_int, c_int, c_void_p)(0, byref(context)))
@@ -175,9 +175,7 @@ def solve(
         call("CVodeSetStopTime", memory, c_double(times[-1]))
         states = np.empty((len(times), size))
         states[0] = start
-        march = _function(
-            "cvode", "CVode", c_int, c_void_p, c_double, c_void_p, c_void_p, c_int
-        )
+        march = _function("cvode", "CVode", c_int, c_void_p, c_double, c_void_p, c_void_p, c_int)
         for i, t in enumerate(times[1:], 1):
             check(march(memory, t, y, byref(reached), _NORMAL))
             states[i] = state
