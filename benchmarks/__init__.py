@@ -1,1 +1,1 @@
-"""What a run costs and how far it is from the truth, beside other programs: `python -m benchmarks`."""
+"""What a run costs and how far it is from the truth, beside other programs."""

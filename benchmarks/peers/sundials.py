@@ -43,7 +43,11 @@ class Solution:
 def _libraries() -> dict[str, ctypes.CDLL]:
     """SUNDIALS' shared libraries as the installed scikit-sundae has them."""
     found = {}
-    for file in importlib.metadata.files("scikit-sundae") or ():
+    try:
+        files = importlib.metadata.files("scikit-sundae") or ()
+    except importlib.metadata.PackageNotFoundError as error:
+        raise ImportError("not installed (pip install scikit-sundae)") from error
+    for file in files:
         for name in _NAMES:
             if file.name.startswith(f"libsundials_{name}-"):
                 found[name] = str(file.locate())
@@ -51,6 +55,11 @@ def _libraries() -> dict[str, ctypes.CDLL]:
     if missing:
         raise ImportError(f"this scikit-sundae brings no library of SUNDIALS' {missing[0]}")
     return {name: ctypes.CDLL(found[name], ctypes.RTLD_GLOBAL) for name in _NAMES}
+
+
+def load() -> None:
+    """Load the libraries and compile the callbacks; raises `ImportError` or `OSError`."""
+    _callbacks()
 
 
 def _function(library: str, name: str, result: type, *arguments: type) -> Callable:
