@@ -61,14 +61,15 @@ class Missing(RuntimeError):
 class Method:
     """One program with one choice of its settings.
 
-    program: its name; setting: as a table shows it; solve: runs it; also_short: whether the short
-    problem has it too; only_short: whether it is too slow for the run-down.
+    program: its name; setting: as a table shows it; solve: runs it; only_short: whether it is too
+    slow for the whole run-down; tolerance: that of this project's error control, if that is on.
     """
 
     program: str
     setting: str
     solve: Callable[[Problem], Orbit]
     only_short: bool = False
+    tolerance: float | None = None
 
     @property
     def name(self) -> str:
@@ -95,7 +96,15 @@ def peaks(times: np.ndarray, disc: np.ndarray) -> tuple[float | None, float | No
     late = disc[times > PEAKS_AFTER]
     if not len(late):
         return None, None
-    return float(np.abs(late.real).max()), float(np.abs(late.imag - disc[0].imag).max())
+    return _vertex(np.abs(late.real)), _vertex(np.abs(late.imag - disc[0].imag))
+
+
+def _vertex(values: np.ndarray) -> float:
+    """Largest value, by the parabola through the largest sample and its neighbours."""
+    at = min(max(int(np.argmax(values)), 1), len(values) - 2)
+    before, top, after = values[at - 1 : at + 2]
+    bend = before - 2 * top + after
+    return float(top - (after - before) ** 2 / (8 * bend)) if bend < 0 else float(values.max())
 
 
 def orbit(problem: Problem, times: np.ndarray, disc: np.ndarray, steps: int) -> Orbit:

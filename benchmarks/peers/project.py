@@ -21,7 +21,12 @@ def methods() -> list[Method]:
     chosen = {name: choose(name) for name in settings.PRESETS}
     chosen |= {f"robust, h = {h:g} s": choose("robust", h=h) for h in (1e-4,)}
     chosen |= {f"moderate, h = {h:g} s": choose("moderate", h=h) for h in (2.5e-4, 1e-4, 5e-5)}
-    return [Method(PROGRAM, name, partial(solve, choice)) for name, choice in chosen.items()]
+    return [method(name, choice) for name, choice in chosen.items()]
+
+
+def method(name: str, choice: Settings) -> Method:
+    """One choice of settings under a name."""
+    return Method(PROGRAM, name, partial(solve, choice))
 
 
 def solve(choice: Settings, problem: Problem) -> Orbit:

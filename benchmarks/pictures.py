@@ -1,0 +1,83 @@
+"""Pictures of a benchmark's results."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
+
+from .compare import OWN, rows
+from .store import Store, median
+
+# by program and the first words of its setting: (label, colour, marker)
+_SERIES = {
+    (OWN, "tolerance"): ("this project, error-controlled", BLUE, "o"),
+    (OWN, ""): ("this project, other settings", BLUE, "."),
+    ("CVODE", "order 2"): ("CVODE, order 2", ORANGE, "s"),
+    ("CVODE", "order 5"): ("CVODE, order 5", ORANGE, "D"),
+    ("Exudyn", ""): ("Exudyn, generalized-alpha", GREEN, "^"),
+    ("SciPy", "Radau"): ("SciPy, Radau", GREY, "v"),
+    ("SciPy", "BDF"): ("SciPy, BDF", GREY, "<"),
+    ("SciPy", "LSODA"): ("SciPy, LSODA", GREY, ">"),
+    ("ROSS", ""): ("ROSS, Newmark", "black", "x"),
+}
+
+
+def draw(store: Store, folder: Path) -> list[Path]:
+    """The pictures that the results allow."""
+    found = []
+    for problem, name in (
+        ("run-down", "work_precision"),
+        ("beginning", "work_precision_beginning"),
+    ):
+        if rows(store, problem):
+            found.append(save(work_precision(store, problem), folder / f"{name}.png"))
+    if store.section("growth"):
+        found.append(save(growth(store), folder / "growth.png"))
+    return found
+
+
+def work_precision(store: Store, problem: str) -> Figure:
+    """Error of the orbit against CPU time for a simulated second, a curve for each program."""
+    figure, axes = new_figure(7.0, 4.6)
+    stop = store.section("reference")[problem]["stop"]
+    left = rows(store, problem)
+    for (program, start), (label, colour, marker) in _SERIES.items():
+        mine = [r for r in left if r["program"] == program and r["setting"].startswith(start)]
+        left = [r for r in left if r not in mine]
+        if not mine:
+            continue
+        points = sorted((r["orbit_max"] * 1e6, r["cpu"] / stop) for r in mine)
+        line = "" if marker in ".x" else "-"
+        axes.loglog(*zip(*points, strict=True), line, marker=marker, color=colour, label=label)
+    axes.invert_xaxis()
+    axes.set_xlabel("Largest error of the last disc's orbit [µm], smaller to the right")
+    axes.set_ylabel("CPU time for a simulated second [s]")
+    what = "the run-down" if problem == "run-down" else "the first 0.2 s of the run-down"
+    axes.set_title(f"Work against precision, {what}: lower is better", loc="left", fontsize=10)
+    axes.legend(frameon=False, fontsize=8)
+    return figure
+
+
+def growth(store: Store) -> Figure:
+    """Cost of a step against degrees of freedom."""
+    figure, axes = new_figure()
+    for program, colour, marker in ((OWN, BLUE, "o"), ("Exudyn", GREEN, "^")):
+        points = sorted(
+            (row["dofs"], median(row["us"]))
+            for row in store.section("growth").values()
+            if row["program"] == program and row["varied"] == "elements" and row["us"]
+        )
+        if points:
+            axes.loglog(*zip(*points, strict=True), "-", marker=marker, color=colour, label=program)
+            if program == OWN:
+                first = points[0]
+                line = [(n, first[1] * n / first[0]) for n, _ in points]
+                axes.loglog(*zip(*line, strict=True), ":", color=GREY, label="linear")
+    axes.set_xlabel("Degrees of freedom")
+    axes.set_ylabel("CPU time of a step [µs]")
+    axes.set_title("A step of 0.1 ms of the rig in 7 to 200 elements", loc="left", fontsize=10)
+    axes.legend(frameon=False)
+    return figure
