@@ -51,7 +51,7 @@ class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
     M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft alone;
-    each in band storage, shape (4, n); M_factors: M's, from `band.factorize`.
+    each in band storage, shape (n, 4); M_factors: M's, from `band.factorize`.
     eta_v: rotating viscous damping [s] and eta_h: rotating hysteretic coefficient [1], 0 where the
     internal damping does not rotate: kappa = Omega eta_v + sign(Omega) eta_h.
     weight: gravity's force on the rotor, shape (n,) [N, N.m]; gravity [m/s2].

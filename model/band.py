@@ -1,9 +1,10 @@
-"""Symmetric band matrices: product, factorization A = L D L^T without pivoting, solution.
+"""Symmetric band matrices: product, form, factorization A = L D L^T without pivoting, solution.
 
-Storage: `band[d, i]` is A[i + d, i], d = 0 .. half-bandwidth. The kernels take real or complex
-symmetric (not Hermitian) matrices. No pivoting is needed for the step matrices of the time
-integration: their real part is positive definite, and growth is then bounded (Higham, Accuracy and
-Stability of Numerical Algorithms, 2nd ed., sec. 10.4; George, Ikramov and Kucherov 2002).
+Storage: `band[i, d]` is A[i + d, i], d = 0 .. half-bandwidth, a column of the lower triangle in a
+row. The kernels take real or complex symmetric (not Hermitian) matrices. No pivoting is needed for
+the step matrices of the time integration: their real part is positive definite, and growth is then
+bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.4; George, Ikramov
+and Kucherov 2002).
 """
 
 from __future__ import annotations
@@ -14,70 +15,80 @@ from .compiled import compiled
 
 
 def to_band(dense: np.ndarray, half_bandwidth: int) -> np.ndarray:
-    """Band storage, shape (half_bandwidth + 1, n), of a dense symmetric matrix, shape (n, n)."""
+    """Band storage, shape (n, half_bandwidth + 1), of a dense symmetric matrix, shape (n, n)."""
     n = len(dense)
-    band = np.zeros((half_bandwidth + 1, n), dtype=dense.dtype)
+    band = np.zeros((n, half_bandwidth + 1), dtype=dense.dtype)
     for d in range(half_bandwidth + 1):
-        band[d, : n - d] = np.diagonal(dense, -d)
+        band[: n - d, d] = np.diagonal(dense, -d)
     return band
 
 
 def to_dense(band: np.ndarray) -> np.ndarray:
     """Dense symmetric matrix, shape (n, n), of a band matrix."""
-    n = band.shape[1]
+    n, width = band.shape
     dense = np.zeros((n, n), dtype=band.dtype)
-    for d in range(band.shape[0]):
+    for d in range(width):
         for i in range(n - d):
-            dense[i + d, i] = dense[i, i + d] = band[d, i]
+            dense[i + d, i] = dense[i, i + d] = band[i, d]
     return dense
 
 
 @compiled
-def add_product(factor, band, x, y):
-    """y += factor * A x, x and y of shape (n,)."""
-    n = band.shape[1]
-    width = band.shape[0]
+def add_product(band, x, y):
+    """y += A x, x and y of shape (n,)."""
+    n, width = band.shape
     for i in range(n):
-        total = band[0, i] * x[i]
+        y[i] += band[i, 0] * x[i]
+    for d in range(1, width):
+        for i in range(n - d):
+            y[i] += band[i, d] * x[i + d]
+        for i in range(n - d):
+            y[i + d] += band[i, d] * x[i]
+
+
+@compiled
+def form(band, x, y):
+    """x^H A y of a real matrix and complex vectors of shape (n,)."""
+    n, width = band.shape
+    total = 0.0j
+    for i in range(n):
+        along = 0.5 * band[i, 0] * y[i]
+        across = 0.5 * band[i, 0] * x[i].conjugate()
         for d in range(1, min(width, n - i)):
-            total += band[d, i] * x[i + d]
-        for d in range(1, min(width, i + 1)):
-            total += band[d, i - d] * x[i - d]
-        y[i] += factor * total
+            along += band[i, d] * y[i + d]
+            across += band[i, d] * x[i + d].conjugate()
+        total += x[i].conjugate() * along + across * y[i]
+    return total
 
 
 @compiled
 def factorize(band):
-    """Overwrite A by its factors: band[0] becomes 1 / D, band[1:] the unit lower triangle L."""
-    n = band.shape[1]
-    width = band.shape[0]
+    """Overwrite A by its factors: band[:, 0] becomes 1 / D, band[:, 1:] the unit lower triangle."""
+    n, width = band.shape
     for j in range(n):
-        inverse = 1.0 / band[0, j]
+        pivot = band[j, 0]
+        # the compiler's own complex division guards against overflow at several times the cost
+        inverse = pivot.conjugate() * (1.0 / (pivot.real * pivot.real + pivot.imag * pivot.imag))
         last = min(width, n - j)
         for d in range(1, last):
-            ratio = band[d, j] * inverse
+            ratio = band[j, d] * inverse
             for e in range(d, last):
-                band[e - d, j + d] -= ratio * band[e, j]
-        for d in range(1, last):
-            band[d, j] *= inverse
-        band[0, j] = inverse
+                band[j + d, e - d] -= ratio * band[j, e]
+            band[j, d] = ratio
+        band[j, 0] = inverse
 
 
 @compiled
-def solve(factors, x):
-    """Overwrite the right-hand sides x, shape (n, m), by A^-1 x; `factors` from `factorize`."""
-    n = factors.shape[1]
-    width = factors.shape[0]
-    m = x.shape[1]
-    for j in range(n):
+def solve(factors, x, first=0):
+    """Overwrite the right-hand side x, shape (n,), by A^-1 x; `factors` from `factorize`; x is zero
+    before its entry `first`."""
+    n, width = factors.shape
+    for j in range(first, n):
+        known = x[j]
         for d in range(1, min(width, n - j)):
-            ratio = factors[d, j]
-            for k in range(m):
-                x[j + d, k] -= ratio * x[j, k]
+            x[j + d] -= factors[j, d] * known
     for j in range(n - 1, -1, -1):
-        for k in range(m):
-            x[j, k] *= factors[0, j]
+        total = factors[j, 0] * x[j]
         for d in range(1, min(width, n - j)):
-            ratio = factors[d, j]
-            for k in range(m):
-                x[j, k] -= ratio * x[j + d, k]
+            total -= factors[j, d] * x[j + d]
+        x[j] = total

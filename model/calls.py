@@ -32,9 +32,7 @@ def _workspace(work):
         work[3],
         work[4],
         work[5],
-        work[6],
-        work[7],
-        ContactProblem(*work[8]),
+        ContactProblem(*work[6]),
     )
 
 

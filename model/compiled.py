@@ -26,6 +26,11 @@ INTERPRETED_WARNING = (
     f"numba is {'switched off' if numba else 'not installed (pip install numba)'}: the solver runs "
     "interpreted, some hundred times slower, with the same numbers"
 )
+# The kernels allocate nothing, so arrays need no reference counts (atomic ones, at every access),
+# and the tuples they share are many words to hand over: inlined, a step takes half the time.
+_OPTIONS = {"error_model": "numpy", "nogil": True, "forceinline": True}
+if numba and hasattr(numba.core.cpu.CPUTargetOptions, "_nrt"):
+    _OPTIONS["_nrt"] = False
 _KEPT_VERSIONS = 8
 
 
@@ -61,6 +66,6 @@ def compiled(function: Callable) -> Callable:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CODE_CACHE or before
     try:
-        return numba.njit(cache=True, error_model="numpy", nogil=True)(function)
+        return numba.njit(cache=True, **_OPTIONS)(function)
     finally:
         numba.config.CACHE_DIR = before

@@ -41,12 +41,13 @@ def contact_force(bearing, d, d_dot, omega):
 
 @compiled
 def contact_tangent(bearing, d, d_dot, omega, by_position, by_velocity):
-    """by_position dF/dd + by_velocity dF/dd', as the complex pair (p, q) of the real-linear map
-    z -> p z + q conj(z) [N/m for weights of 1 and 1, the second in N.s/m]."""
+    """The force F on the journal [N] and its tangent by_position dF/dd + by_velocity dF/dd', as
+    (F, p, q) with the complex pair of the real-linear map z -> p z + q conj(z) [N/m for weights of
+    1 and 1, the second in N.s/m]."""
     r = math.sqrt(d.real * d.real + d.imag * d.imag)
     delta = r - bearing.clearance
     if delta <= 0.0:
-        return 0.0j, 0.0j
+        return 0.0j, 0.0j, 0.0j
     e = d * (1.0 / r)
     local = e.conjugate() * d_dot
     w_n = local.real
@@ -55,7 +56,7 @@ def contact_tangent(bearing, d, d_dot, omega, by_position, by_velocity):
     c = bearing.c * share
     n = k * delta + c * w_n
     if n <= 0.0:
-        return 0.0j, 0.0j
+        return 0.0j, 0.0j, 0.0j
     v_s = bearing.v_s
     mu = bearing.mu
     v_t = local.imag + bearing.journal_radius * omega
@@ -74,7 +75,7 @@ def contact_tangent(bearing, d, d_dot, omega, by_position, by_velocity):
     # rotated back: e (T (conj(e) z)), a real 2x2 matrix written as p z + q conj(z)
     p = 0.5 * complex(t_aa + t_bb, t_ba - t_ab)
     q = 0.5 * complex(t_aa - t_bb, t_ba + t_ab)
-    return p, q * e * e
+    return -complex(n, mu * n * s_t) * e, p, q * e * e
 
 
 @compiled

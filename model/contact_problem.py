@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .compiled import compiled
-from .contact import contact_force, contact_tangent
+from .contact import contact_tangent
 
 LAST_FORCE, OPEN, WALL = 0, 1, 2
 # Attempts, one after another: where Newton starts, its relaxation, its iterations. The first does
@@ -28,18 +28,23 @@ ATTEMPTS = (
     (WALL, 0.3, 800),
     (LAST_FORCE, 0.1, 1500),
 )
-TOLERANCE = 1e-9  # of the clearance, on Newton's last correction of a displacement
+# Of the clearance, on Newton's last correction of a displacement. The forces take part in it, so
+# what they lack of the contact law is of second order in it.
+TOLERANCE = 1e-8
 
 
 class ContactProblem(NamedTuple):
-    """Arrays of the problem for m bearings: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N], each
-    complex of shape (m,); flexibility W [1/kg], shape (2 m, 2 m), of (x, y) pairs; scratch."""
+    """Arrays of the problem for m bearings: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N], and
+    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); flexibility W [1/kg], shape
+    (2 m, 2 m), of (x, y) pairs; scratch."""
 
     d0: np.ndarray
     d0_dot: np.ndarray
     w_free: np.ndarray
     w: np.ndarray
     force: np.ndarray
+    p: np.ndarray
+    q: np.ndarray
     flexibility: np.ndarray
     jacobian: np.ndarray
     correction: np.ndarray
@@ -47,7 +52,7 @@ class ContactProblem(NamedTuple):
 
 def new_contact_problem(m: int) -> ContactProblem:
     """A problem of m bearings, filled with zeros."""
-    vectors = [np.zeros(m, dtype=complex) for _ in range(5)]
+    vectors = [np.zeros(m, dtype=complex) for _ in range(7)]
     matrices = [np.zeros((2 * m, 2 * m)) for _ in range(2)]
     return ContactProblem(*vectors, *matrices, np.zeros(2 * m))
 
@@ -85,7 +90,8 @@ def solve_dense(a, x):
 
 @compiled
 def _linearize(problem, bearings, omega, b_d, b_v):
-    """Forces at problem.w, Newton's correction of w; False if its matrix is singular."""
+    """Forces and tangents at problem.w, Newton's correction of w; False if its matrix is
+    singular."""
     m = len(bearings)
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
     is_open = True
@@ -95,6 +101,8 @@ def _linearize(problem, bearings, omega, b_d, b_v):
         correction[2 * j + 1] = change.imag
         d = problem.d0[j] + b_d * problem.w[j]
         problem.force[j] = 0.0
+        problem.p[j] = 0.0
+        problem.q[j] = 0.0
         if d.real * d.real + d.imag * d.imag > bearings[j].clearance ** 2:
             is_open = False
     if is_open:
@@ -106,11 +114,12 @@ def _linearize(problem, bearings, omega, b_d, b_v):
         bearing = bearings[j]
         d = problem.d0[j] + b_d * problem.w[j]
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
-        force = contact_force(bearing, d, d_dot, omega)[0]
+        force, p, q = contact_tangent(bearing, d, d_dot, omega, b_d, b_v)
         if force == 0.0:
             continue
         problem.force[j] = force
-        p, q = contact_tangent(bearing, d, d_dot, omega, b_d, b_v)
+        problem.p[j] = p
+        problem.q[j] = q
         t_xx, t_yx = (p + q).real, (p + q).imag
         t_xy, t_yy = (q - p).imag, (p - q).real
         for i in range(2 * m):
@@ -163,6 +172,9 @@ def solve_contacts(problem, bearings, omega, b_d, b_v, last_force):
             for j in range(len(bearings)):
                 change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
                 problem.w[j] += relax * change
+                problem.force[j] += relax * (
+                    problem.p[j] * change + problem.q[j] * change.conjugate()
+                )
                 if not b_d * abs(change) <= TOLERANCE * bearings[j].clearance:
                     is_converged = False
             if is_converged:

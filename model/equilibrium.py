@@ -27,7 +27,7 @@ def static_equilibrium(structure: Structure) -> np.ndarray:
     two nodes at least.
     """
     contacts = structure.contacts
-    n, nb = structure.M.shape[1], len(contacts)
+    n, nb = structure.M.shape[0], len(contacts)
     size = n + nb
     if structure.gravity == 0:
         return np.zeros(size, dtype=complex)
@@ -81,7 +81,7 @@ def _solve(
 
 
 def _check_held(structure: Structure, side: np.ndarray) -> None:
-    supports = np.flatnonzero(structure.K[0] - structure.K_shaft[0])
+    supports = np.flatnonzero(structure.K[:, 0] - structure.K_shaft[:, 0])
     held = {*supports.tolist(), *structure.contacts.dof[side != 0].tolist()}
     if len(held) < 2:
         raise EquilibriumError(

@@ -3,19 +3,27 @@ must supply for it."""
 
 from __future__ import annotations
 
-import cmath
+import math
 from typing import NamedTuple
 
-from .band import add_product
+from .band import form
 from .compiled import compiled
 
 
 class Spin(NamedTuple):
-    """Rotation at one instant: speed omega [rad/s], its rate alpha [rad/s2], angle theta [rad]."""
+    """Rotation at one instant: speed omega [rad/s], its rate alpha [rad/s2], angle theta [rad], and
+    direction exp(i theta) [1]."""
 
     omega: float
     alpha: float
     theta: float
+    direction: complex
+
+
+@compiled
+def spin_of(omega, alpha, theta):
+    """`Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
+    return Spin(omega, alpha, theta, complex(math.cos(theta), math.sin(theta)))
 
 
 @compiled
@@ -35,7 +43,7 @@ def add_applied(structure, spin, loads, f):
     (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
     for i in range(len(structure.weight)):
         f[i] += structure.weight[i]
-    turning = cmath.exp(1j * spin.theta) * complex(spin.omega * spin.omega, -spin.alpha)
+    turning = spin.direction * complex(spin.omega * spin.omega, -spin.alpha)
     for i in range(len(structure.unbalance)):
         f[structure.unbalance_dof[i]] += structure.unbalance[i] * turning
     for i in range(len(loads)):
@@ -43,40 +51,31 @@ def add_applied(structure, spin, loads, f):
 
 
 @compiled
-def internal_torque(structure, q, v, omega, scratch):
+def internal_torque(structure, q, v, omega):
     """Torque by which the drive sustains the rotating internal damping [N.m]; 0 if it does not
-    rotate. With f = -eta K_s v + i kappa K_s q it is Re(conj(f) i q)."""
+    rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
     kappa = circulation(structure, omega)
     if kappa == 0.0 and structure.eta_v == 0.0:
         return 0.0
-    n = structure.M.shape[1]
-    for i in range(n):
-        scratch[i] = 0.0
-    add_product(-structure.eta_v, structure.K_shaft, v, scratch)
-    add_product(1j * kappa, structure.K_shaft, q, scratch)
-    torque = 0.0
-    for i in range(n):
-        torque += (scratch[i].conjugate() * 1j * q[i]).real
-    return torque
+    n = len(structure.weight)
+    by_velocity = form(structure.K_shaft, v[:n], q[:n]).imag
+    by_displacement = form(structure.K_shaft, q[:n], q[:n]).real
+    return structure.eta_v * by_velocity + kappa * by_displacement
 
 
 @compiled
-def drive_torque(structure, q, v, a, spin, friction_torque, scratch):
+def drive_torque(structure, q, v, a, spin, friction_torque):
     """Torque that the drive must supply to keep the prescribed speed [N.m].
 
-    q, v, a: shape (n,); friction_torque: sum of R F_t over the bearings [N.m]. From Lagrange's
-    equation of the angle of rotation, gyroscopic reaction (second order in the slopes) included.
+    q, v, a: shape (n,) or longer; friction_torque: sum of R F_t over the bearings [N.m]. From
+    Lagrange's equation of the angle of rotation, gyroscopic reaction (second order in the slopes)
+    included.
     """
-    n = structure.M.shape[1]
+    n = len(structure.weight)
     torque = structure.inertia * spin.alpha + friction_torque
-    turning = cmath.exp(1j * spin.theta)
     for i in range(len(structure.unbalance)):
-        arm = structure.unbalance[i] * turning
+        arm = structure.unbalance[i] * spin.direction
         torque += (arm.conjugate() * a[structure.unbalance_dof[i]]).imag
         torque += structure.gravity * arm.real
-    for i in range(n):
-        scratch[i] = 0.0
-    add_product(1.0, structure.G, a, scratch)
-    for i in range(n):
-        torque -= 0.5 * (q[i].conjugate() * scratch[i]).imag
-    return torque + internal_torque(structure, q, v, spin.omega, scratch)
+    torque -= 0.5 * form(structure.G, q[:n], a[:n]).imag
+    return torque + internal_torque(structure, q, v, spin.omega)

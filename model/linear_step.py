@@ -1,9 +1,11 @@
 """What one generalized-alpha step has in common for every structure with local contacts.
 
-The unknowns of a step are the accelerations a1. With the predictions of q and v (everything but
-a1's share) and the step matrix S = m M + c C + k K, weights from `weights`,
+Written in accelerations, with v_dot = M^-1 (f - C v - K q) of the equation of motion, the scheme
+(`schemes`) is (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v_dot1 + alpha_f v_dot0. With the
+predictions of q and v (everything but a1's share) and the step matrix S = m M + c C + k K, weights
+from `weights`, the unknowns a1 follow from
 
-    S a1 = (1 - alpha_f) (f1 - C v - K q) - alpha_f r0 - alpha_m M a0 + B F
+    S a1 = (1 - alpha_f) (f1 - C v - K q) + M (alpha_f v_dot0 - alpha_m a0) + B F
 
 which leaves a small problem in the contacts' motion, with the flexibility S^-1 B. How F
 follows from that motion, a penalty law with friction or a hard stop, is the closure's affair.
@@ -39,3 +41,15 @@ def correct(scheme, h, a, q, v):
     for i in range(len(q)):
         q[i] += by_displacement * a[i]
         v[i] += by_velocity * a[i]
+
+
+@compiled
+def balance(scheme, a0, v_dot0, a, v_dot):
+    """Fill v_dot, the accelerations of the equation of motion at the end of a step: the scheme,
+    solved for them. What v_dot0 lacked in exactness does not come along: a has met it already."""
+    share = 1.0 / (1.0 - scheme.alpha_f)
+    by_new = (1.0 - scheme.alpha_m) * share
+    by_old = scheme.alpha_m * share
+    by_balance = scheme.alpha_f * share
+    for i in range(len(v_dot)):
+        v_dot[i] = by_new * a[i] + by_old * a0[i] - by_balance * v_dot0[i]

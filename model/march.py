@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from .assembly import Structure
-from .band import solve
 from .compiled import compiled
 from .control import ADAPTIVE, error_indicator, next_step, shorter_step
 from .energy import FLOWS, powers, total_energy
-from .excitation import Spin
-from .step import residual, try_step
+from .excitation import spin_of
+from .step import accelerate, try_step
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
@@ -92,7 +91,7 @@ def spin_at(record, t):
     """Rotation at time t [s]: the speed is linear in time, the angle its integral."""
     r = record[0]
     since = t - r.t_ref
-    return Spin(
+    return spin_of(
         r.omega_ref + r.alpha * since,
         r.alpha,
         r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
@@ -103,7 +102,7 @@ def spin_at(record, t):
 def spin_now(record):
     """Rotation at the time reached."""
     r = record[0]
-    return Spin(r.omega, r.alpha, r.theta)
+    return spin_of(r.omega, r.alpha, r.theta)
 
 
 @compiled
@@ -114,8 +113,10 @@ def _watch_amplitudes(structure, motion, memory):
     peaks = memory.peaks
     if abs(r.theta - r.turn) >= 2.0 * math.pi:
         r.turn = r.theta
-        peaks[1] = peaks[0]
-        peaks[0] = 0.0
+        for axis in range(2):
+            for i in range(len(structure.disc_dof)):
+                peaks[1, axis, i] = peaks[0, axis, i]
+                peaks[0, axis, i] = 0.0
     for i in range(len(structure.disc_dof)):
         q = motion.q[structure.disc_dof[i]]
         x = abs(q.real)
@@ -130,7 +131,7 @@ def _watch_bounces(structure, motion, memory):
     """Count the steps in which a journal keeps hitting opposite walls within a step or two."""
     r = memory.record[0]
     contacts = structure.contacts
-    n = structure.M.shape[1]
+    n = structure.M.shape[0]
     bounce = memory.bounce
     for j in range(len(contacts)):
         bounce[j, 2] += 1.0
@@ -158,7 +159,7 @@ def _commit(h, loads, structure, motion, trial, memory, work, spin):
         motion.q[i] = trial.q[i]
         motion.v[i] = trial.v[i]
         motion.a[i] = trial.a[i]
-        motion.r[i] = trial.r[i]
+        motion.v_dot[i] = trial.v_dot[i]
         motion.jerk[i] = trial.jerk[i]
     for j in range(len(motion.force)):
         motion.force[j] = trial.force[j]
@@ -168,7 +169,7 @@ def _commit(h, loads, structure, motion, trial, memory, work, spin):
     r.theta = spin.theta
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * memory.power[i]
-    r.torque = powers(structure, spin, loads, motion, work.scratch, work.free, memory.power)
+    r.torque = powers(structure, spin, loads, motion, memory.power)
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * memory.power[i]
     _watch_amplitudes(structure, motion, memory)
@@ -179,45 +180,35 @@ def _commit(h, loads, structure, motion, trial, memory, work, spin):
 def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work):
     """Take up the speed [rad/s], its rate [rad/s2] and the loads [N] of a new interval.
 
-    Carries residual, accelerations and powers over the jump; at the start the accelerations are
+    Carries accelerations and powers over the jump; at the start the accelerations are
     those of the equation of motion. A jump of the speed is work that the drive does in no time.
     """
     r = memory.record[0]
-    before = total_energy(structure, spin_now(memory.record), motion, work.scratch, work.stores)
+    before = total_energy(structure, spin_now(memory.record), motion, work.stores)
     r.t_ref = r.t
     r.theta_ref = r.theta
     r.omega = speed
     r.omega_ref = speed
     r.alpha = rate
     spin = spin_now(memory.record)
-    after = total_energy(structure, spin, motion, work.scratch, work.stores)
+    after = total_energy(structure, spin, motion, work.stores)
     if is_start:
         r.energy_at_start = after
     else:
         memory.work[0] += after - before
-    n = structure.M.shape[1]
-    change, change_of_housing = work.free, work.problem.w
-    for i in range(n):
-        change[i, 0] = 0.0 if is_start else motion.r[i]
-    for j in range(len(structure.contacts)):
-        change_of_housing[j] = 0.0 if is_start else motion.r[n + j]
-    residual(structure, spin, loads, motion, work.turning)
-    for i in range(n):
-        change[i, 0] = motion.r[i] - change[i, 0]
-    solve(structure.M_factors, change)
-    for i in range(n):
-        motion.a[i] -= change[i, 0]
-    for j in range(len(structure.contacts)):
-        change_of_housing[j] = motion.r[n + j] - change_of_housing[j]
-        motion.a[n + j] -= change_of_housing[j] / structure.contacts[j].mass
-    r.torque = powers(structure, spin, loads, motion, work.scratch, work.free, memory.power)
+    for i in range(len(motion.a)):
+        motion.a[i] -= motion.v_dot[i]
+    accelerate(structure, spin, loads, motion, work)
+    for i in range(len(motion.a)):
+        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
+    r.torque = powers(structure, spin, loads, motion, memory.power)
 
 
 @compiled
 def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work):
     """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
-    memory.peaks[2] = 0.0
+    memory.peaks[2, :, :] = 0.0
     is_adaptive = control.mode == ADAPTIVE
     shortest = control.h_min * (1.0 + 1e-5)
     parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0

@@ -8,7 +8,7 @@ from .assembly import Structure
 from .compiled import compiled
 from .contact import contact_angle, contact_force
 from .energy import FLOWS, STORES, total_energy
-from .excitation import Spin
+from .excitation import spin_of
 
 _DISC = ("x", "y", "x_amp", "y_amp")
 _BEARING = ("psi", "fn", "ft", "x", "y", "housing_x", "housing_y", "contact")
@@ -46,7 +46,7 @@ def observed_names(structure: Structure) -> tuple[str, ...]:
 def observe(structure, motion, memory, work, out):
     """Fill `out` in the order of `observed_names`."""
     contacts = structure.contacts
-    n = structure.M.shape[1]
+    n = structure.M.shape[0]
     r = memory.record[0]
     out[0] = r.theta
     out[1] = r.omega
@@ -84,9 +84,9 @@ def observe(structure, motion, memory, work, out):
     out[at + 7] = r.trapped
     out[at + 8] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
     at += 9
-    spin = Spin(r.omega, r.alpha, r.theta)
+    now = spin_of(r.omega, r.alpha, r.theta)
     stores = work.stores
-    energy = total_energy(structure, spin, motion, work.scratch, stores)
+    energy = total_energy(structure, now, motion, stores)
     for i in range(len(stores)):
         out[at + i] = stores[i]
     at += len(stores)

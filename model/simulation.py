@@ -178,7 +178,7 @@ class Simulation:
             reason = "the contact forces did not converge"
             advice = "try a smaller solver.h, or the preset robust"
         else:
-            q = np.abs(self._motion.q[: self.structure.M.shape[1] : 2])
+            q = np.abs(self._motion.q[: self.structure.M.shape[0] : 2])
             node = int(np.argmax(np.where(np.isfinite(q), q, math.inf))) + 1
             reason = (
                 f"the solution diverged (node {node} past {self.structure.bound:.3g} m "

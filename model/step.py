@@ -18,19 +18,19 @@ from .contact import contact_force
 from .contact_problem import ContactProblem, new_contact_problem, solve_contacts
 from .energy import STORES
 from .excitation import add_applied, circulation
-from .linear_step import correct, predict, weights
+from .linear_step import balance, correct, predict, weights
 
 
 class Motion(NamedTuple):
     """State at one instant, each of shape (n + bearings,), complex, journals' nodes first, housings
-    last: displacement q [m], velocity v [m/s], acceleration a [m/s2], residual r = C v + K q - f
-    [N], jerk [m/s3] (of the Li-Zeng-Wiberg indicator); force: of the contacts on the journals,
-    shape (bearings,) [N]."""
+    last: displacement q [m], velocity v [m/s]; a: the accelerations that generalized-alpha carries
+    along, v_dot: those of the equation of motion [m/s2]; jerk [m/s3] (of the Li-Zeng-Wiberg
+    indicator); force: of the contacts on the journals, shape (bearings,) [N]."""
 
     q: np.ndarray
     v: np.ndarray
     a: np.ndarray
-    r: np.ndarray
+    v_dot: np.ndarray
     jerk: np.ndarray
     force: np.ndarray
 
@@ -42,9 +42,7 @@ class Workspace(NamedTuple):
     key: np.ndarray
     factors: np.ndarray
     columns: np.ndarray
-    free: np.ndarray
     scratch: np.ndarray
-    turning: np.ndarray
     housing: np.ndarray
     stores: np.ndarray
     problem: ContactProblem
@@ -53,20 +51,18 @@ class Workspace(NamedTuple):
 def new_motion(structure: Structure) -> Motion:
     """A motion of zeros; its rows of length n + bearings share one buffer."""
     nb = len(structure.contacts)
-    rows = np.zeros((5, structure.M.shape[1] + nb), dtype=complex)
+    rows = np.zeros((5, structure.M.shape[0] + nb), dtype=complex)
     return Motion(*rows, force=np.zeros(nb, dtype=complex))
 
 
 def new_workspace(structure: Structure) -> Workspace:
     """Scratch arrays for steps of this structure."""
-    n, nb = structure.M.shape[1], len(structure.contacts)
+    n, nb = structure.M.shape[0], len(structure.contacts)
     return Workspace(
         key=np.full(3, np.nan),
         factors=np.zeros(structure.M.shape, dtype=complex),
-        columns=np.zeros((n, nb), dtype=complex),
-        free=np.zeros((n, 1), dtype=complex),
+        columns=np.zeros((nb, n), dtype=complex),
         scratch=np.zeros(n, dtype=complex),
-        turning=np.zeros(n, dtype=complex),
         housing=np.zeros((nb, 2)),
         stores=np.zeros(len(STORES)),
         problem=new_contact_problem(nb),
@@ -80,44 +76,28 @@ def by_axis(x_factor, y_factor, z):
 
 
 @compiled
-def internal_forces(structure, spin, q, v, turning, out):
-    """out += (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q, first n entries [N];
-    turning: scratch of shape (n,)."""
-    kappa = circulation(structure, spin.omega)
-    add_product(1.0, structure.C, v, out)
-    add_product(1.0, structure.K, q, out)
-    for i in range(len(turning)):
-        turned = spin.omega * v[i] + 0.5 * spin.alpha * q[i]
-        turning[i] = complex(turned.imag, -turned.real)
-    add_product(1.0, structure.G, turning, out)
+def _add_internal(structure, spin, factor, q, v, scratch, out):
+    """out += factor ((C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q), n entries."""
+    n = len(out)
+    for i in range(n):
+        scratch[i] = factor * v[i]
+    add_product(structure.C, scratch, out)
+    for i in range(n):
+        scratch[i] = factor * q[i]
+    add_product(structure.K, scratch, out)
+    for i in range(n):
+        turned = factor * (spin.omega * v[i] + 0.5 * spin.alpha * q[i])
+        scratch[i] = complex(turned.imag, -turned.real)
+    add_product(structure.G, scratch, out)
+    kappa = factor * circulation(structure, spin.omega)
     if kappa != 0.0:
-        add_product(-1j * kappa, structure.K_shaft, q, out)
+        for i in range(n):
+            scratch[i] = complex(kappa * q[i].imag, -kappa * q[i].real)
+        add_product(structure.K_shaft, scratch, out)
 
 
 @compiled
-def residual(structure, spin, loads, motion, turning):
-    """Fill motion.force and motion.r = internal - applied - contact forces at this instant."""
-    n = structure.M.shape[1]
-    r = motion.r
-    for i in range(n):
-        r[i] = 0.0
-    add_applied(structure, spin, loads, r)
-    for i in range(n):
-        r[i] = -r[i]
-    internal_forces(structure, spin, motion.q, motion.v, turning, r)
-    for j in range(len(structure.contacts)):
-        bearing = structure.contacts[j]
-        q, v = motion.q[n + j], motion.v[n + j]
-        d = motion.q[bearing.dof] - q
-        d_dot = motion.v[bearing.dof] - v
-        force = contact_force(bearing, d, d_dot, spin.omega)[0]
-        motion.force[j] = force
-        r[bearing.dof] -= force
-        r[n + j] = housing_forces(bearing, structure.gravity, q, v) + force
-
-
-@compiled
-def housing_forces(bearing, gravity, q, v):
+def _housing_forces(bearing, gravity, q, v):
     """Springs, dampers and weight of a housing [N]."""
     spring = by_axis(bearing.kx, bearing.ky, q)
     damper = by_axis(bearing.cx, bearing.cy, v)
@@ -125,43 +105,64 @@ def housing_forces(bearing, gravity, q, v):
 
 
 @compiled
+def accelerate(structure, spin, loads, motion, work):
+    """Fill motion.force and motion.v_dot from the equation of motion at this instant."""
+    n = structure.M.shape[0]
+    f = motion.v_dot[:n]
+    for i in range(n):
+        f[i] = 0.0
+    add_applied(structure, spin, loads, f)
+    _add_internal(structure, spin, -1.0, motion.q, motion.v, work.scratch, f)
+    for j in range(len(structure.contacts)):
+        bearing = structure.contacts[j]
+        q, v = motion.q[n + j], motion.v[n + j]
+        d = motion.q[bearing.dof] - q
+        d_dot = motion.v[bearing.dof] - v
+        force = contact_force(bearing, d, d_dot, spin.omega)[0]
+        motion.force[j] = force
+        f[bearing.dof] += force
+        housing = _housing_forces(bearing, structure.gravity, q, v) + force
+        motion.v_dot[n + j] = housing * (-1.0 / bearing.mass)
+    solve(structure.M_factors, f)
+
+
+@compiled
 def _factor_step_matrix(structure, scheme, spin, h, work):
     """Factorize the step matrix of the accelerations; condense it to the journals and housings."""
-    af = scheme.alpha_f
+    share = 1.0 - scheme.alpha_f
     m_factor, c_factor, k_factor = weights(scheme, h)
-    g_factor = -1j * (c_factor * spin.omega + 0.5 * k_factor * spin.alpha)
-    s_factor = -1j * k_factor * circulation(structure, spin.omega)
-    for d in range(structure.M.shape[0]):
-        for i in range(structure.M.shape[1]):
-            work.factors[d, i] = (
-                m_factor * structure.M[d, i]
-                + c_factor * structure.C[d, i]
-                + k_factor * structure.K[d, i]
-                + g_factor * structure.G[d, i]
+    gyroscopic = -(c_factor * spin.omega + 0.5 * k_factor * spin.alpha)
+    circulatory = -k_factor * circulation(structure, spin.omega)
+    n, width = structure.M.shape
+    factors = work.factors
+    for i in range(n):
+        for d in range(width):
+            factors[i, d] = complex(
+                m_factor * structure.M[i, d]
+                + c_factor * structure.C[i, d]
+                + k_factor * structure.K[i, d],
+                gyroscopic * structure.G[i, d] + circulatory * structure.K_shaft[i, d],
             )
-    if s_factor != 0.0:
-        for d in range(structure.M.shape[0]):
-            for i in range(structure.M.shape[1]):
-                work.factors[d, i] += s_factor * structure.K_shaft[d, i]
-    factorize(work.factors)
+    factorize(factors)
     contacts = structure.contacts
     nb = len(contacts)
-    work.columns[:, :] = 0.0
-    for j in range(nb):
-        work.columns[contacts[j].dof, j] = 1.0 - af
-    solve(work.factors, work.columns)
     flexibility = work.problem.flexibility
     for j in range(nb):
+        column = work.columns[j]
+        for i in range(n):
+            column[i] = 0.0
+        column[contacts[j].dof] = share
+        solve(factors, column, contacts[j].dof)
         for i in range(nb):
-            response = work.columns[contacts[i].dof, j]
+            response = column[contacts[i].dof]
             flexibility[2 * i, 2 * j] = response.real
             flexibility[2 * i, 2 * j + 1] = -response.imag
             flexibility[2 * i + 1, 2 * j] = response.imag
             flexibility[2 * i + 1, 2 * j + 1] = response.real
         bearing = contacts[j]
         inertia = m_factor * bearing.mass
-        work.housing[j, 0] = (1.0 - af) / (inertia + c_factor * bearing.cx + k_factor * bearing.kx)
-        work.housing[j, 1] = (1.0 - af) / (inertia + c_factor * bearing.cy + k_factor * bearing.ky)
+        work.housing[j, 0] = share / (inertia + c_factor * bearing.cx + k_factor * bearing.kx)
+        work.housing[j, 1] = share / (inertia + c_factor * bearing.cy + k_factor * bearing.ky)
         flexibility[2 * j, 2 * j] += work.housing[j, 0]
         flexibility[2 * j + 1, 2 * j + 1] += work.housing[j, 1]
     work.key[0] = h
@@ -173,26 +174,32 @@ def _factor_step_matrix(structure, scheme, spin, h, work):
 def _free_response(structure, scheme, spin, h, loads, old, new, work):
     """Predictions of q and v, and the accelerations that would follow without contact."""
     am, af = scheme.alpha_m, scheme.alpha_f
-    n = structure.M.shape[1]
+    share = 1.0 - af
+    n = structure.M.shape[0]
     predict(scheme, h, old.q, old.v, old.a, new.q, new.v)
-    applied, internal = work.scratch, new.r
+    free, scratch = new.a[:n], work.scratch
     for i in range(n):
-        applied[i] = 0.0
-        internal[i] = 0.0
-    add_applied(structure, spin, loads, applied)
-    internal_forces(structure, spin, new.q, new.v, work.turning, internal)
+        free[i] = 0.0
+        scratch[i] = 0.0
+    add_applied(structure, spin, loads, free)
     for i in range(n):
-        work.free[i, 0] = (1.0 - af) * (applied[i] - internal[i]) - af * old.r[i]
-    add_product(-am, structure.M, old.a, work.free[:, 0])
-    solve(work.factors, work.free)
-    for i in range(n):
-        new.a[i] = work.free[i, 0]
+        free[i] *= share
+        scratch[i] = af * old.v_dot[i] - am * old.a[i]
+    add_product(structure.M, scratch, free)
+    _add_internal(structure, spin, -share, new.q, new.v, scratch, free)
+    solve(work.factors, free)
     for j in range(len(structure.contacts)):
         bearing = structure.contacts[j]
         at = n + j
-        force = housing_forces(bearing, structure.gravity, new.q[at], new.v[at])
-        force += (am * bearing.mass * old.a[at] + af * old.r[at]) / (1.0 - af)
+        force = _housing_forces(bearing, structure.gravity, new.q[at], new.v[at])
+        force += (am * old.a[at] - af * old.v_dot[at]) * (bearing.mass / share)
         new.a[at] = -by_axis(work.housing[j, 0], work.housing[j, 1], force)
+
+
+@compiled
+def _is_sane(x, bound):
+    """Whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
+    return x.real * x.real + x.imag * x.imag <= bound * bound
 
 
 @compiled
@@ -202,7 +209,7 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
     Returns (status, Newton iterations): 0 done, 1 the contacts did not converge, 2 not finite or
     past the bound. Whatever the status, `old` is untouched.
     """
-    n = structure.M.shape[1]
+    n = structure.M.shape[0]
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
         _factor_step_matrix(structure, scheme, spin, h, work)
     _free_response(structure, scheme, spin, h, loads, old, new, work)
@@ -214,7 +221,7 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
         problem.d0[j] = new.q[at] - new.q[n + j]
         problem.d0_dot[j] = new.v[at] - new.v[n + j]
         problem.w_free[j] = new.a[at] - new.a[n + j]
-        is_finite = is_finite and np.isfinite(abs(problem.w_free[j]))
+        is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return 2, 0
     b_d, b_v = scheme.beta * h * h, scheme.gamma * h
@@ -224,13 +231,14 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
 
     for j in range(len(contacts)):
         force = problem.force[j]
+        new.force[j] = force
         if force != 0.0:
             for i in range(n):
-                new.a[i] += work.columns[i, j] * force
+                new.a[i] += work.columns[j, i] * force
             new.a[n + j] -= by_axis(work.housing[j, 0], work.housing[j, 1], force)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(0, n, 2):
-        if not abs(new.q[i]) <= structure.bound:
+        if not _is_sane(new.q[i], structure.bound):
             return 2, iterations
-    residual(structure, spin, loads, new, work.turning)
+    balance(scheme, old.a, old.v_dot, new.a, new.v_dot)
     return 0, iterations

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 import shutil
+import signal
+import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +22,6 @@ from .binding import build_simulation, load_names
 from .errors import RunFailed
 from .interface import Variable
 from .signals import Signals
-from .slave import INTERRUPTED
 
 Progress = Callable[[float], None]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
@@ -76,31 +78,33 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
         nonlocal recorder
         recorder = its_recorder
         progress(t)
-        return True
+        return not interrupts
 
     folder = fmpy.extract(str(fmu))
     begun = time.perf_counter()
     failure = None
+    interrupts: list[int] = []
     try:
         instance = _instantiate(fmu, folder, log)
-        fmpy.simulate_fmu(
-            folder,
-            fmu_instance=instance,
-            model_description=fmpy.read_model_description(folder),
-            validate=False,
-            start_time=0.0,
-            stop_time=plan.stop,
-            output_interval=plan.step,
-            start_values=dict(plan.parameters),
-            input=plan.signals.as_structured(),
-            output=recorded,
-            step_finished=step_finished,
-        )
+        with _interrupts_noted() as interrupts:
+            fmpy.simulate_fmu(
+                folder,
+                fmu_instance=instance,
+                model_description=fmpy.read_model_description(folder),
+                validate=False,
+                start_time=0.0,
+                stop_time=plan.stop,
+                output_interval=plan.step,
+                start_values=dict(plan.parameters),
+                input=plan.signals.as_structured(),
+                output=recorded,
+                step_finished=step_finished,
+            )
     except fmpy.fmi1.FMICallException as error:
         failure = messages[-1] if messages else str(error)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    if failure == INTERRUPTED:
+    if interrupts:
         raise KeyboardInterrupt
     wall = time.perf_counter() - begun
     if recorder is None:
@@ -109,6 +113,20 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
     return Run(np.asarray(rows["time"]), columns, _status(failure, columns), tuple(messages), wall)
+
+
+@contextmanager
+def _interrupts_noted() -> Iterator[list[int]]:
+    """Ctrl-C, kept for between two steps: raised inside the FMU, it would be one of its errors."""
+    interrupts: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupts
+        return
+    before = signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
+    try:
+        yield interrupts
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> object:

@@ -18,7 +18,7 @@ def dense_matrices(
     and as the plain form against which the band form is tested.
     """
     contacts = structure.contacts
-    n, nb = structure.M.shape[1], len(contacts)
+    n, nb = structure.M.shape[0], len(contacts)
     size = n + nb
 
     def both_planes(band: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:

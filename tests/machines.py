@@ -82,6 +82,6 @@ def first_order(structure, omega):
 
 def unbalance_vector(structure):
     """m e exp(i phase) at its degrees of freedom, shape (n,) [kg.m]."""
-    vector = np.zeros(structure.M.shape[1], dtype=complex)
+    vector = np.zeros(structure.M.shape[0], dtype=complex)
     np.add.at(vector, structure.unbalance_dof, structure.unbalance)
     return vector

@@ -31,7 +31,7 @@ def case(request):
 def test_band_storage_keeps_the_matrix(case):
     _, dense, half_bandwidth, _ = case
     packed = band.to_band(dense, half_bandwidth)
-    assert packed.shape == (half_bandwidth + 1, len(dense))
+    assert packed.shape == (len(dense), half_bandwidth + 1)
     np.testing.assert_array_equal(band.to_dense(packed), dense)
 
 
@@ -39,10 +39,9 @@ def test_product_is_that_of_the_dense_matrix(case):
     rng, dense, half_bandwidth, kind = case
     n = len(dense)
     x, before = random_vector(rng, n, kind), random_vector(rng, n, kind)
-    factor = kind(rng.standard_normal())
     y = before.copy()
-    band.add_product(factor, band.to_band(dense, half_bandwidth), x, y)
-    expected = before + factor * (dense @ x)
+    band.add_product(band.to_band(dense, half_bandwidth), x, y)
+    expected = before + dense @ x
     np.testing.assert_allclose(y, expected, rtol=0, atol=1e-13 * np.abs(dense).max() * n)
 
 
@@ -52,12 +51,12 @@ def test_factors_multiply_to_the_matrix(case):
     factors = band.to_band(dense, half_bandwidth)
     band.factorize(factors)
     L = np.tril(band.to_dense(factors), -1) + np.eye(n)
-    np.testing.assert_allclose(L @ np.diag(1 / factors[0]) @ L.T, dense, rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(L @ np.diag(1 / factors[:, 0]) @ L.T, dense, rtol=1e-11, atol=1e-11)
 
 
 def test_solution_is_that_of_the_dense_matrix(case):
     rng, dense, half_bandwidth, kind = case
-    right = random_vector(rng, (len(dense), 3), kind)
+    right = random_vector(rng, len(dense), kind)
     factors = band.to_band(dense, half_bandwidth)
     band.factorize(factors)
     x = right.copy()
@@ -70,14 +69,36 @@ def test_a_real_matrix_multiplies_a_complex_vector():
     dense = random_matrix(rng, 9, 3, float)
     x = random_vector(rng, 9, complex)
     y = np.zeros(9, dtype=complex)
-    band.add_product(-2j, band.to_band(dense, 3), x, y)
-    np.testing.assert_allclose(y, -2j * (dense @ x), atol=1e-13)
+    band.add_product(band.to_band(dense, 3), x, y)
+    np.testing.assert_allclose(y, dense @ x, atol=1e-13)
+
+
+def test_form_is_that_of_the_dense_matrix():
+    rng = np.random.default_rng(4)
+    for n, half_bandwidth in SIZES:
+        dense = random_matrix(rng, n, half_bandwidth, float)
+        x, y = random_vector(rng, n, complex), random_vector(rng, n, complex)
+        expected = x.conj() @ dense @ y
+        assert band.form(band.to_band(dense, half_bandwidth), x, y) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("first", [0, 1, 5, 8])
+def test_leading_zeros_of_the_right_hand_side_can_be_skipped(first):
+    rng = np.random.default_rng(5)
+    factors = band.to_band(random_matrix(rng, 9, 3, complex), 3)
+    band.factorize(factors)
+    x = random_vector(rng, 9, complex)
+    x[:first] = 0
+    whole = x.copy()
+    band.solve(factors, whole)
+    band.solve(factors, x, first)
+    np.testing.assert_array_equal(x, whole)
 
 
 def test_real_factors_solve_for_complex_right_hand_sides():
     rng = np.random.default_rng(3)
     dense = random_matrix(rng, 9, 3, float)
-    right = random_vector(rng, (9, 1), complex)
+    right = random_vector(rng, 9, complex)
     factors = band.to_band(dense, 3)
     band.factorize(factors)
     x = right.copy()

@@ -58,7 +58,7 @@ def test_there_is_no_force_inside_the_clearance_however_fast(angle):
 
 def test_a_journal_at_the_very_centre_feels_nothing():
     assert contact_force(BEARING, 0j, 1 + 1j, 400.0)[0] == 0
-    assert contact_tangent(BEARING, 0j, 1 + 1j, 400.0, 1.0, 1.0) == (0, 0)
+    assert contact_tangent(BEARING, 0j, 1 + 1j, 400.0, 1.0, 1.0) == (0, 0, 0)
 
 
 def test_resting_at_the_bottom_without_spin_is_carried_straight_up():
@@ -151,7 +151,7 @@ def test_tangents_are_the_derivatives_of_the_force(branch):
         checked += 1
         # steps small against the ramp and the smoothing speed, large against rounding
         for by_position, by_velocity, step in ((1.0, 0.0, 1e-12), (0.0, 1.0, 1e-7)):
-            p, q = contact_tangent(BEARING, d, d_dot, omega, by_position, by_velocity)
+            _, p, q = contact_tangent(BEARING, d, d_dot, omega, by_position, by_velocity)
             for z in (1.0, 1j, 0.6 - 0.8j):
                 change = step * z
                 ahead, behind = (
@@ -171,7 +171,12 @@ def test_tangents_are_the_derivatives_of_the_force(branch):
 
 def test_tangents_by_position_and_velocity_add():
     for d, d_dot, omega in all_states(10):
-        parts = [contact_tangent(BEARING, d, d_dot, omega, *w) for w in ((1.0, 0.0), (0.0, 1.0))]
-        both = contact_tangent(BEARING, d, d_dot, omega, 3.0, 0.5)
+        force = contact_force(BEARING, d, d_dot, omega)[0]
+        parts = [
+            contact_tangent(BEARING, d, d_dot, omega, *weights)[1:]
+            for weights in ((1.0, 0.0), (0.0, 1.0))
+        ]
+        same, *both = contact_tangent(BEARING, d, d_dot, omega, 3.0, 0.5)
+        assert same == force
         for whole, by_position, by_velocity in zip(both, *parts, strict=True):
             assert whole == pytest.approx(3 * by_position + 0.5 * by_velocity, rel=1e-9, abs=1e-3)

@@ -21,7 +21,7 @@ SCHEMES = (newmark(), hht(0.2), generalized_alpha(0.1, 0.08), chung_hulbert(0.2)
 def step_flexibility(scheme, h, omega):
     """Relative accelerations of journals and housings by unit contact forces, all dense."""
     M, C, K, G, _ = dense_matrices(STRUCTURE)
-    n, m = STRUCTURE.M.shape[1], len(BEARINGS)
+    n, m = STRUCTURE.M.shape[0], len(BEARINGS)
     relative = np.zeros((len(M), 2 * m))
     for j, dof in enumerate(BEARINGS.dof):
         for axis, plane in enumerate((0, n + m)):

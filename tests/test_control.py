@@ -28,7 +28,7 @@ def shown_to_true(method, indicator, h=5e-6, steps=300):
     balanced = tuple(replace(disc, e=0.0) for disc in overhung().discs)
     settings = choose(**method, indicator=indicator, mode="adaptive", h=h, h_min=h, h_max=h)
     sim = Simulation(overhung(gravity=0.0, discs=balanced), settings, speed=OMEGA)
-    n = sim.structure.M.shape[1]
+    n = sim.structure.M.shape[0]
     propagator = scipy.linalg.expm(first_order(sim.structure, OMEGA) * h)
     force, loads = np.zeros(n, dtype=complex), np.array([20 + 5j, -7j])
     force[sim.structure.load_dof] = loads

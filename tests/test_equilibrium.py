@@ -24,7 +24,7 @@ G = RIG.gravity
 def reactions(rotor):
     """Upward forces of the housings on the journals [N] at rest."""
     q, structure = static_equilibrium(assemble(rotor)), assemble(rotor)
-    n = structure.M.shape[1]
+    n = structure.M.shape[0]
     up = []
     for j, bearing in enumerate(structure.contacts):
         d = q[bearing.dof] - q[n + j]

@@ -19,7 +19,7 @@ ROSS = json.loads((Path(__file__).parent / "reference" / "rig_frequencies.json")
 
 def pairs(structure):
     """Indices of each journal and its housing in the dense matrices, in both planes."""
-    n, bearings = structure.M.shape[1], len(structure.contacts)
+    n, bearings = structure.M.shape[0], len(structure.contacts)
     for plane in (0, n + bearings):
         for j, dof in enumerate(structure.contacts.dof):
             yield plane + dof, plane + n + j

@@ -25,7 +25,7 @@ def rubbing_rig():
 
 def test_positions_are_those_of_the_state():
     for sim in rubbing_rig():
-        q, n = sim.motion.q, sim.structure.M.shape[1]
+        q, n = sim.motion.q, sim.structure.M.shape[0]
         for i, dof in enumerate(sim.structure.disc_dof, 1):
             assert complex(sim.read(f"disc[{i}].x"), sim.read(f"disc[{i}].y")) == q[dof]
         for j, bearing in enumerate(sim.structure.contacts):
@@ -49,7 +49,7 @@ def test_the_contact_angle_lies_within_one_turn(angle):
 def test_contact_forces_are_those_of_the_law():
     touched = []
     for sim in rubbing_rig():
-        q, v, n = sim.motion.q, sim.motion.v, sim.structure.M.shape[1]
+        q, v, n = sim.motion.q, sim.motion.v, sim.structure.M.shape[0]
         for j, bearing in enumerate(sim.structure.contacts):
             d, d_dot = q[bearing.dof] - q[n + j], v[bearing.dof] - v[n + j]
             force, normal, delta, *_ = contact_force(bearing, d, d_dot, sim.read("w"))

@@ -1,6 +1,7 @@
 """A plain C master on this machine: it gets the numbers that FMPy gets, and survives failures."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -89,11 +90,11 @@ def test_settings_that_contradict_each_other_are_an_error_and_no_crash(host, ext
 
 
 def test_a_step_that_fails_is_an_error_and_no_crash(host, extracted):
-    """A contact so stiff that the first coarse steps throw the rotor out of its bound."""
+    """A weight that no shaft carries: the first steps throw the rotor out of all bounds."""
     done = run(host, extracted, 50, 0.004, ("gravity", 1e9))
     assert done.returncode == 1
     assert done.stdout.splitlines()[-1].startswith("fmi2DoStep")
-    assert "diverged" in done.stderr
+    assert re.search("diverged|did not converge", done.stderr)
 
 
 def test_it_gets_the_numbers_that_fmpy_gets(host, extracted):
