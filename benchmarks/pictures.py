@@ -14,7 +14,7 @@ from .store import Store, median
 # by program and the first words of its setting: (label, colour, marker)
 _SERIES = {
     (OWN, "tolerance"): ("this project, error-controlled", BLUE, "o"),
-    (OWN, ""): ("this project, other settings", BLUE, "."),
+    (OWN, ""): ("this project, fixed steps and adaptive ones", BLUE, "."),
     ("CVODE", "order 2"): ("CVODE, order 2", ORANGE, "s"),
     ("CVODE", "order 5"): ("CVODE, order 5", ORANGE, "D"),
     ("Exudyn", ""): ("Exudyn, generalized-alpha", GREEN, "^"),
@@ -50,14 +50,17 @@ def work_precision(store: Store, problem: str) -> Figure:
         if not mine:
             continue
         points = sorted((r["orbit_max"] * 1e6, r["cpu"] / stop) for r in mine)
-        line = "" if marker in ".x" else "-"
-        axes.loglog(*zip(*points, strict=True), line, marker=marker, color=colour, label=label)
+        line = "none" if marker == "." else "-"
+        x, y = zip(*points, strict=True)
+        axes.loglog(x, y, linestyle=line, marker=marker, color=colour, label=label)
     axes.invert_xaxis()
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
     axes.set_xlabel("Largest error of the last disc's orbit [µm], smaller to the right")
     axes.set_ylabel("CPU time for a simulated second [s]")
     what = "the run-down" if problem == "run-down" else "the first 0.2 s of the run-down"
     axes.set_title(f"Work against precision, {what}: lower is better", loc="left", fontsize=10)
-    axes.legend(frameon=False, fontsize=8)
+    axes.legend(frameon=False, fontsize=8, loc="best")
     return figure
 
 
@@ -76,6 +79,12 @@ def growth(store: Store) -> Figure:
                 first = points[0]
                 line = [(n, first[1] * n / first[0]) for n, _ in points]
                 axes.loglog(*zip(*line, strict=True), ":", color=GREY, label="linear")
+    dofs = sorted(
+        {r["dofs"] for r in store.section("growth").values() if r["varied"] == "elements"}
+    )
+    axes.set_xticks(dofs, [f"{n}" for n in dofs])
+    axes.set_xticks([], minor=True)
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("Degrees of freedom")
     axes.set_ylabel("CPU time of a step [µs]")
     axes.set_title("A step of 0.1 ms of the rig in 7 to 200 elements", loc="left", fontsize=10)
