@@ -44,7 +44,7 @@ def main(
     name = datetime.date.today().isoformat() + ("-quick" if quick else "")
     folder = writable_folder(out or _RESULTS / name)
     times = 1 if quick else repetitions
-    store = Store(folder, f"{'quick' if quick else 'full'}, {times} runs", fresh)
+    store = Store(folder, "quick" if quick else "full", times, fresh)
     if store.is_resumed:
         _console.print(f"resumed from {store.path}", highlight=False)
     with Progress(console=_console, transient=True) as bar:

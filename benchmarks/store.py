@@ -21,15 +21,24 @@ class Store:
     Results of other sources, another day's or another `kind` of run are not taken up again.
     """
 
-    def __init__(self, folder: Path, kind: str, starts_anew: bool = False) -> None:
+    def __init__(self, folder: Path, kind: str, runs: int, starts_anew: bool = False) -> None:
         self.path = folder / "results.json"
         self.is_resumed = False
-        self._data: dict[str, dict] = {"about": _about(kind)}
+        self._data: dict[str, dict] = {"about": _about(kind, runs)}
         if self.path.exists() and not starts_anew:
             before = json.loads(self.path.read_text(encoding="utf-8"))
             if before["about"] == self._data["about"]:
                 self._data = before
                 self.is_resumed = len(before) > 1
+
+    @classmethod
+    def read(cls, folder: Path) -> Store:
+        """What a folder holds, whatever the sources are now; raises `OSError` if nothing."""
+        store = cls.__new__(cls)
+        store.path = folder / "results.json"
+        store.is_resumed = True
+        store._data = json.loads(store.path.read_text(encoding="utf-8"))
+        return store
 
     def section(self, name: str) -> dict[str, dict]:
         """Results of one section, by name."""
@@ -49,9 +58,10 @@ class Store:
         return self._data["about"]
 
 
-def _about(kind: str) -> dict[str, object]:
+def _about(kind: str, runs: int) -> dict[str, object]:
     return {
         "kind": kind,
+        "runs": runs,
         "date": datetime.date.today().isoformat(),
         "machine": machine_name(),
         "python": platform.python_version(),

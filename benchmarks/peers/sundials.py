@@ -154,9 +154,7 @@ def solve(
         return handle, shown
 
     def call(name: str, *arguments: object) -> None:
-        types_ = tuple(
-            type(a) if isinstance(a, ctypes._SimpleCData) else c_void_p for a in arguments
-        )
+        types_ = tuple(type(a) if hasattr(a, "value") else c_void_p for a in arguments)
         check(_function("cvode", name, c_int, *types_)(*arguments))
 
     check(_function("core", "SUNContext_Create", c_int, c_int, c_void_p)(0, byref(context)))
