@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from model.rotor import Rotor
 from model.rotor_toml import parse_rotor, rig_toml
@@ -108,14 +109,18 @@ def _vertex(values: np.ndarray) -> float:
 
 
 def orbit(problem: Problem, times: np.ndarray, disc: np.ndarray, steps: int) -> Orbit:
-    """An `Orbit` from finer samples whose times hold those of the problem; raises `Diverged`."""
+    """An `Orbit` from finer samples, by a cubic spline where they miss the problem's times (as
+    they do after a program has shortened a step by itself); raises `Diverged`."""
     bad = ~(np.abs(disc) < 0.1 * problem.rotor.length)
     if bad.any():
         raise Diverged(f"diverged at t = {times[np.argmax(bad)]:.3g} s")
-    at = np.searchsorted(times, problem.times - 1e-9 * problem.sample)
-    if at[-1] >= len(times) or np.abs(times[at] - problem.times).max() > 1e-6 * problem.sample:
+    tolerance = 1e-6 * problem.sample
+    if times[-1] < problem.stop - tolerance:
         raise Diverged(f"ended at t = {times[-1]:.3g} s")
-    return Orbit(disc[at], steps, *peaks(times, disc))
+    at = np.minimum(np.searchsorted(times, problem.times - tolerance), len(times) - 1)
+    has_all = np.abs(times[at] - problem.times).max() <= tolerance
+    on_grid = disc[at] if has_all else CubicSpline(times, disc)(problem.times)
+    return Orbit(on_grid, steps, *peaks(times, disc))
 
 
 def timed(solve: Callable[[Problem], Orbit], problem: Problem) -> tuple[float, Orbit]:

@@ -12,6 +12,7 @@ from .problem import Diverged, Method, Missing, Orbit, Problem, beginning, run_d
 from .store import Store
 
 PEERS = (project, cvode, exudyn_peer, scipy_peer, ross_peer)
+_ENOUGH = 20.0  # of CPU time, after which a program is not run again [s]
 _WARM_UP = 0.04  # compiles, loads and fills caches before anything is timed [s]
 _QUICK_STOP = 4.0  # of the run-down of a quick run [s]
 
@@ -50,8 +51,7 @@ def _race(
     for repetition in range(repetitions):
         for number, method in enumerate(chosen):
             row = store.section(problem.name).get(method.name)
-            done = 0 if row is None else repetitions if row["failed"] else len(row["cpu_s"])
-            if done > repetition:
+            if row is not None and _is_done(row, repetition):
                 continue
             report(f"{problem.name}: {method.name}", (repetition * len(chosen) + number) / total)
             if method.name not in is_warm:
@@ -66,6 +66,11 @@ def _race(
                 row |= _errors(found, truth)
                 row["cpu_s"] = [*row["cpu_s"], seconds]
             store.keep(problem.name, method.name, row)
+
+
+def _is_done(row: dict, repetition: int) -> bool:
+    has_run_long_enough = sum(row["cpu_s"]) > _ENOUGH
+    return bool(row["failed"]) or len(row["cpu_s"]) > repetition or has_run_long_enough
 
 
 def _attempt(method: Method, problem: Problem) -> tuple[float, Orbit] | str:

@@ -40,7 +40,9 @@ def write_report(store: Store, folder: Path) -> list[Path]:
 
 
 def filled_page(store: Store, text: str) -> str:
-    """A page whose parts between `<!-- NAME -->` and `<!-- end -->` are the tables so named."""
+    """A page whose parts between `<!-- NAME -->` and `<!-- end -->` are the tables so named, and
+    whose pictures are those of the results' day."""
+    text = re.sub(r"(benchmarks/results/)[^/]+/", rf"\g<1>{store.about['date']}/", text)
     parts = {
         "head": _measured_on(store),
         "goals": _goals_table(store),

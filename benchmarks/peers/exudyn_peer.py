@@ -20,7 +20,7 @@ from .quiet import quiet
 PROGRAM = "Exudyn"
 _FINE = 2e-4  # [s]
 _ITERATION_TOLERANCE = 1e-5
-_FINE_SAMPLE = 2e-3  # for the peaks [s]
+_FINE_SAMPLE = 5e-4  # for the peaks, and to interpolate between [s]
 
 
 def methods() -> list[Method]:
