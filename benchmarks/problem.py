@@ -94,18 +94,22 @@ def _rig() -> Rotor:
 
 def peaks(times: np.ndarray, disc: np.ndarray) -> tuple[float | None, float | None]:
     """X and Y [m] of an orbit, shape (times,), that begins at rest."""
-    late = disc[times > PEAKS_AFTER]
-    if not len(late):
+    if times[-1] <= PEAKS_AFTER:
         return None, None
-    return _vertex(np.abs(late.real)), _vertex(np.abs(late.imag - disc[0].imag))
+    late = times > PEAKS_AFTER
+    return tuple(
+        _largest(times[late], values[late]) for values in (disc.real, disc.imag - disc[0].imag)
+    )
 
 
-def _vertex(values: np.ndarray) -> float:
-    """Largest value, by the parabola through the largest sample and its neighbours."""
-    at = min(max(int(np.argmax(values)), 1), len(values) - 2)
-    before, top, after = values[at - 1 : at + 2]
-    bend = before - 2 * top + after
-    return float(top - (after - before) ** 2 / (8 * bend)) if bend < 0 else float(values.max())
+def _largest(times: np.ndarray, values: np.ndarray) -> float:
+    """Largest size, between the samples too: of a cubic spline about the largest of them."""
+    spline = CubicSpline(times, values)
+    size = np.abs(values)
+    near = times[size > 0.97 * size.max()]
+    step = (times[-1] - times[0]) / (len(times) - 1)
+    around = near[:, None] + step * np.linspace(-1, 1, 41)
+    return float(np.abs(spline(np.clip(around, times[0], times[-1]))).max())
 
 
 def orbit(problem: Problem, times: np.ndarray, disc: np.ndarray, steps: int) -> Orbit:

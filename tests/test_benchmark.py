@@ -29,7 +29,7 @@ def test_work_at_equal_error_lies_on_the_line_between_two_runs():
 
 
 def test_peaks_between_two_samples_are_found():
-    t = np.arange(0.0, 4.0, 2e-3)
+    t = np.arange(0.0, 4.0, 1e-3)
     disc = 3e-4 * np.cos(2 * np.pi * 31.4 * t) + 1j * (1e-4 * np.sin(60 * t) - 2e-4)
     x, y = peaks(t, disc)
     assert x == pytest.approx(3e-4, rel=2e-4)

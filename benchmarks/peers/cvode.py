@@ -17,7 +17,7 @@ REFERENCE_RTOL = 1e-8
 # absolute tolerances for each unit of the relative one: of displacements [m] and velocities [m/s];
 # of those tried these gave the least work for an error of the orbit, or came close to it
 _OF_DISPLACEMENTS, _OF_VELOCITIES = 1e-3, 10.0
-_FINE_SAMPLE = 2e-3  # for the peaks [s]
+_FINE_SAMPLE = 1e-3  # for the peaks [s]
 
 
 def methods() -> list[Method]:
