@@ -9,6 +9,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUM
     os.environ[_name] = "1"
 
 import datetime  # noqa: E402
+import tempfile  # noqa: E402
 from pathlib import Path  # noqa: E402
 from typing import Annotated  # noqa: E402
 
@@ -16,10 +17,13 @@ import typer  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.progress import Progress  # noqa: E402
 
+from model.rotor_toml import rig_toml  # noqa: E402
+from rotor_fmu.bundle import build  # noqa: E402
 from rotor_fmu.errors import run, writable_folder  # noqa: E402
 
 from .growth import growth  # noqa: E402
 from .hosting import hosting  # noqa: E402
+from .processes import processes  # noqa: E402
 from .race import race  # noqa: E402
 from .report import write_report  # noqa: E402
 from .scatter import scatter  # noqa: E402
@@ -57,7 +61,10 @@ def main(
         growth(store, times, quick, report)
         race(store, times, quick, report)
         scatter(store, quick, report)
-        hosting(store, times, quick, report)
+        with tempfile.TemporaryDirectory() as temporary:
+            fmu = build(Path(temporary), rig_toml())
+            hosting(store, fmu, times, quick, report)
+            processes(store, fmu, times, quick, report)
     for path in write_report(store, folder):
         _console.print(path, highlight=False, soft_wrap=True)
 

@@ -111,7 +111,7 @@ def _scatter(store: Store) -> Iterator[Line]:
 
 
 def _process(store: Store) -> Iterator[Line]:
-    process = store.section("process").get("fmpy")
+    process = store.section("process").get("warm")
     model = store.section("communication").get("0.04 s")
     if process:
         wall = median(process["wall_s"])

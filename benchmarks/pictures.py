@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -34,6 +35,8 @@ def draw(store: Store, folder: Path) -> list[Path]:
     ):
         if rows(store, problem):
             found.append(save(work_precision(store, problem), folder / f"{name}.png"))
+    if rows(store, "run-down"):
+        found.append(save(peaks(store), folder / "work_precision_peaks.png"))
     if store.section("growth"):
         found.append(save(growth(store), folder / "growth.png"))
     return found
@@ -41,6 +44,29 @@ def draw(store: Store, folder: Path) -> list[Path]:
 
 def work_precision(store: Store, problem: str) -> Figure:
     """Error of the orbit against CPU time for a simulated second, a curve for each program."""
+    what = "the run-down" if problem == "run-down" else "the first 0.2 s of the run-down"
+    figure, axes = _against_work(store, problem, lambda row: row["orbit_max"] * 1e6)
+    axes.set_xlabel("Largest error of the last disc's orbit [µm], smaller to the right")
+    axes.set_title(f"Work against precision, {what}: lower is better", loc="left", fontsize=10)
+    return figure
+
+
+def peaks(store: Store) -> Figure:
+    """Error of the peaks X and Y against CPU time for a simulated second."""
+    figure, axes = _against_work(
+        store,
+        "run-down",
+        lambda row: 100 * max(abs(row["x_peak_error"]), abs(row["y_peak_error"])),
+    )
+    axes.axvline(1.0, color=GREY, linewidth=1.0, linestyle=":")
+    axes.set_xlabel("Larger error of the peaks X and Y [%], smaller to the right")
+    axes.set_title("Work against the error of the peaks: lower is better", loc="left", fontsize=10)
+    return figure
+
+
+def _against_work(
+    store: Store, problem: str, error: Callable[[dict], float]
+) -> tuple[Figure, object]:
     figure, axes = new_figure(7.0, 4.6)
     stop = store.section("reference")[problem]["stop"]
     left = rows(store, problem)
@@ -49,19 +75,16 @@ def work_precision(store: Store, problem: str) -> Figure:
         left = [r for r in left if r not in mine]
         if not mine:
             continue
-        points = sorted((r["orbit_max"] * 1e6, r["cpu"] / stop) for r in mine)
+        points = sorted((error(r), r["cpu"] / stop) for r in mine)
         line = "none" if marker == "." else "-"
         x, y = zip(*points, strict=True)
         axes.loglog(x, y, linestyle=line, marker=marker, color=colour, label=label)
     axes.invert_xaxis()
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter("{x:g}")
-    axes.set_xlabel("Largest error of the last disc's orbit [µm], smaller to the right")
     axes.set_ylabel("CPU time for a simulated second [s]")
-    what = "the run-down" if problem == "run-down" else "the first 0.2 s of the run-down"
-    axes.set_title(f"Work against precision, {what}: lower is better", loc="left", fontsize=10)
     axes.legend(frameon=False, fontsize=8, loc="best")
-    return figure
+    return figure, axes
 
 
 def growth(store: Store) -> Figure:

@@ -179,12 +179,13 @@ def _hosting_table(store: Store) -> str:
     ]
     head = ("communication step [s]", "through FMPy [s of CPU]", "the model alone [s of CPU]")
     text = table(head, lines)
-    process = store.section("process").get("fmpy")
-    if process:
-        text += (
-            f"\n\nFrom the start of a process to the result, communication step 0.04 s: "
-            f"{median(process['wall_s']):.2f} s ({median(process['cpu_s']):.2f} s of CPU)."
-        )
+    starts = [
+        (name, f"{median(row['wall_s']):.2f}", f"{median(row['cpu_s']):.2f}")
+        for name, row in store.section("process").items()
+    ]
+    if starts:
+        head = ("FMPy from the start of a process to the result", "wall [s]", "CPU [s]")
+        text += "\n\n" + table(head, starts)
     memory = [(name, f"{row['peak'] / 1e6:.0f}") for name, row in store.section("memory").items()]
     if memory:
         text += "\n\n" + table(("peak memory of a process", "MB"), memory)
