@@ -7,12 +7,13 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce test test-all lint bench clean
+.PHONY: run-down reproduce reference test test-all lint bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made
 
 run-down: $(VENV)/made
@@ -20,6 +21,10 @@ run-down: $(VENV)/made
 
 reproduce: $(VENV)/made
 	$(BIN)/rotor-fmu reproduce --out out/reproduce
+
+# after a change of the model's numbers: the result that the FMU carries
+reference: $(VENV)/made
+	$(BIN)/python -m rotor_fmu.reference
 
 test: $(VENV)/made
 	$(BIN)/python -m pytest
@@ -33,8 +38,10 @@ lint: $(VENV)/made
 
 # what a run costs beside other programs; stopped with Ctrl-C it goes on from there
 bench: $(VENV)/made
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[bench]" \
-		|| echo "a peer cannot be installed; the report will say which"
+	for peers in scikit-sundae exudyn "ross-rotordynamics plotly<7"; do \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check $$peers \
+			|| echo "$$peers: cannot be installed; the report will say so"; \
+	done
 	$(BIN)/python -m benchmarks
 
 clean:

@@ -15,6 +15,7 @@ from .store import Store
 
 RUNS = 20
 PHASE = 1e-5  # standard deviation [rad]
+TOLERANCE = 1e-4
 
 
 def scatter(store: Store, is_quick: bool, report: Callable[[str, float], None]) -> None:
@@ -32,7 +33,7 @@ def scatter(store: Store, is_quick: bool, report: Callable[[str, float], None]) 
         for i, angle in enumerate(phase, 1):
             rotor = rotor.with_value(f"disc[{i}].phase", float(angle))
         simulation = Simulation(
-            rotor, choose(**SETTINGS), speed=SPEED, rate=RATE, warn=lambda message: None
+            rotor, choose(tolerance=TOLERANCE), speed=SPEED, rate=RATE, warn=lambda message: None
         )
         disc = f"disc[{len(rotor.discs)}]"
         x_peak = y_peak = 0.0
@@ -43,6 +44,3 @@ def scatter(store: Store, is_quick: bool, report: Callable[[str, float], None]) 
                 y_peak = max(y_peak, simulation.read(f"{disc}.y_amp"))
         row = {"x_peak": x_peak, "y_peak": y_peak, "trapped": simulation.read("solver.trapped")}
         store.keep("scatter", str(number), row)
-
-
-SETTINGS: dict[str, str | float] = {"preset": "robust"}

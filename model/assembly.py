@@ -54,6 +54,9 @@ class Structure(NamedTuple):
     each in band storage, shape (n, 4); M_factors: M's, from `band.factorize`.
     eta_v: rotating viscous damping [s] and eta_h: rotating hysteretic coefficient [1], 0 where the
     internal damping does not rotate: kappa = Omega eta_v + sign(Omega) eta_h.
+    mass_share: of the deflections' lumped masses in the rotor's, shape (n,) [1]; lowest_omega: of
+    the elastic modes, journals pinned [rad/s]; clearance: the smallest, or, without bearings, 1e-4
+    of the length [m].
     weight: gravity's force on the rotor, shape (n,) [N, N.m]; gravity [m/s2].
     disc_dof: deflections of the discs; load_dof: of the discs and, last, of the coupling, where
     external forces act.
@@ -71,6 +74,9 @@ class Structure(NamedTuple):
     M_factors: np.ndarray
     eta_v: float
     eta_h: float
+    mass_share: np.ndarray
+    lowest_omega: float
+    clearance: float
     weight: np.ndarray
     gravity: float
     disc_dof: np.ndarray
@@ -121,6 +127,11 @@ def assemble(rotor: Rotor) -> Structure:
         M_factors=M_factors,
         eta_v=rotor.eta_v if rotor.rotating_damping else 0.0,
         eta_h=rotor.eta_h / hysteresis if rotor.rotating_damping else 0.0,
+        mass_share=_mass_share(M),
+        lowest_omega=_lowest_omega(
+            M, K_shaft + K_support, [2 * (b.node - 1) for b in rotor.bearings]
+        ),
+        clearance=min((b.clearance for b in rotor.bearings), default=1e-4 * rotor.length),
         weight=-1j * rotor.gravity * M[:, ::2].sum(axis=1),
         gravity=rotor.gravity,
         disc_dof=body_dof[: len(rotor.discs)].copy(),
@@ -133,6 +144,20 @@ def assemble(rotor: Rotor) -> Structure:
         bound=0.1 * rotor.length,
         contacts=_contacts(rotor),
     )
+
+
+def _mass_share(M: np.ndarray) -> np.ndarray:
+    lumped = np.zeros(len(M))
+    lumped[::2] = M[::2, ::2].sum(axis=1)
+    return lumped / lumped.sum()
+
+
+def _lowest_omega(M: np.ndarray, K: np.ndarray, pinned: list[int]) -> float:
+    free = np.setdiff1d(np.arange(len(M)), pinned)
+    inverse = np.linalg.inv(np.linalg.cholesky(M[np.ix_(free, free)]))
+    squares = np.linalg.eigvalsh(inverse @ K[np.ix_(free, free)] @ inverse.T)
+    # what is smaller is a motion as a rigid body, and rounding
+    return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
 
 
 def _contacts(rotor: Rotor) -> np.recarray:

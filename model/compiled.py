@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from .user_cache import user_cache
 
 try:
     import numba
+    from llvmlite import binding
 
     IS_COMPILED = not numba.config.DISABLE_JIT
 except ImportError:
@@ -35,9 +37,10 @@ _KEPT_VERSIONS = 8
 
 
 def _code_cache() -> str:
-    """The folder for code compiled from exactly these sources; "" (numba's own choice) if none can
-    be made. Only the newest few versions are kept."""
-    digest = hashlib.sha256()
+    """The folder for code compiled from exactly these sources for this Python, numba and processor;
+    "" (numba's own choice) if none can be made. Only the newest few versions are kept."""
+    processor = f"{binding.get_host_cpu_name()} {binding.get_host_cpu_features().flatten()}"
+    digest = hashlib.sha256(f"{sys.version} {numba.__version__} {processor}".encode())
     for source in sorted(Path(__file__).parent.rglob("*.py")):
         digest.update(source.read_bytes())
     versions = user_cache() / "compiled"
@@ -54,6 +57,15 @@ def _code_cache() -> str:
 
 
 _CODE_CACHE = _code_cache() if IS_COMPILED else ""
+
+
+def has_to_compile(function: Callable) -> bool:
+    """Whether the first call of a `compiled` function compiles it, no earlier process having kept
+    its code."""
+    if not IS_COMPILED:
+        return False
+    name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-"
+    return not any(Path(function.stats.cache_path).glob(f"{name}*.nbi"))
 
 
 def compiled(function: Callable) -> Callable:

@@ -17,16 +17,16 @@ import numpy as np
 from .compiled import compiled
 from .contact import contact_tangent
 
-LAST_FORCE, OPEN, WALL = 0, 1, 2
+EXPECTED, OPEN, WALL = 0, 1, 2
 # Attempts, one after another: where Newton starts, its relaxation, its iterations. The first does
 # in all but one of some hundred steps; the damped ones do not cycle between open and closed.
 ATTEMPTS = (
-    (LAST_FORCE, 1.0, 20),
+    (EXPECTED, 1.0, 20),
     (OPEN, 1.0, 20),
     (WALL, 1.0, 20),
     (OPEN, 0.5, 600),
     (WALL, 0.3, 800),
-    (LAST_FORCE, 0.1, 1500),
+    (EXPECTED, 0.1, 1500),
 )
 # Of the clearance, on Newton's last correction of a displacement. The forces take part in it, so
 # what they lack of the contact law is of second order in it.
@@ -43,6 +43,7 @@ class ContactProblem(NamedTuple):
     w_free: np.ndarray
     w: np.ndarray
     force: np.ndarray
+    expected: np.ndarray
     p: np.ndarray
     q: np.ndarray
     flexibility: np.ndarray
@@ -52,7 +53,7 @@ class ContactProblem(NamedTuple):
 
 def new_contact_problem(m: int) -> ContactProblem:
     """A problem of m bearings, filled with zeros."""
-    vectors = [np.zeros(m, dtype=complex) for _ in range(7)]
+    vectors = [np.zeros(m, dtype=complex) for _ in range(8)]
     matrices = [np.zeros((2 * m, 2 * m)) for _ in range(2)]
     return ContactProblem(*vectors, *matrices, np.zeros(2 * m))
 
@@ -132,29 +133,22 @@ def _linearize(problem, bearings, omega, b_d, b_v):
 
 
 @compiled
-def _start(problem, bearings, place, last_force, b_d):
-    """Where Newton starts: from the last forces, from open contacts, from the wall."""
-    m = len(bearings)
-    for i in range(m):
-        w = problem.w_free[i]
-        if place == LAST_FORCE:
-            for j in range(m):
-                fx, fy = last_force[j].real, last_force[j].imag
-                w += complex(
-                    problem.flexibility[2 * i, 2 * j] * fx
-                    + problem.flexibility[2 * i, 2 * j + 1] * fy,
-                    problem.flexibility[2 * i + 1, 2 * j] * fx
-                    + problem.flexibility[2 * i + 1, 2 * j + 1] * fy,
-                )
+def _start(problem, bearings, place, b_d):
+    """Where Newton starts: from the expected displacements, from open contacts, from the wall."""
+    for j in range(len(bearings)):
+        w = problem.w_free[j]
+        if place == EXPECTED:
+            if problem.expected[j] != 0.0:
+                w = (problem.expected[j] - problem.d0[j]) / b_d
         elif place == WALL:
-            free = problem.d0[i] + b_d * w
-            if abs(free) > bearings[i].clearance:
-                w = (free * (bearings[i].clearance / abs(free)) - problem.d0[i]) / b_d
-        problem.w[i] = w
+            free = problem.d0[j] + b_d * w
+            if abs(free) > bearings[j].clearance:
+                w = (free * (bearings[j].clearance / abs(free)) - problem.d0[j]) / b_d
+        problem.w[j] = w
 
 
 @compiled
-def solve_contacts(problem, bearings, omega, b_d, b_v, last_force):
+def solve_contacts(problem, bearings, omega, b_d, b_v):
     """Solve for problem.w and problem.force; returns (converged, iterations).
 
     bearings: records, shape (m,); omega [rad/s]; last_force: of the last step, shape (m,) [N].
@@ -163,7 +157,7 @@ def solve_contacts(problem, bearings, omega, b_d, b_v, last_force):
     """
     iterations = 0
     for place, relax, limit in ATTEMPTS:
-        _start(problem, bearings, place, last_force, b_d)
+        _start(problem, bearings, place, b_d)
         for _ in range(limit):
             iterations += 1
             if not _linearize(problem, bearings, omega, b_d, b_v):

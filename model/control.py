@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from .compiled import compiled
 
-FIXED, ADAPTIVE = 1, 2
+FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
 ZIENKIEWICZ_XIE, LI_ZENG_WIBERG = 1, 2
 INCREMENT_NORM, MIXED_NORM = 1, 2
 SAFETY = 0.9
@@ -16,9 +16,11 @@ SAFETY = 0.9
 class Control(NamedTuple):
     """How the step length is chosen.
 
-    mode: FIXED or ADAPTIVE; h_min, h_max [s]; eps_min, eps_max: limits of the relative error
-    [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with beta_error in the place of beta; norm:
-    INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1].
+    mode: FIXED, ADAPTIVE (paper A's) or CONTROLLED (`error_control`); h_min, h_max [s]; eps_min,
+    eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with
+    beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol
+    |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2 (a1 - a0) in the local
+    error of the scheme [1].
     """
 
     mode: int
@@ -31,6 +33,8 @@ class Control(NamedTuple):
     norm: int
     atol: float
     rtol: float
+    tolerance: float
+    error_constant: float
 
 
 @compiled

@@ -13,8 +13,9 @@ import numpy as np
 
 from .assembly import Structure
 from .compiled import compiled
-from .control import ADAPTIVE, error_indicator, next_step, shorter_step
+from .control import ADAPTIVE, CONTROLLED, FIXED, error_indicator, next_step, shorter_step
 from .energy import FLOWS, powers, total_energy
+from .error_control import local_error, next_length, repeated_length
 from .excitation import spin_of
 from .step import accelerate, try_step
 
@@ -25,6 +26,7 @@ DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 CROSSING_STEPS = 2
 CROSSING_SCORE = 3.0
 TRAPPED_SCORE = 60.0
+CUT = 0.9  # of the wished length: a step below it was cut short and says little about the next one
 
 RECORD = np.dtype(
     [
@@ -205,44 +207,79 @@ def begin_interval(structure, speed, rate, loads, is_start, motion, memory, work
 
 
 @compiled
+def _error(structure, control, spin, h, is_first, motion, trial):
+    """Error of a trial step in the terms of the mode; above control.eps_max it is repeated."""
+    if control.mode == ADAPTIVE:
+        return error_indicator(control, h, is_first, motion, trial)
+    if control.mode == CONTROLLED:
+        return local_error(structure, control, spin.omega, h, motion, trial)
+    return 0.0
+
+
+@compiled
+def _shorter(structure, control, h, error, status, motion, trial):
+    """Length to repeat a step with [s]."""
+    if status != DONE:
+        shorter = 0.5 * h
+    elif control.mode == CONTROLLED:
+        shorter = repeated_length(structure, h, error, motion, trial)
+    else:
+        shorter = shorter_step(control, h, error)
+    return max(control.h_min, shorter)
+
+
+@compiled
+def _next(control, wished, h, error, error_before, was_rejected):
+    """Wished length of the next step [s], after one of length h that a communication point may have
+    cut shorter than was wished."""
+    if control.mode == ADAPTIVE:
+        return next_step(control, wished, h, error)
+    if control.mode == CONTROLLED:
+        longest = h if was_rejected else control.h_max
+        proposed = max(control.h_min, min(longest, next_length(h, error, error_before)))
+        return proposed if h > CUT * wished else max(wished, proposed)
+    return wished
+
+
+@compiled
 def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work):
     """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
     memory.peaks[2, :, :] = 0.0
-    is_adaptive = control.mode == ADAPTIVE
+    varies = control.mode != FIXED
     shortest = control.h_min * (1.0 + 1e-5)
     parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0
     while parts >= 1.0:
         h = (t_end - r.t) / parts
         wished = r.h
+        was_rejected = False
         while True:
             t = t_end if parts == 1.0 else r.t + h
             spin = spin_at(memory.record, t)
             status, iterations = try_step(structure, scheme, spin, h, loads, motion, trial, work)
             r.newton += iterations
             error = 0.0
-            if status == DONE and is_adaptive:
-                error = error_indicator(control, h, r.steps == 0, motion, trial)
-            if status == DONE and (not is_adaptive or error <= control.eps_max or h <= shortest):
-                break
-            if not is_adaptive or h <= shortest:
+            if status == DONE:
+                error = _error(structure, control, spin, h, r.steps == 0, motion, trial)
+                if not varies or error <= control.eps_max or h <= shortest:
+                    break
+            elif not varies or h <= shortest:
                 r.failed_at = r.t
                 r.failed_h = h
                 return status
             r.rejected += 1
-            wished = (
-                shorter_step(control, h, error) if status == DONE else max(control.h_min, h / 2)
-            )
+            was_rejected = True
+            wished = _shorter(structure, control, h, error, status, motion, trial)
             parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
             h = (t_end - r.t) / parts
         r.t = t
+        r.h = _next(control, wished, h, error, r.error, was_rejected)
         r.error = error
-        r.h = next_step(control, wished, h, error) if is_adaptive else wished
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
         _commit(h, loads, structure, motion, trial, memory, work, spin)
         parts = parts - 1.0
-        if is_adaptive and parts >= 1.0:
+        if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
     return DONE
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from . import schemes
 from .control import (
     ADAPTIVE,
+    CONTROLLED,
     FIXED,
     INCREMENT_NORM,
     LI_ZENG_WIBERG,
@@ -24,7 +25,7 @@ METHODS = {
     "generalized-alpha": ("alpha_f", "alpha_m"),
     "chung-hulbert": ("rho",),
 }
-MODES = {"fixed": FIXED, "adaptive": ADAPTIVE}
+MODES = {"fixed": FIXED, "adaptive": ADAPTIVE, "controlled": CONTROLLED}
 # name: (indicator, whether with the constant that is right for generalized-alpha)
 INDICATORS = {
     "zienkiewicz-xie": (ZIENKIEWICZ_XIE, False),
@@ -44,9 +45,10 @@ class Settings:
     """Integrator and step control.
 
     method: one of `METHODS`, with the parameters that it takes of alpha_f, alpha_m, rho [1];
-    mode: `fixed` or `adaptive`; h: step length, in adaptive mode the first [s]; h_min, h_max [s];
-    eps_min, eps_max: limits of the relative error [1]; indicator: one of `INDICATORS`; norm:
-    `increment` or `mixed`, the latter with atol [m] and rtol [1].
+    mode: `fixed`, `adaptive` (paper A's) or `controlled`; h: step length, where it varies the first
+    [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
+    relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
+    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
     """
 
     method: str = "chung-hulbert"
@@ -63,6 +65,7 @@ class Settings:
     norm: str = "increment"
     atol: float = 1e-6
     rtol: float = 1e-3
+    tolerance: float = 1e-3
 
     def __post_init__(self) -> None:
         for name, allowed in (
@@ -75,21 +78,20 @@ class Settings:
                 raise SettingsError(
                     f"solver.{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}"
                 )
-        for name in ("h", "h_min", "h_max", "eps_min", "eps_max", "atol", "rtol"):
+        for name in ("h", "h_min", "h_max", "eps_min", "eps_max", "atol", "rtol", "tolerance"):
             value = getattr(self, name)
             if not math.isfinite(value) or value <= 0:
                 raise SettingsError(f"solver.{name} = {value:g}: must be > 0 and finite")
-        if self.mode == "adaptive":
-            if not self.h_min <= self.h <= self.h_max:
-                raise SettingsError(
-                    f"solver.h = {self.h:g} s: must lie between solver.h_min = {self.h_min:g} s "
-                    f"and solver.h_max = {self.h_max:g} s"
-                )
-            if not self.eps_min < self.eps_max:
-                raise SettingsError(
-                    f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = "
-                    f"{self.eps_max:g}"
-                )
+        if self.mode != "fixed" and not self.h_min <= self.h <= self.h_max:
+            raise SettingsError(
+                f"solver.h = {self.h:g} s: must lie between solver.h_min = {self.h_min:g} s "
+                f"and solver.h_max = {self.h_max:g} s"
+            )
+        if self.mode == "adaptive" and not self.eps_min < self.eps_max:
+            raise SettingsError(
+                f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = "
+                f"{self.eps_max:g}"
+            )
         try:
             self.scheme()
         except schemes.SchemeError as error:
@@ -111,18 +113,20 @@ class Settings:
         """The step control, in the form that the compiled loop takes."""
         scheme = self.scheme()
         indicator, is_corrected = INDICATORS[self.indicator]
-        shift = (scheme.alpha_m - scheme.alpha_f) / 2 if is_corrected else 0.0
+        shift = (scheme.alpha_m - scheme.alpha_f) / 2
         return Control(
             mode=MODES[self.mode],
             h_min=self.h_min,
             h_max=self.h_max,
             eps_min=self.eps_min,
-            eps_max=self.eps_max,
+            eps_max=1.0 if self.mode == "controlled" else self.eps_max,
             indicator=indicator,
-            beta_error=scheme.beta + shift,
+            beta_error=scheme.beta + (shift if is_corrected else 0.0),
             norm=NORMS[self.norm],
             atol=self.atol,
             rtol=self.rtol,
+            tolerance=self.tolerance,
+            error_constant=scheme.beta + shift - 1 / 6,
         )
 
 
@@ -146,8 +150,12 @@ PRESETS = {
     ),
     # Paper B's moderate dissipation, Abaqus' default for contact.
     "moderate": Settings(method="hht", alpha_f=math.sqrt(2) - 1, h=5e-4),
+    # Steps as long as the tolerance allows; no run fell into the false state.
+    "controlled": Settings(
+        method="chung-hulbert", rho=0.3, mode="controlled", h=1e-5, h_min=1e-9, h_max=5e-3
+    ),
 }
-DEFAULT_PRESET = "robust"
+DEFAULT_PRESET = "controlled"
 
 
 def choose(preset: str = DEFAULT_PRESET, **changes: str | float) -> Settings:

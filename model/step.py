@@ -197,6 +197,17 @@ def _free_response(structure, scheme, spin, h, loads, old, new, work):
 
 
 @compiled
+def _expect(problem, contacts, old, n, b_d):
+    """Where the journals in contact will be if they slide on at the same depth."""
+    for j in range(len(contacts)):
+        at = contacts[j].dof
+        problem.expected[j] = 0.0
+        if old.force[j] != 0.0:
+            ahead = problem.d0[j] + b_d * (old.a[at] - old.a[n + j])
+            problem.expected[j] = ahead * (abs(old.q[at] - old.q[n + j]) / abs(ahead))
+
+
+@compiled
 def _is_sane(x, bound):
     """Whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
@@ -225,7 +236,8 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
     if not is_finite:
         return 2, 0
     b_d, b_v = scheme.beta * h * h, scheme.gamma * h
-    is_converged, iterations = solve_contacts(problem, contacts, spin.omega, b_d, b_v, old.force)
+    _expect(problem, contacts, old, n, b_d)
+    is_converged, iterations = solve_contacts(problem, contacts, spin.omega, b_d, b_v)
     if not is_converged:
         return 1, iterations
 

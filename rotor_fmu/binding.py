@@ -58,14 +58,19 @@ def build_simulation(
     values: Mapping[str, float],
     start_time: float,
     warn: Callable[[str], None],
+    tolerance: float | None = None,
 ) -> Simulation:
     """The simulation that an FMU with these values of its inputs and parameters stands for.
 
-    start_time [s]; raises `RotorError`, `SettingsError` and `EquilibriumError`.
+    start_time [s]; tolerance: the experiment's [1], which a value of the FMU's own overrides.
+    Raises `RotorError`, `SettingsError` and `EquilibriumError`.
     """
+    settings = chosen_settings(table, values)
+    if tolerance is not None:
+        settings.setdefault("tolerance", tolerance)
     return Simulation(
         changed_rotor(rotor, table, values),
-        choose(**chosen_settings(table, values)),
+        choose(**settings),
         t=start_time,
         speed=values["speed"],
         rate=values["speed_rate"],

@@ -59,7 +59,7 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
             sys.path[:] = search_path
         # written beside its place and moved there, so that nothing half-written is ever found
         unfinished = out / (FMU_NAME + ".part")
-        _repack(raw, unfinished, documents(described, interface(described)))
+        _repack(raw, unfinished, documents(described, interface(described), Path(FMU_NAME).stem))
         return unfinished.replace(out / FMU_NAME)
 
 

@@ -19,6 +19,7 @@ from model.rotor import Disc, Rotor
 
 from .about import __version__
 from .interface import Variable
+from .reference import related_files
 from .variable_table import rows
 
 DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
@@ -27,29 +28,37 @@ No network, no licence, no files but its own and a cache of compiled code in the
 cache folder ($ROTOR_FMU_CACHE).
 """
 
+_REFERENCE = """<h2>A reference result</h2>
+<p>The FMU carries the result of its default experiment, to compare an import with: see
+<a href="fmi-ls-ref.txt">fmi-ls-ref.txt</a>.</p>
+"""
 
-def documents(rotor: Rotor, table: Sequence[Variable]) -> dict[str, bytes]:
-    """Files of the FMU by their path in it."""
+
+def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, bytes]:
+    """Files of the FMU called `name`, by their path in it."""
     picture = model_picture(rotor)
+    related = related_files(rotor, name)
     pages = files(__package__).joinpath("pages")
     return {
         "model.png": picture,
         "documentation/model.png": picture,
         "documentation/run_down.png": pages.joinpath("run_down.png").read_bytes(),
-        "documentation/index.html": _index(table).encode(),
+        "documentation/index.html": _index(table, bool(related)).encode(),
         "documentation/externalDependencies.txt": DEPENDENCIES.encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
-        **{f"documentation/licenses/{name}.txt": text for name, text in _licences().items()},
+        **{f"documentation/licenses/{of}.txt": text for of, text in _licences().items()},
+        **related,
     }
 
 
-def _index(table: Sequence[Variable]) -> str:
+def _index(table: Sequence[Variable], has_reference: bool) -> str:
     page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
     head, *body = rows(table)
     cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
     cells += ["<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in body]
     variables = "<table>\n" + "\n".join(cells) + "\n</table>"
-    return Template(page).substitute(version=__version__, variables=variables)
+    reference = _REFERENCE if has_reference else ""
+    return Template(page).substitute(version=__version__, variables=variables, reference=reference)
 
 
 def _licences() -> dict[str, bytes]:

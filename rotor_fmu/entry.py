@@ -17,6 +17,15 @@ from pathlib import Path
 # that it never took: without one more each time, the third instance in a process would crash.
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
+
+class Missing(ImportError):
+    """A package that this host's Python lacks."""
+
+    def __repr__(self) -> str:
+        """The sentence alone: the wrapper logs the representation."""
+        return str(self)
+
+
 RESOURCES = Path(__file__).resolve().parent
 PACKAGE = Path(__file__).stem.removesuffix("_entry")
 
@@ -48,11 +57,11 @@ if PACKAGE not in sys.modules:
             importlib.import_module(needed)
         except ImportError as error:
             message = (
-                f"RotorBearing: error: {needed} is missing in the Python of this host "
-                f"({sys.executable}): pip install numpy scipy numba"
-            )
-            print(message, file=sys.stderr, flush=True)
-            raise ImportError(message) from error
+                f"{needed} is missing in the Python of this host ({sys.prefix}): "
+                "pip install numpy scipy numba"
+            ).replace("%", " percent")
+            print(f"RotorBearing: error: {message}", file=sys.stderr, flush=True)
+            raise Missing(message) from error
     sys.path.insert(0, str(_installed(RESOURCES / PACKAGE)))
     try:
         importlib.import_module(f"{PACKAGE}.slave")

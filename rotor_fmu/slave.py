@@ -23,10 +23,12 @@ from pythonfmu import (
 )
 from pythonfmu.enums import Fmi2Status
 
+from model import calls
+from model.compiled import has_to_compile
 from model.equilibrium import EquilibriumError
 from model.rotor import Rotor, RotorError
 from model.rotor_toml import parse_rotor, rig_toml
-from model.settings import SettingsError
+from model.settings import Settings, SettingsError
 from model.simulation import Simulation, StepFailure
 
 from .about import RELEASED, __version__
@@ -54,6 +56,9 @@ class FmuError(RuntimeError):
 # Errors whose message says all; of any other the kind is named too.
 _PLAIN = (FmuError, RotorError, SettingsError, EquilibriumError, StepFailure, StateError)
 INTERRUPTED = "interrupted by the user"
+COMPILING = "compiling the solver, once on this machine: about half a minute"
+
+_said: set[str] = set()
 
 
 @dataclass(frozen=True)
@@ -114,12 +119,16 @@ class RotorBearing(Fmi2Slave):
         ]
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
         self.guid = guid(self._table, f"{Path(__file__).parent.name} {self._face.toml}")
-        self.default_experiment = DefaultExperiment(start_time=0.0, stop_time=40.0, step_size=0.04)
+        self.default_experiment = DefaultExperiment(
+            start_time=0.0, stop_time=40.0, step_size=0.04, tolerance=Settings.tolerance
+        )
         self._simulation: Simulation | None = None
         self._start_time = 0.0
+        self._tolerance: float | None = None
         self._is_initializing = False
         self._is_running = False
         self._is_stale = False
+        self._failure = ""
         for index, variable in enumerate(self._table):
             self.register_variable(self._fmi_variable(index, variable))
 
@@ -154,8 +163,9 @@ class RotorBearing(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """Remember when the simulation starts [s]."""
+        """Remember when the simulation starts [s] and its relative tolerance [1]."""
         self._start_time = start_time
+        self._tolerance = tolerance
 
     def enter_initialization_mode(self) -> None:
         """From here on the outputs can be read."""
@@ -175,6 +185,13 @@ class RotorBearing(Fmi2Slave):
 
     def _march(self, current_time: float, step_size: float) -> None:
         simulation = self._simulation
+        if simulation is None or not self._is_running:
+            raise FmuError("doStep: the initialization has not ended")
+        if self._failure:
+            raise FmuError(
+                f"doStep: an earlier step failed ({self._failure}); reset the FMU, or set a state "
+                "from before"
+            )
         slack = _TIME_TOLERANCE * max(1.0, abs(current_time))
         if not abs(current_time - simulation.time) <= slack:
             raise FmuError(
@@ -186,7 +203,11 @@ class RotorBearing(Fmi2Slave):
         values = self._values
         loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
         self._is_stale = True
-        simulation.advance(current_time + step_size, values[self._speed_at], loads)
+        try:
+            simulation.advance(current_time + step_size, values[self._speed_at], loads)
+        except StepFailure as error:
+            self._failure = str(error)
+            raise
 
     # --- state -------------------------------------------------------------------------------
 
@@ -195,9 +216,11 @@ class RotorBearing(Fmi2Slave):
         about = {
             "values": self._values,
             "start_time": self._start_time,
+            "tolerance": self._tolerance,
             "is_initializing": self._is_initializing,
             "is_running": self._is_running,
             "is_built": simulation is not None,
+            "failure": self._failure,
         }
         return pack(str(self.guid), about, simulation.snapshot() if simulation else ())
 
@@ -216,11 +239,15 @@ class RotorBearing(Fmi2Slave):
     def _restore(self, state: bytes) -> None:
         about, chunks = unpack(str(self.guid), state)
         fixed = [i for i, v in enumerate(self._table) if v.causality == "parameter"]
-        is_same = all(about["values"][i] == self._values[i] for i in fixed)
+        is_same = about["tolerance"] == self._tolerance and all(
+            about["values"][i] == self._values[i] for i in fixed
+        )
         self._values = about["values"]
         self._start_time = about["start_time"]
+        self._tolerance = about["tolerance"]
         self._is_initializing = about["is_initializing"]
         self._is_running = about["is_running"]
+        self._failure = about["failure"]
         self._is_stale = True
         if not about["is_built"]:
             self._simulation = None
@@ -286,9 +313,14 @@ class RotorBearing(Fmi2Slave):
         self._is_stale = False
 
     def _build(self) -> Simulation:
+        if COMPILING not in _said and has_to_compile(calls.advance):
+            _said.add(COMPILING)
+            self.log(self._say("note", COMPILING), Fmi2Status.ok)
         values = dict(zip(self._face.index, self._values, strict=True))
         rotor = self._face.rotor
-        return build_simulation(rotor, self._table, values, self._start_time, self._warn)
+        return build_simulation(
+            rotor, self._table, values, self._start_time, self._warn, self._tolerance
+        )
 
     # --- what goes wrong ---------------------------------------------------------------------
 
@@ -316,8 +348,8 @@ class RotorBearing(Fmi2Slave):
         self.log(self._say("warning", message), Fmi2Status.warning)
 
     def _say(self, level: str, message: str) -> str:
-        """Print a message, since hosts drop them unless logging was switched on; returns it without
-        percent signs, which the host's logger would read as a printf format."""
-        plain = message.replace("%", " percent")
+        """Print a message, since hosts drop them unless logging was switched on; returns it in one
+        line and without percent signs, which the host's logger would read as a printf format."""
+        plain = " ".join(message.replace("%", " percent").split())
         print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
         return plain

@@ -175,7 +175,7 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how):
     process = subprocess.Popen(
         [
             *(sys.executable, "-c", "from rotor_fmu.cli import main; main()", "run-down"),
-            *("--set", "solver.h=1e-5", "--out", ".", *how),
+            *("--preset", "robust", "--set", "solver.h=1e-5", "--out", ".", *how),
         ],
         stderr=subprocess.PIPE,
         text=True,

@@ -16,6 +16,14 @@ def test_the_variables_are_those_of_the_table():
     assert markdown(interface(rig())) in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
+def test_the_hosts_page_names_test_files_that_exist():
+    page = (ROOT / "docs" / "hosts.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"(?:tests|benchmarks)/[a-z_/]+\.(?:py|c)", page))
+    assert len(named) >= 5
+    for file in named:
+        assert (ROOT / file).is_file(), file
+
+
 @pytest.mark.parametrize("page", ["README.md", "docs/reproduction.md", "docs/performance.md"])
 def test_what_is_linked_is_there(page):
     text = (ROOT / page).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The FMU that these tests drive, built once."""
+"""The FMU that these tests drive, built once, and the masters that drive it."""
 
 from pathlib import Path
 
@@ -6,7 +6,30 @@ import pytest
 
 from rotor_fmu.bundle import build
 
+from .masters import NO_C_HOST, Master, compile_c_host
+
 
 @pytest.fixture(scope="session")
 def fmu(tmp_path_factory) -> Path:
     return build(tmp_path_factory.mktemp("fmu"))
+
+
+@pytest.fixture(scope="session")
+def c_host(fmu, tmp_path_factory):
+    """A plain C master."""
+    if NO_C_HOST:
+        pytest.skip(NO_C_HOST)
+    master = Master(fmu, compile_c_host(tmp_path_factory.mktemp("host")))
+    yield master
+    master.close()
+
+
+@pytest.fixture(scope="session", params=["FMPy", "C"])
+def master(request, fmu):
+    """FMPy and the C master in turn."""
+    if request.param == "C":
+        yield request.getfixturevalue("c_host")
+        return
+    master = Master(fmu)
+    yield master
+    master.close()

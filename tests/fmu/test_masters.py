@@ -22,14 +22,31 @@ def simulate(fmu, stop, step, speed, start=0.0, **parameters):
     )
 
 
+FIXED = 1
+
+
 @pytest.mark.parametrize("step", [2e-4, 1e-3, 7e-3, 0.02, 0.1])
 def test_at_constant_speed_the_communication_step_does_not_matter(fmu, step):
-    reference = simulate(fmu, 0.7, 0.05, [(0, 200.0)], solver__h=1e-4)
-    result = simulate(fmu, 0.7, step, [(0, 200.0)], solver__h=1e-4)
+    reference = simulate(fmu, 0.7, 0.05, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
+    result = simulate(fmu, 0.7, step, [(0, 200.0)], solver__adaptive=FIXED, solver__h=1e-4)
     assert result["time"][-1] == pytest.approx(0.7)
     for axis in "xy":
         name = f"disc[3].{axis}"
         assert result[name][-1] == pytest.approx(reference[name][-1], abs=1e-9)
+
+
+@pytest.mark.parametrize("step", [1e-5, 4e-5])
+def test_a_communication_step_below_the_solvers_is_a_solver_step_that_short(fmu, step):
+    """So what it changes is the solver's own error, which it makes smaller."""
+    fixed = {"solver__adaptive": 1}
+    cut = simulate(fmu, 0.2, step, [(0, 200.0)], solver__h=1e-4, **fixed)
+    short = simulate(fmu, 0.2, 0.05, [(0, 200.0)], solver__h=step, **fixed)
+    coarse = simulate(fmu, 0.2, 0.05, [(0, 200.0)], solver__h=1e-4, **fixed)
+    for axis in "xy":
+        name = f"disc[3].{axis}"
+        assert cut[name][-1] == pytest.approx(short[name][-1], abs=1e-10)
+        assert cut[name][-1] == pytest.approx(coarse[name][-1], abs=1e-6)
+        assert cut[name][-1] != pytest.approx(coarse[name][-1], abs=1e-10)
 
 
 def test_unequal_steps_are_followed_exactly_in_angle(fmu):

@@ -1,0 +1,220 @@
+"""What goes wrong, and whatever is called after it: an error with one plain sentence, no crash.
+
+A grid of failures x sequences of later calls in processes of their own, through FMPy and through a
+plain C host: a crash shows in the exit status and in the answers that are missing.
+"""
+
+import itertools
+import math
+import subprocess
+import sys
+from dataclasses import dataclass
+
+import pytest
+
+from .masters import expanded, host_environment
+
+H = 0.01
+INITIALIZE = ("setup 0", "enter", "exit")
+GOOD = (*INITIALIZE, f"step 0 {H}")
+
+
+@dataclass(frozen=True)
+class Failure:
+    """The calls that lead to it, the call that must fail, and part of what must be said."""
+
+    before: tuple[str, ...]
+    call: str
+    sentence: str
+
+    @property
+    def is_running(self) -> bool:
+        """Whether there is a state to be read when it happens."""
+        return "exit" in self.before
+
+
+FAILURES = {
+    "NaN input": Failure(GOOD, "real speed nan", "speed = nan: must be a finite number"),
+    "infinite load": Failure(GOOD, "real disc[1].fx inf", "disc[1].fx = inf: must be a finite"),
+    "gap in time": Failure(GOOD, f"step 5 {H}", "without gap or overlap"),
+    "overlap in time": Failure(GOOD, f"step 0 {H}", "without gap or overlap"),
+    "time that is no number": Failure(GOOD, f"step nan {H}", "without gap or overlap"),
+    "no step": Failure(GOOD, f"step {H} 0", "doStep over 0 s: the step must be > 0"),
+    "step backwards": Failure(GOOD, f"step {H} -{H}", "the step must be > 0"),
+    "infinite step": Failure(GOOD, f"step {H} inf", "doStep over inf s"),
+    "fixed parameter": Failure(GOOD, "real gravity 1", "gravity: a fixed parameter cannot be set"),
+    "computed variable": Failure(GOOD, "real phi 1", "phi: is computed and cannot be set"),
+    "step before initialization": Failure((), f"step 0 {H}", "the initialization has not ended"),
+    "no such choice": Failure((), "integer solver.preset 99", "solver.preset = 99: must be"),
+    "negative gravity": Failure(
+        ("setup 0", "enter", "real gravity -1"), "exit", "gravity = -1 m/s2: must be >= 0"
+    ),
+    "negative clearance": Failure(
+        ("setup 0", "enter", "real bearing[1].clearance -1"), "exit", "bearing[1].clearance = -1 m"
+    ),
+    "settings that contradict each other": Failure(
+        ("setup 0", "enter", "real solver.alpha_f 0"), "exit", "solver.alpha_f = 0"
+    ),
+    "negative solver step": Failure(
+        ("setup 0", "enter", "real solver.h -1"), "exit", "solver.h = -1: must be > 0"
+    ),
+    "spectral radius above 1": Failure(
+        ("setup 0", "enter", "real solver.rho 2"), "exit", "rho = 2"
+    ),
+    "damping that is not to be had": Failure(
+        ("setup 0", "enter", "real shaft.eta_h 0.1"), "exit", "shaft.eta_h = 0.1"
+    ),
+    "unstable scheme": Failure(
+        (
+            *("integer solver.preset 1", "integer solver.method 3", "real solver.alpha_m 0.08"),
+            *GOOD,
+        ),
+        f"step {H} 2",
+        "the scheme is unstable",
+    ),
+    "no convergence": Failure(
+        ("integer solver.preset 1", "real gravity 1e12", *INITIALIZE), "step 0 1", "try"
+    ),
+}
+LATER = {
+    "get": ("get phi",),
+    "step": (f"step {H} {H}",),
+    "reset": ("reset",),
+    "restart": ("reset", *GOOD, "get phi"),
+    "terminate": ("terminate",),
+}
+
+
+def commands(failure, sequence):
+    later = [call for name in sequence for call in LATER[name]]
+    return ["instantiate", *failure.before, "get phi", failure.call, "get phi", *later, "free"]
+
+
+def sequences(longest):
+    """All sequences of later calls, up to a length."""
+    return [s for n in range(longest + 1) for s in itertools.product(LATER, repeat=n)]
+
+
+def check(failure, sequence, replies):
+    """What must hold of the answers to `commands`."""
+    failing_at = len(failure.before) + 2
+    good, failed, after = replies[failing_at - 1 : failing_at + 2]
+    assert failed.is_error, (sequence, failed)
+    assert failure.sentence in failed.log[-1], (sequence, failed)
+    if failure.is_running:
+        assert good.status == after.status == 0, sequence
+        assert good.value <= after.value < math.inf, "the last good state is not readable"
+    if sequence and sequence[-1] == "restart":
+        *_, end, freed = replies
+        assert (end.status, freed.status) == (0, 0), sequence
+        assert end.value == pytest.approx(400 * H), sequence
+    for reply in replies:
+        assert not any("%" in line for line in reply.log)
+        assert reply.log or not reply.is_error, (sequence, "an error without a message", reply)
+
+
+def march_through(master, failures, longest):
+    """The answers to every sequence after every failure, all in one process."""
+    grid = [(failure, sequence) for failure in failures for sequence in sequences(longest)]
+    calls = [call for failure, sequence in grid for call in commands(failure, sequence)]
+    done = master.tell(calls)
+    if len(done.answers) < len(calls):
+        at = len(done.answers)
+        pytest.fail(
+            f"crash, status {done.status}, at {calls[at - 8 : at + 1]}\n{done.stderr[-900:]}"
+        )
+    errors = sum(answer.is_error for answer in done.answers)
+    printed = [line for line in done.stderr.splitlines() if ": error: " in line]
+    assert len(printed) == errors, "an error without its one sentence on standard error"
+    assert "Traceback" not in done.stderr
+    answers = iter(done.answers)
+    return [
+        (failure, sequence, list(itertools.islice(answers, len(commands(failure, sequence)))))
+        for failure, sequence in grid
+    ]
+
+
+@pytest.fixture(scope="module")
+def grid(master):
+    """Two calls after each failure."""
+    return march_through(master, FAILURES.values(), 2)
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_a_failure_is_told_and_whatever_is_called_then_survives(grid, name):
+    mine = [entry for entry in grid if entry[0] is FAILURES[name]]
+    assert len(mine) == 31
+    for entry in mine:
+        check(*entry)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAILURES)
+def test_so_do_three_calls_after_a_failure_in_a_process_of_its_own(master, name):
+    for entry in march_through(master, [FAILURES[name]], 3):
+        check(*entry)
+
+
+def test_a_refused_call_changes_nothing(master):
+    """The run goes on as if it had not been made."""
+    steps = [f"step {H * (1 + i)!r} {H}" for i in range(3)]
+    refused = ["NaN input", "gap in time", "no step", "fixed parameter", "computed variable"]
+    calls = ["instantiate", *GOOD, *steps, "get disc[3].y", "free"]
+    for name in refused:
+        calls += ["instantiate", *GOOD, FAILURES[name].call, *steps, "get disc[3].y", "free"]
+    undisturbed, *others = (answer.value for answer in master.tell(calls).named("get"))
+    assert others == [undisturbed] * len(refused)
+
+
+def test_an_unstable_scheme_is_warned_of_before_it_diverges(master):
+    failure = FAILURES["unstable scheme"]
+    done = master.tell(["instantiate", *failure.before, "free"])
+    ended = done.named("exit")[0]
+    assert ended.status == 0
+    assert any("is unstable: its spectral radius" in line for line in ended.log)
+    assert "warning: wbz with" in done.stderr
+
+
+def test_a_step_after_one_that_failed_says_what_to_do(master):
+    failure = FAILURES["unstable scheme"]
+    done = master.tell(["instantiate", *failure.before, failure.call, f"step {H} 0.001", "free"])
+    assert "an earlier step failed" in done.named("step")[-1].log[-1]
+    assert "reset the FMU" in done.named("step")[-1].log[-1]
+
+
+def test_without_numpy_the_c_host_is_told_what_to_install(c_host, tmp_path):
+    """The Python of a fresh environment, which has no packages."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", tmp_path], check=True)
+    environment = expanded({**host_environment(), "PATH": f"{tmp_path / 'bin'}:$PATH"})
+    done = c_host.tell(["instantiate", "free"] * 3, environment)
+    assert [answer.status for answer in done.answers] == [4, 0] * 3
+    for answer in done.named("instantiate"):
+        assert "numpy is missing in the Python of this host" in answer.log[-1]
+    assert "error: numpy is missing" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("package", ["numpy", "scipy"])
+def test_without_a_package_fmpy_is_told_what_to_install(fmu, package):
+    script = (
+        "import sys, fmpy\n"
+        "folder = fmpy.extract(sys.argv[1])\n"
+        "description = fmpy.read_model_description(folder)\n"
+        f"for name in [n for n in sys.modules if n.split('.')[0] == {package!r}]:\n"
+        "    del sys.modules[name]\n"
+        f"sys.modules[{package!r}] = None\n"
+        "log = []\n"
+        "for _ in range(3):\n"
+        "    try:\n"
+        "        fmpy.instantiate_fmu(folder, description, 'CoSimulation', debug_logging=True,\n"
+        "            logger=lambda *a: log.append(a[-1].decode()))\n"
+        "    except Exception as error:\n"
+        "        print(error)\n"
+        f"assert len(log) == 3 and all('{package} is missing' in text for text in log), log\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, fmu], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("Failed to instantiate model") == 3
+    assert f"error: {package} is missing" in done.stderr

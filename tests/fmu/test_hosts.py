@@ -1,0 +1,320 @@
+"""Hosts, run for real: FMPy's command line and notebook, libcosim, CoFMPy; see docs/hosts.md.
+
+A host with a master of its own couples the rotor with a motor and must give what the plain master
+in coupled.py gives.
+"""
+
+import csv
+import importlib.util
+import json
+import subprocess
+import sys
+import zipfile
+
+import fmpy
+import pytest
+
+from .coupled import COUNTED, SEEN, STEPS, H, march
+
+FMPY = (sys.executable, "-c", "from fmpy.cli import main; main()")
+
+
+def needs(module, install):
+    """Skips where a host is not installed."""
+    missing = importlib.util.find_spec(module) is None
+    return pytest.mark.skipif(missing, reason=f"{module} is not installed: {install}")
+
+
+def run(*command, cwd=None):
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=cwd, timeout=300
+    )
+    assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
+    return done
+
+
+@pytest.fixture(scope="session")
+def motor(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("motor")
+    script = __file__.replace("test_hosts.py", "motor.py")
+    run(sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder, "--handle-state")
+    return folder / "Motor.fmu"
+
+
+def test_fmpy_info_shows_what_it_is(fmu):
+    shown = run(*FMPY, "info", fmu).stdout
+    for text in ("RotorBearing", "Stop Time          40.0", "speed", "rad/s", "bearing[2].psi"):
+        assert text in shown
+
+
+def test_fmpy_simulate_gives_what_its_api_gives(fmu, tmp_path):
+    table = tmp_path / "out.csv"
+    settings = ("--stop-time", "0.4", "--output-interval", "0.004", "--output-file", table)
+    run(*FMPY, "simulate", fmu, *settings, "--start-values", "speed", "300")
+    result = fmpy.simulate_fmu(
+        str(fmu), stop_time=0.4, output_interval=0.004, start_values={"speed": 300.0}
+    )
+    with table.open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == [*result.dtype.names]
+    assert len(rows) == 102
+    for name in ("time", "phi", "tau", "disc[3].x", "bearing[2].psi"):
+        column = [float(row[rows[0].index(name)]) for row in rows[1:]]
+        assert column == pytest.approx(result[name].tolist(), rel=1e-9), name
+
+
+@needs("nbclient", "pip install nbclient ipykernel")
+@needs("ipykernel", "pip install nbclient ipykernel")
+@needs("plotly", "pip install plotly")
+def test_the_notebook_that_fmpy_makes_runs_from_top_to_bottom(fmu, tmp_path):
+    import nbformat
+    from nbclient import NotebookClient
+
+    (tmp_path / fmu.name).write_bytes(fmu.read_bytes())
+    run(*FMPY, "create-jupyter-notebook", fmu.name, cwd=tmp_path)
+    notebook = nbformat.read(tmp_path / "RotorBearing.ipynb", as_version=4)
+    folder = {"metadata": {"path": str(tmp_path)}}
+    NotebookClient(notebook, kernel_name="python3", resources=folder, timeout=300).execute()
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert all(cell.execution_count for cell in code)
+    outputs = [output for cell in code for output in cell.outputs]
+    assert not [output for output in outputs if output.output_type == "error"]
+    (plot,) = (o.data["application/vnd.plotly.v1+json"] for o in outputs if "data" in o)
+    assert {"phi", "tau", "disc[3].x"} <= {curve["name"] for curve in plot["data"]}
+
+
+# --- libcosim ------------------------------------------------------------------------------------
+
+OSP = f"""<?xml version="1.0" encoding="UTF-8"?>
+<OspSystemStructure xmlns="http://opensimulationplatform.com/MSMI/OSPSystemStructure" version="0.1">
+  <BaseStepSize>{H}</BaseStepSize>
+  <Algorithm>fixedStep</Algorithm>
+  <Simulators>
+    <Simulator name="rotor" source="RotorBearing.fmu">
+      <InitialValues>
+        <InitialValue variable="speed"><Real value="150"/></InitialValue>
+        <InitialValue variable="gravity"><Real value="GRAVITY"/></InitialValue>
+        <InitialValue variable="solver.preset"><Integer value="1"/></InitialValue>
+      </InitialValues>
+    </Simulator>
+    <Simulator name="motor" source="Motor.fmu"/>
+  </Simulators>
+  <Connections>
+    <VariableConnection>
+      <Variable simulator="motor" name="w"/>
+      <Variable simulator="rotor" name="speed"/>
+    </VariableConnection>
+    <VariableConnection>
+      <Variable simulator="rotor" name="tau"/>
+      <Variable simulator="motor" name="tau"/>
+    </VariableConnection>
+  </Connections>
+</OspSystemStructure>
+"""
+SSD = f"""<?xml version="1.0" encoding="UTF-8"?>
+<ssd:SystemStructureDescription name="drive" version="1.0"
+    xmlns:ssd="http://ssp-standard.org/SSP1/SystemStructureDescription"
+    xmlns:ssc="http://ssp-standard.org/SSP1/SystemStructureCommon"
+    xmlns:ssv="http://ssp-standard.org/SSP1/SystemStructureParameterValues"
+    xmlns:osp="http://opensimulationplatform.com/SSP/OSPAnnotations">
+  <ssd:System name="drive">
+    <ssd:Elements>
+      <ssd:Component name="rotor" source="resources/RotorBearing.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="speed" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="tau" kind="output"><ssc:Real/></ssd:Connector>
+        </ssd:Connectors>
+        <ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
+          <ssv:ParameterSet version="1.0" name="start"><ssv:Parameters>
+            <ssv:Parameter name="speed"><ssv:Real value="150"/></ssv:Parameter>
+            <ssv:Parameter name="gravity"><ssv:Real value="GRAVITY"/></ssv:Parameter>
+            <ssv:Parameter name="solver.preset"><ssv:Integer value="1"/></ssv:Parameter>
+          </ssv:Parameters></ssv:ParameterSet>
+        </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>
+      </ssd:Component>
+      <ssd:Component name="motor" source="resources/Motor.fmu">
+        <ssd:Connectors>
+          <ssd:Connector name="tau" kind="input"><ssc:Real/></ssd:Connector>
+          <ssd:Connector name="w" kind="output"><ssc:Real/></ssd:Connector>
+        </ssd:Connectors>
+      </ssd:Component>
+    </ssd:Elements>
+    <ssd:Connections>
+      <ssd:Connection startElement="motor" startConnector="w" endElement="rotor"
+        endConnector="speed"/>
+      <ssd:Connection startElement="rotor" startConnector="tau" endElement="motor"
+        endConnector="tau"/>
+    </ssd:Connections>
+  </ssd:System>
+  <ssd:DefaultExperiment><ssd:Annotations><ssc:Annotation type="com.opensimulationplatform">
+    <osp:Algorithm><osp:FixedStepAlgorithm baseStepSize="{H}"/></osp:Algorithm>
+  </ssc:Annotation></ssd:Annotations></ssd:DefaultExperiment>
+</ssd:SystemStructureDescription>
+"""
+LIBCOSIM = """
+import json, sys
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+how, path, steps, names = json.loads(sys.argv[1])
+execution = getattr(CosimExecution, how)(path)
+observer = CosimObserver.create_last_value()
+execution.add_observer(observer)
+rotor = execution.slave_index_from_instance_name("rotor")
+refs = {v.name.decode(): v.reference for v in execution.slave_variables(rotor)}
+rows = []
+for _ in range(steps):
+    if not execution.step():
+        sys.exit("libcosim: a step failed")
+    rows.append(observer.last_real_values(rotor, [refs[name] for name in names]))
+with open("rows.json", "w") as file:
+    json.dump(rows, file)
+"""
+
+
+def system(form, folder, fmu, motor, gravity=9.81):
+    """Write a system file of either form; the constructor it takes and the file."""
+    if form == "OSP":
+        file = folder / "OspSystemStructure.xml"
+        file.write_text(OSP.replace("GRAVITY", repr(gravity)))
+        for part in (fmu, motor):
+            (folder / part.name).write_bytes(part.read_bytes())
+        return "from_osp_config_file", str(file)
+    file = folder / "drive.ssp"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("SystemStructure.ssd", SSD.replace("GRAVITY", repr(gravity)))
+        for part in (fmu, motor):
+            archive.write(part, f"resources/{part.name}")
+    return "from_ssp_file", str(file)
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+@pytest.mark.parametrize("form", ["OSP", "SSP"])
+def test_libcosim_gives_what_a_plain_master_gives(fmu, motor, tmp_path, form):
+    how = system(form, tmp_path, fmu, motor)
+    run(sys.executable, "-c", LIBCOSIM, json.dumps([*how, STEPS, SEEN]), cwd=tmp_path)
+    seen = json.loads((tmp_path / "rows.json").read_text())
+    preset = {"solver.preset": 1}
+    expected = march(
+        *(fmu, motor, ("rotor", "motor"), "jacobi"),
+        steps=COUNTED,
+        settings=preset,
+        is_told_at_start=True,
+    )
+    assert seen == expected
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+@pytest.mark.parametrize(
+    ("gravity", "reason"), [(-1.0, "gravity = -1 m/s2: must be >= 0"), (1e12, "try")]
+)
+def test_libcosim_does_not_end_in_silence_when_the_rotor_fails(
+    fmu, motor, tmp_path, gravity, reason
+):
+    """At a step it says so to its caller; an initialization that is refused ends its process."""
+    how = system("OSP", tmp_path, fmu, motor, gravity)
+    done = subprocess.run(
+        [sys.executable, "-c", LIBCOSIM, json.dumps([*how, STEPS, SEEN])],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert done.returncode != 0
+    assert not (tmp_path / "rows.json").exists()
+    (said,) = (line for line in done.stderr.splitlines() if line.startswith("rotor: error: "))
+    assert reason in said
+    if gravity > 0:
+        assert done.returncode == 1
+        assert "libcosim: a step failed" in done.stderr
+
+
+# --- CoFMPy --------------------------------------------------------------------------------------
+
+COFMPY = """
+import json, sys
+from cofmupy import Coordinator
+from cofmupy.wrappers import FmuXHandler
+configs, steps, h, names = json.loads(sys.argv[1])
+# CoFMPy 1.0.0 compares the FMUs' default steps, which are text in an FMPy newer than its own
+FmuXHandler.default_step_size = property(lambda self: None, lambda self, value: None)
+for name, config in configs.items():
+    with open("system.json", "w") as file:
+        json.dump(config, file)
+    coordinator = Coordinator()
+    coordinator.start("system.json")
+    rows = []
+    for _ in range(steps):
+        coordinator.do_step(h)
+        rows.append([coordinator.get_variable(("rotor", name))[0] for name in names])
+    (order,) = coordinator.master.sequence_order
+    with open(f"{name}.json", "w") as file:
+        json.dump([list(order), rows], file)
+"""
+CHAIN = [
+    {"source": {"id": "motor", "variable": "w"}, "target": {"id": "rotor", "variable": "speed"}},
+    {"source": {"id": "rotor", "variable": "tau"}, "target": {"id": "motor", "variable": "tau"}},
+]
+
+
+WITH_COFMPY = needs(
+    "cofmupy",
+    "pip install --no-deps cofmupy==1.0.0 (it asks for an FMPy older than this project's)",
+)
+
+
+ALGORITHMS = {
+    "Jacobi": ("jacobi", 1),
+    "Gauss-Seidel": ("gauss_seidel", 1),
+    "Jacobi, iterated with rollback": ("jacobi", 10),
+    "Gauss-Seidel, iterated with rollback": ("gauss_seidel", 10),
+}
+
+
+def cofmpy(fmu, motor, folder, algorithms, **inputs):
+    """Run CoFMPy; what the rotor shows is left in NAME.json in the folder."""
+    configs = {
+        name: {
+            "root": "",
+            "cosim_method": algorithm,
+            "iterative": iterations > 1,
+            "fmus": [
+                {"id": "rotor", "path": str(fmu), "initialization": {"speed": 150.0, **inputs}},
+                {"id": "motor", "path": str(motor)},
+            ],
+            "connections": CHAIN,
+        }
+        for name, (algorithm, iterations) in algorithms.items()
+    }
+    return subprocess.run(
+        [sys.executable, "-c", COFMPY, json.dumps([configs, STEPS, H, SEEN])],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=folder,
+        timeout=300,
+    )
+
+
+@pytest.fixture(scope="module")
+def cofmpys_results(fmu, motor, tmp_path_factory):
+    """Every algorithm in one process."""
+    folder = tmp_path_factory.mktemp("cofmpy")
+    done = cofmpy(fmu, motor, folder, ALGORITHMS)
+    assert done.returncode == 0, done.stderr
+    return {name: json.loads((folder / f"{name}.json").read_text()) for name in ALGORITHMS}
+
+
+@WITH_COFMPY
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_cofmpy_gives_what_a_plain_master_gives(fmu, motor, cofmpys_results, name):
+    order, seen = cofmpys_results[name]
+    assert seen == march(fmu, motor, order, *ALGORITHMS[name])
+
+
+@WITH_COFMPY
+def test_cofmpy_does_not_end_in_silence_when_the_rotor_fails(fmu, motor, tmp_path):
+    first = dict([*ALGORITHMS.items()][:1])
+    done = cofmpy(fmu, motor, tmp_path, first, **{"disc[3].fx": 1e9})
+    assert done.returncode == 1
+    assert not (tmp_path / "Jacobi.json").exists()
+    assert "RotorBearing.fmu: error: t = " in done.stderr
