@@ -45,5 +45,5 @@ bench: $(VENV)/made
 	$(BIN)/python -m benchmarks
 
 clean:
-	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu
+	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,5 @@
-"""Build RotorBearing.fmu: python build_fmu.py [--rotor FILE.toml] [--out DIR]."""
+"""Build RotorBearing.fmu or, with --free, RotorBearingFree.fmu:
+python build_fmu.py [--rotor FILE.toml] [--free] [--out DIR]."""
 
 import typer
 

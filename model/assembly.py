@@ -58,9 +58,11 @@ class Structure(NamedTuple):
     the elastic modes, journals pinned [rad/s]; clearance: the smallest, or, without bearings, 1e-4
     of the length [m].
     weight: gravity's force on the rotor, shape (n,) [N, N.m]; gravity [m/s2].
+    deflections: dof and node number, from 1, of every deflection, shape (k, 2).
     disc_dof: deflections of the discs; load_dof: of the discs and, last, of the coupling, where
     external forces act.
     unbalance_dof, unbalance: deflections and m e exp(i phase) [kg.m] of the unbalances.
+    support_dof: deflections on springs to ground.
     inertia: polar moment of inertia about the axis of rotation [kg.m2].
     bound: displacement that no rotor reaches [m].
     contacts: the bearings, shape (bearings,) of dtype `CONTACT`.
@@ -79,10 +81,12 @@ class Structure(NamedTuple):
     clearance: float
     weight: np.ndarray
     gravity: float
+    deflections: np.ndarray
     disc_dof: np.ndarray
     load_dof: np.ndarray
     unbalance_dof: np.ndarray
     unbalance: np.ndarray
+    support_dof: np.ndarray
     inertia: float
     bound: float
     contacts: np.ndarray
@@ -134,12 +138,14 @@ def assemble(rotor: Rotor) -> Structure:
         clearance=min((b.clearance for b in rotor.bearings), default=1e-4 * rotor.length),
         weight=-1j * rotor.gravity * M[:, ::2].sum(axis=1),
         gravity=rotor.gravity,
+        deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         disc_dof=body_dof[: len(rotor.discs)].copy(),
         load_dof=body_dof,
         unbalance_dof=body_dof,
         unbalance=np.array(
             [d.mass(material) * d.e * complex(math.cos(d.phase), math.sin(d.phase)) for d in bodies]
         ),
+        support_dof=np.array([2 * (s.node - 1) for s in rotor.supports], dtype=np.int64),
         inertia=inertia,
         bound=0.1 * rotor.length,
         contacts=_contacts(rotor),

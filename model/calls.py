@@ -12,7 +12,7 @@ from .assembly import Structure
 from .compiled import compiled
 from .contact_problem import ContactProblem
 from .control import Control
-from .march import Memory
+from .memory import Memory
 from .observe import observe
 from .schemes import Scheme
 from .step import Motion, Workspace
@@ -32,21 +32,22 @@ def _workspace(work):
         work[3],
         work[4],
         work[5],
-        ContactProblem(*work[6]),
+        work[6],
+        ContactProblem(*work[7]),
     )
 
 
 @compiled
-def start(structure, motion, memory, work, speed, rate, loads, observed):
+def start(structure, motion, memory, work, drive, rate, loads, observed):
     """`march.begin_interval` at the start of a run; fills `observed`."""
     machine, state, book = Structure(*structure), Motion(*motion), Memory(*memory)
     scratch = _workspace(work)
-    march.begin_interval(machine, speed, rate, loads, True, state, book, scratch)
+    march.begin_interval(machine, drive, rate, loads, True, state, book, scratch)
     observe(machine, state, book, scratch, observed)
 
 
 @compiled
-def advance(structure, motion, memory, work, scheme, control, t_end, speed, loads, trial, observed):
+def advance(structure, motion, memory, work, scheme, control, t_end, drive, loads, trial, observed):
     """`march.advance`; fills `observed`, returns the status."""
     machine, state, book = Structure(*structure), Motion(*motion), Memory(*memory)
     scratch = _workspace(work)
@@ -55,7 +56,7 @@ def advance(structure, motion, memory, work, scheme, control, t_end, speed, load
         Scheme(*scheme),
         Control(*control),
         t_end,
-        speed,
+        drive,
         loads,
         state,
         Motion(*trial),

@@ -81,8 +81,7 @@ def _solve(
 
 
 def _check_held(structure: Structure, side: np.ndarray) -> None:
-    supports = np.flatnonzero(structure.K[:, 0] - structure.K_shaft[:, 0])
-    held = {*supports.tolist(), *structure.contacts.dof[side != 0].tolist()}
+    held = {*structure.support_dof.tolist(), *structure.contacts.dof[side != 0].tolist()}
     if len(held) < 2:
         raise EquilibriumError(
             f"no static equilibrium: the rotor is held at {len(held)} of its nodes and would tilt "

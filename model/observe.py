@@ -10,6 +10,7 @@ from .contact import contact_angle, contact_force
 from .energy import FLOWS, STORES, total_energy
 from .excitation import spin_of
 
+_SHAFT = ("phi", "w", "a", "tau", "tau_load", "J")
 _DISC = ("x", "y", "x_amp", "y_amp")
 _BEARING = ("psi", "fn", "ft", "x", "y", "housing_x", "housing_y", "contact")
 _SOLVER = (
@@ -28,9 +29,10 @@ _SOLVER = (
 def observed_names(structure: Structure) -> tuple[str, ...]:
     """Names of the observed quantities, in the order of the array that `observe` fills.
 
-    Units: displacements [m], angles [rad], forces [N], torque [N.m], energies [J], times [s].
+    Units: displacements [m], angles [rad], forces [N], torques [N.m], inertia [kg.m2], energies
+    [J], times [s].
     """
-    names = ["phi", "w", "tau"]
+    names = list(_SHAFT)
     for i in range(1, len(structure.disc_dof) + 1):
         names += [f"disc[{i}].{name}" for name in _DISC]
     for j in range(1, len(structure.contacts) + 1):
@@ -50,8 +52,11 @@ def observe(structure, motion, memory, work, out):
     r = memory.record[0]
     out[0] = r.theta
     out[1] = r.omega
-    out[2] = r.torque
-    at = 3
+    out[2] = r.alpha
+    out[3] = r.torque
+    out[4] = r.torque - structure.inertia * r.alpha
+    out[5] = structure.inertia
+    at = 6
     for i in range(len(structure.disc_dof)):
         q = motion.q[structure.disc_dof[i]]
         out[at] = q.real

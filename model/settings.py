@@ -49,6 +49,7 @@ class Settings:
     [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
     relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
     with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
+    reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
     """
 
     method: str = "chung-hulbert"
@@ -66,6 +67,7 @@ class Settings:
     atol: float = 1e-6
     rtol: float = 1e-3
     tolerance: float = 1e-3
+    reduction: int = 0
 
     def __post_init__(self) -> None:
         for name, allowed in (
@@ -92,6 +94,8 @@ class Settings:
                 f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = "
                 f"{self.eps_max:g}"
             )
+        if self.reduction != int(self.reduction) or self.reduction < 0:
+            raise SettingsError(f"solver.reduction = {self.reduction}: must be an integer >= 0")
         try:
             self.scheme()
         except schemes.SchemeError as error:

@@ -12,7 +12,9 @@ from . import calls, march
 from .assembly import assemble
 from .compiled import INTERPRETED_WARNING, IS_COMPILED
 from .equilibrium import static_equilibrium
+from .memory import new_memory
 from .observe import observed_names
+from .reduction import reduced
 from .rotor import Rotor
 from .schemes import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
@@ -39,7 +41,8 @@ class Simulation:
 
     The rotor starts at rest in its static equilibrium at time t [s], turning at `speed` [rad/s].
     `rate` [rad/s2] is the rate of the speed over the first interval; later ones continue the speed
-    linearly from the last two values given, or, without `continues_speed`, hold the last. What
+    linearly from the last two values given, or, without `continues_speed`, hold the last. Given a
+    `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. What
     makes a run doubtful goes to `warn` (default: a `RotorWarning`): settings that make oscillations
     grow, the false state, a missing compiler. Raises `EquilibriumError`.
     """
@@ -53,6 +56,7 @@ class Simulation:
         speed: float = 0.0,
         rate: float = 0.0,
         continues_speed: bool = True,
+        drive_torque: float | None = None,
         warn: Callable[[str], None] = _warn,
     ) -> None:
         self._warn = warn
@@ -60,6 +64,8 @@ class Simulation:
         self.rotor = rotor
         self.settings = settings
         self.structure = assemble(rotor)
+        if settings.reduction:
+            self.structure = reduced(self.structure, int(settings.reduction))
         self.names = observed_names(self.structure)
         self._scheme = settings.scheme()
         self._control = settings.control()
@@ -73,7 +79,7 @@ class Simulation:
         self._motion = new_motion(self.structure)
         self._trial = new_motion(self.structure)
         self._work = new_workspace(self.structure)
-        self._memory = march.new_memory(self.structure)
+        self._memory = new_memory(self.structure)
         self._observed = np.zeros(len(self.names))
         self._has_warned = False
 
@@ -84,13 +90,21 @@ class Simulation:
         record.t = t
         record.h = settings.h
         record.continues = continues_speed
+        record.is_free = drive_torque is not None
+        record.omega = speed
         self._arguments = calls.plain(self.structure, self._motion, self._memory, self._work)
-        calls.start(*self._arguments, speed, rate, self._loads, self._observed)
+        drive = speed if drive_torque is None else drive_torque
+        calls.start(*self._arguments, drive, rate, self._loads, self._observed)
 
     @property
     def time(self) -> float:
         """Time reached [s]."""
         return float(self._memory.record[0].t)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether a torque drives the rotor, its speed being a state."""
+        return bool(self._memory.record[0].is_free)
 
     @property
     def motion(self) -> Motion:
@@ -106,15 +120,16 @@ class Simulation:
         """One observed quantity by its name, as in `observed_names`."""
         return float(self.observed[self.names.index(name)])
 
-    def advance(self, to: float, speed: float, loads: np.ndarray | None = None) -> None:
+    def advance(self, to: float, drive: float, loads: np.ndarray | None = None) -> None:
         """March to time `to` [s].
 
-        speed: at the present time [rad/s]; loads: complex forces x + i y on the discs and, last, on
+        drive: the speed at the present time [rad/s], or a free rotor's drive torque, constant until
+        `to` [N.m]; loads: complex forces x + i y on the discs and, last, on
         the coupling, shape (bodies,) [N], constant until `to`. Raises `ValueError` for what is not
         finite or lies in the past, without a step, and `StepFailure`, the state then
         being that after the last good step.
         """
-        for name, value in (("to", to), ("speed", speed)):
+        for name, value in (("to", to), ("torque" if self.is_free else "speed", drive)):
             if not math.isfinite(value):
                 raise ValueError(f"{name} = {value}: must be finite")
         if to < self.time:
@@ -128,7 +143,7 @@ class Simulation:
             tuple(self._scheme),
             tuple(self._control),
             to,
-            speed,
+            drive,
             self._loads,
             tuple(self._trial),
             self._observed,
@@ -178,8 +193,9 @@ class Simulation:
             reason = "the contact forces did not converge"
             advice = "try a smaller solver.h, or the preset robust"
         else:
-            q = np.abs(self._motion.q[: self.structure.M.shape[0] : 2])
-            node = int(np.argmax(np.where(np.isfinite(q), q, math.inf))) + 1
+            dofs, nodes = self.structure.deflections.T
+            q = np.abs(self._motion.q[dofs])
+            node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
             reason = (
                 f"the solution diverged (node {node} past {self.structure.bound:.3g} m "
                 "or not finite)"

@@ -16,7 +16,7 @@ from .band import add_product, factorize, solve
 from .compiled import compiled
 from .contact import contact_force
 from .contact_problem import ContactProblem, new_contact_problem, solve_contacts
-from .energy import STORES
+from .energy import FLOWS, STORES
 from .excitation import add_applied, circulation
 from .linear_step import balance, correct, predict, weights
 
@@ -45,6 +45,7 @@ class Workspace(NamedTuple):
     scratch: np.ndarray
     housing: np.ndarray
     stores: np.ndarray
+    powers: np.ndarray
     problem: ContactProblem
 
 
@@ -65,6 +66,7 @@ def new_workspace(structure: Structure) -> Workspace:
         scratch=np.zeros(n, dtype=complex),
         housing=np.zeros((nb, 2)),
         stores=np.zeros(len(STORES)),
+        powers=np.zeros(len(FLOWS)),
         problem=new_contact_problem(nb),
     )
 
@@ -249,8 +251,8 @@ def try_step(structure, scheme, spin, h, loads, old, new, work):
                 new.a[i] += work.columns[j, i] * force
             new.a[n + j] -= by_axis(work.housing[j, 0], work.housing[j, 1], force)
     correct(scheme, h, new.a, new.q, new.v)
-    for i in range(0, n, 2):
-        if not _is_sane(new.q[i], structure.bound):
+    for i in range(len(structure.deflections)):
+        if not _is_sane(new.q[structure.deflections[i, 0]], structure.bound):
             return 2, iterations
     balance(scheme, old.a, old.v_dot, new.a, new.v_dot)
     return 0, iterations

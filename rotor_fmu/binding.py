@@ -12,7 +12,7 @@ from .interface import Variable
 
 SOLVER = "solver."
 # Parameters of the run itself, neither the rotor's nor the solver's.
-_OF_THE_RUN = ("speed_rate", "speed_continuation")
+_OF_THE_RUN = ("speed_rate", "speed_continuation", "w_start")
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
@@ -65,15 +65,16 @@ def build_simulation(
     start_time [s]; tolerance: the experiment's [1], which a value of the FMU's own overrides.
     Raises `RotorError`, `SettingsError` and `EquilibriumError`.
     """
+    if "tau_drive" in values:
+        drive = {"speed": values["w_start"], "drive_torque": values["tau_drive"]}
+    else:
+        drive = {
+            "speed": values["speed"],
+            "rate": values["speed_rate"],
+            "continues_speed": values["speed_continuation"] == 0,
+        }
+    changed = changed_rotor(rotor, table, values)
     settings = chosen_settings(table, values)
     if tolerance is not None:
         settings.setdefault("tolerance", tolerance)
-    return Simulation(
-        changed_rotor(rotor, table, values),
-        choose(**settings),
-        t=start_time,
-        speed=values["speed"],
-        rate=values["speed_rate"],
-        continues_speed=values["speed_continuation"] == 0,
-        warn=warn,
-    )
+    return Simulation(changed, choose(**settings), t=start_time, warn=warn, **drive)

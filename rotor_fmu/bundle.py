@@ -8,8 +8,9 @@ import shutil
 import sys
 import tempfile
 import zipfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from xml.etree.ElementTree import fromstring, indent, tostring
+from xml.etree.ElementTree import Element, fromstring, indent, tostring
 
 from pythonfmu.builder import FmuBuilder
 
@@ -18,17 +19,18 @@ from model.rotor_toml import parse_rotor, rig_toml
 
 from .documents import documents
 from .interface import interface
-from .slave import ROTOR_FILE
+from .slave import DRIVE_FILE, ROTOR_FILE
 
-FMU_NAME = "RotorBearing.fmu"
+FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
 _OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "state", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
-def build(out: Path, rotor_toml: str | None = None) -> Path:
-    """Build `RotorBearing.fmu` in the folder `out` and return its path.
+def build(out: Path, rotor_toml: str | None = None, is_free: bool = False) -> Path:
+    """Build `RotorBearing.fmu`, or `RotorBearingFree.fmu` where a torque is to drive the rotor, in
+    the folder `out` and return its path.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig. Raises `RotorError` for an
     impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
@@ -41,26 +43,35 @@ def build(out: Path, rotor_toml: str | None = None) -> Path:
         package = _write_package(folder)
         rotor = folder / ROTOR_FILE
         rotor.write_text(toml, encoding="utf-8")
-        script = folder / f"{package.name}_entry.py"
+        drive = folder / DRIVE_FILE
+        drive.write_text("torque" if is_free else "speed", encoding="utf-8")
+        script = folder / _script(package.name, is_free)
         shutil.copyfile(_HERE / "entry.py", script)
         requirements = folder / "requirements.txt"
         requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
         raw = folder / "raw.fmu"
-        search_path = list(sys.path)
-        try:
-            FmuBuilder.build_FMU(
-                script,
-                dest=raw,
-                project_files=[package, rotor, requirements],
-                canGetAndSetFMUstate=True,
-                canSerializeFMUstate=True,
-            )
-        finally:
-            sys.path[:] = search_path
-        # written beside its place and moved there, so that nothing half-written is ever found
-        unfinished = out / (FMU_NAME + ".part")
-        _repack(raw, unfinished, documents(described, interface(described), Path(FMU_NAME).stem))
-        return unfinished.replace(out / FMU_NAME)
+        wrap(script, [package, rotor, drive, requirements], raw)
+        target = out / (FREE_FMU_NAME if is_free else FMU_NAME)
+        return repack(raw, target, documents(described, interface(described, is_free), target.stem))
+
+
+def _script(package: str, is_free: bool) -> str:
+    return f"{package}_free_entry.py" if is_free else f"{package}_entry.py"
+
+
+def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
+    """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources."""
+    search_path = list(sys.path)
+    try:
+        FmuBuilder.build_FMU(
+            script,
+            dest=raw,
+            project_files=list(beside),
+            canGetAndSetFMUstate=True,
+            canSerializeFMUstate=True,
+        )
+    finally:
+        sys.path[:] = search_path
 
 
 def _sources() -> dict[str, str]:
@@ -101,32 +112,41 @@ def package_name() -> str:
     return _contents()[0]
 
 
-def is_current(fmu: Path, rotor_toml: str | None = None) -> bool:
+def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) -> bool:
     """Whether `fmu` is what `build` would make now."""
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
     with zipfile.ZipFile(fmu) as archive:
-        if f"resources/{package_name()}_entry.py" not in archive.namelist():
+        if f"resources/{_script(package_name(), is_free)}" not in archive.namelist():
             return False
         toml = archive.read(f"resources/{ROTOR_FILE}").decode("utf-8")
     return toml == (rig_toml() if rotor_toml is None else rotor_toml)
 
 
-def _repack(raw: Path, target: Path, documents: dict[str, bytes]) -> None:
-    """Copy a zip file with the documents added, sorted, with one date and without caches."""
+def repack(
+    raw: Path,
+    target: Path,
+    documents: Mapping[str, bytes],
+    describe: Callable[[Element], Element] = lambda root: root,
+) -> Path:
+    """Copy an FMU with documents added and its description completed by `describe`; sorted, with
+    one date and without caches, so that equal sources give equal bytes. Returns `target`."""
     with zipfile.ZipFile(raw) as source:
         contents = {
             name: source.read(name)
             for name in source.namelist()
             if "__pycache__" not in name and not name.endswith("/")
         }
-    root = fromstring(contents["modelDescription.xml"].decode("utf-8"))
+    root = describe(fromstring(contents["modelDescription.xml"].decode("utf-8")))
     indent(root)
     xml = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8")
     contents |= {"modelDescription.xml": xml, **documents}
-    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as sink:
+    # written beside its place and moved there, so that nothing half-written is ever found
+    unfinished = target.with_suffix(".part")
+    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as sink:
         for name, data in sorted(contents.items()):
             info = zipfile.ZipInfo(name, _ZIP_DATE)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = 0o644 << 16
             sink.writestr(info, data)
+    return unfinished.replace(target)

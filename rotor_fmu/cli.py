@@ -11,6 +11,7 @@ from model.settings import PRESETS
 
 from . import figures
 from .bundle import build
+from .drive_train_command import drive_train
 from .errors import RunFailed, run, writable_folder
 from .host_env import host_environment
 from .interface import interface
@@ -30,6 +31,9 @@ app = typer.Typer(
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
+]
+Free = Annotated[
+    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
 ]
 Sets = Annotated[
     list[str] | None,
@@ -94,12 +98,13 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+app.command("drive-train")(drive_train)
 
 
 @app.command("variables")
-def variables(rotor: RotorFile = None) -> None:
+def variables(rotor: RotorFile = None, is_free: Free = False) -> None:
     """Print the FMU's variables as a Markdown table."""
-    typer.echo(markdown(interface(load_rotor(rotor)[1])), nl=False)
+    typer.echo(markdown(interface(load_rotor(rotor)[1], is_free)), nl=False)
 
 
 @app.command("host-env")
@@ -112,8 +117,9 @@ def host_env() -> None:
 @app.command("build")
 def build_command(
     rotor: RotorFile = None,
+    is_free: Free = False,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> None:
-    """Build RotorBearing.fmu."""
+    """Build RotorBearing.fmu, or RotorBearingFree.fmu."""
     toml, _ = load_rotor(rotor)
-    typer.echo(build(writable_folder(out), toml))
+    typer.echo(build(writable_folder(out), toml, is_free))

@@ -18,6 +18,9 @@ _ORDER = (
     "ModelStructure",
 )
 
+# Outputs that inputs reach within an instant.
+_DEPENDENT = ("tau", "tau_load", "a")
+
 
 def guid(table: Sequence[Variable], content: str) -> str:
     """Identifier that follows the interface and the code behind it, and nothing else."""
@@ -69,14 +72,14 @@ def _model_structure(table: Sequence[Variable]) -> Element:
     """Outputs with what they depend on within an instant, and the initial unknowns.
 
     At an instant the displacements are states, and no input reaches them; the contact forces depend
-    on the speed through friction and damping, the torque on every input.
+    on the speed through friction and damping, torque and angular acceleration on every input.
     """
     structure = Element("ModelStructure")
     inputs = [str(i) for i, v in enumerate(table, 1) if v.causality == "input"]
     outputs = SubElement(structure, "Outputs")
     for index, variable in enumerate(table, 1):
         if variable.causality == "output":
-            depends = " ".join(inputs) if variable.name == "tau" else ""
+            depends = " ".join(inputs) if variable.name in _DEPENDENT else ""
             SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
     unknowns = SubElement(structure, "InitialUnknowns")
     for index, variable in enumerate(table, 1):

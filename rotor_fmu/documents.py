@@ -33,6 +33,14 @@ _REFERENCE = """<h2>A reference result</h2>
 <a href="fmi-ls-ref.txt">fmi-ls-ref.txt</a>.</p>
 """
 
+# What the page says of the drive, by the input that drives.
+_DRIVES = {
+    "speed": "the speed of the shaft and the external loads go in; displacements, contact angles "
+    "and the torque that the drive must supply come out",
+    "tau_drive": "the torque of the drive and the external loads go in; speed and angle of the "
+    "shaft, displacements and contact angles come out. Friction, whirl and unbalance slow it",
+}
+
 
 def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, bytes]:
     """Files of the FMU called `name`, by their path in it."""
@@ -43,7 +51,7 @@ def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, b
         "model.png": picture,
         "documentation/model.png": picture,
         "documentation/run_down.png": pages.joinpath("run_down.png").read_bytes(),
-        "documentation/index.html": _index(table, bool(related)).encode(),
+        "documentation/index.html": _index(table, name, bool(related)).encode(),
         "documentation/externalDependencies.txt": DEPENDENCIES.encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
         **{f"documentation/licenses/{of}.txt": text for of, text in _licences().items()},
@@ -51,14 +59,19 @@ def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, b
     }
 
 
-def _index(table: Sequence[Variable], has_reference: bool) -> str:
+def _index(table: Sequence[Variable], name: str, has_reference: bool) -> str:
     page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
     head, *body = rows(table)
     cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
     cells += ["<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in body]
     variables = "<table>\n" + "\n".join(cells) + "\n</table>"
-    reference = _REFERENCE if has_reference else ""
-    return Template(page).substitute(version=__version__, variables=variables, reference=reference)
+    return Template(page).substitute(
+        name=name,
+        drive=_DRIVES[table[0].name],
+        version=__version__,
+        variables=variables,
+        reference=_REFERENCE if has_reference else "",
+    )
 
 
 def _licences() -> dict[str, bytes]:
@@ -83,9 +96,11 @@ def terminals(table: Sequence[Variable]) -> bytes:
         name="shaft",
         matchingRule="bus",
         terminalKind="rotational.flange",
-        description="the driven end: its motion goes in, the torque that it needs comes out",
+        description="the driven end: motion one way, torque the other",
     )
-    for member, variable in (("w", "speed"), ("phi", "phi"), ("tau", "tau")):
+    free = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
+    driven = {"w": "speed", "phi": "phi", "tau": "tau"}
+    for member, variable in (free if "tau_drive" in names else driven).items():
         _member(shaft, member, variable)
     bodies = [name.removesuffix(".fx") for name in names if name.endswith(".fx")]
     for body in sorted(bodies):

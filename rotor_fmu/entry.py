@@ -1,6 +1,7 @@
 """The script that an FMU's wrapper runs: makes the FMU's package importable, and imports the slave.
 
-In the FMU this file is called <package>_entry.py. The package, whose name follows its content, is
+In the FMU this file is called <package>_entry.py, or <package>_free_entry.py where a torque drives
+the rotor. The package, whose name follows its content, is
 imported from a copy in the user's cache: so the compiled code of its first run is found again, two
 builds in one process do not meet, and the extraction folder may be deleted.
 """
@@ -27,7 +28,7 @@ class Missing(ImportError):
 
 
 RESOURCES = Path(__file__).resolve().parent
-PACKAGE = Path(__file__).stem.removesuffix("_entry")
+PACKAGE = Path(__file__).stem.removesuffix("_entry").removesuffix("_free")
 
 
 def _installed(package: Path) -> Path:

@@ -13,6 +13,7 @@ from model.settings import DEFAULT_PRESET, INDICATORS, METHODS, MODES, NORMS, PR
 
 AS_PRESET = "as the preset"
 _BIG = 1e9
+_MOST_MODES = 10_000
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,9 @@ UNITS = {
         Unit("kg", {"kg": 1}),
         Unit("N", {"kg": 1, "m": 1, "s": -2}),
         Unit("N.m", {"kg": 1, "m": 2, "s": -2}),
+        Unit("N.m/rad", {"kg": 1, "m": 2, "s": -2, "rad": -1}),
+        Unit("N.m.s/rad", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
+        Unit("kg.m2", {"kg": 1, "m": 2}),
         Unit("N/m", {"kg": 1, "s": -2}),
         Unit("N.s/m", {"kg": 1, "s": -1}),
         Unit("J", {"kg": 1, "m": 2, "s": -2}),
@@ -71,13 +75,16 @@ class Variable:
         return self.causality in ("output", "local")
 
 
-def interface(rotor: Rotor) -> tuple[Variable, ...]:
+def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
     """All variables of a rotor's FMU: inputs, parameters, then what the model computes in the order
-    of `observed_names`."""
-    return (*_inputs(rotor), *_parameters(rotor), *_observed(rotor))
+    of `observed_names`.
+
+    is_free: a torque drives the rotor, and its speed is a state; otherwise the speed is prescribed.
+    """
+    return (*_inputs(rotor, is_free), *_parameters(rotor, is_free), *_observed(rotor, is_free))
 
 
-def _inputs(rotor: Rotor) -> list[Variable]:
+def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
     def load(name: str, axis: str, where: str) -> Variable:
         direction = "to the right (+x)" if axis == "x" else "upwards (+y)"
         return Variable(
@@ -90,18 +97,27 @@ def _inputs(rotor: Rotor) -> list[Variable]:
             nominal=10.0,
         )
 
-    table = [
-        Variable(
-            "speed",
+    drive = Variable(
+        "speed",
+        "Real",
+        "input",
+        "speed of rotation about z, x towards y; continued until the next communication point as "
+        "speed_continuation says",
+        "rad/s",
+        400.0,
+        nominal=100.0,
+    )
+    if is_free:
+        drive = Variable(
+            "tau_drive",
             "Real",
             "input",
-            "speed of rotation about z, x towards y; continued until the next communication point "
-            "as speed_continuation says",
-            "rad/s",
-            400.0,
-            nominal=100.0,
+            "torque of the drive on the rotor about z, x towards y",
+            "N.m",
+            0.0,
+            nominal=0.1,
         )
-    ]
+    table = [drive]
     for i, disc in enumerate(rotor.discs, 1):
         where = f"disc {i} at z = {rotor.nodes[disc.node - 1]:g} m"
         table += [load(f"disc[{i}]", axis, where) for axis in "xy"]
@@ -111,14 +127,14 @@ def _inputs(rotor: Rotor) -> list[Variable]:
     return table
 
 
-def _parameters(rotor: Rotor) -> list[Variable]:
+def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
     def real(name: str, unit: str, start: float, text: str, low: float | None = 0.0) -> Variable:
         nominal = abs(start) or 1.0
         return Variable(
             name, "Real", "parameter", text, unit, float(start), low=low, nominal=nominal
         )
 
-    table = [
+    prescribed = [
         real(
             "speed_rate",
             "rad/s2",
@@ -138,6 +154,8 @@ def _parameters(rotor: Rotor) -> list[Variable]:
             choices=("linear", "hold"),
         ),
     ]
+    free = [real("w_start", "rad/s", 400.0, "speed of rotation at the start", low=None)]
+    table = free if is_free else prescribed
     for j, b in enumerate(rotor.bearings, 1):
         table += [
             real(f"bearing[{j}].{name}", unit, getattr(b, name), f"bearing {j}: {text}")
@@ -223,6 +241,17 @@ def _solver_parameters() -> list[Variable]:
         choice("norm", (AS_PRESET, *NORMS), 0, "what its error is relative to"),
         real("atol", "m", 0.0, 0.0, 1.0, "absolute part of the mixed norm"),
         real("rtol", "1", 0.0, 0.0, 1.0, "relative part of the mixed norm"),
+        Variable(
+            "solver.reduction",
+            "Integer",
+            "parameter",
+            "Craig-Bampton modes to keep of the shaft besides the deflections of bearings, discs "
+            "and coupling; 0: all of the shaft",
+            start=0,
+            low=0,
+            high=_MOST_MODES,
+            is_unset_at_start=True,
+        ),
     ]
 
 
@@ -230,12 +259,28 @@ def _solver_parameters() -> list[Variable]:
 _TEXTS = {
     "phi": ("Real", "output", "rad", 100.0, "angle of rotation, integral of the speed"),
     "w": ("Real", "local", "rad/s", 100.0, "speed of rotation reached"),
+    "a": ("Real", "local", "rad/s2", 10.0, "rate of the speed"),
     "tau": (
         "Real",
         "output",
         "N.m",
         0.1,
         "torque that the drive must supply to turn the rotor at its speed",
+    ),
+    "tau_load": (
+        "Real",
+        "output",
+        "N.m",
+        0.1,
+        "what friction, whirl and unbalance take of it, tau - J a: the load of a partner that "
+        "integrates the speed with the rotor's inertia J",
+    ),
+    "J": (
+        "Real",
+        "local",
+        "kg.m2",
+        0.01,
+        "moment of inertia about the axis of rotation, eccentric masses included",
     ),
     "disc.x": ("Real", "output", "m", 1e-4, "displacement to the right"),
     "disc.y": ("Real", "output", "m", 1e-4, "displacement upwards, at rest below 0 by the sag"),
@@ -314,7 +359,11 @@ _TEXTS = {
 }
 
 
-def _observed(rotor: Rotor) -> list[Variable]:
+# Outputs only where they are states or follow from an input.
+_OUTPUTS_IF_FREE = ("w", "a")
+
+
+def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
     table = []
     for name in observed_names(assemble(rotor)):
         part, _, quantity = name.rpartition(".")
@@ -322,6 +371,8 @@ def _observed(rotor: Rotor) -> list[Variable]:
         kind, causality, unit, nominal, text = _TEXTS[
             f"{kind_of_part}.{quantity}" if part else name
         ]
+        if is_free and name in _OUTPUTS_IF_FREE:
+            causality = "output"
         where = f"{kind_of_part} {index}: " if index else ""
         table.append(Variable(name, kind, causality, where + text, unit, nominal=nominal))
     return table

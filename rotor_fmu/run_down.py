@@ -86,7 +86,7 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
     interrupts: list[int] = []
     try:
         instance = _instantiate(fmu, folder, log)
-        with _interrupts_noted() as interrupts:
+        with interrupts_noted() as interrupts:
             fmpy.simulate_fmu(
                 folder,
                 fmu_instance=instance,
@@ -116,7 +116,7 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
 
 
 @contextmanager
-def _interrupts_noted() -> Iterator[list[int]]:
+def interrupts_noted() -> Iterator[list[int]]:
     """Ctrl-C, kept for between two steps: raised inside the FMU, it would be one of its errors."""
     interrupts: list[int] = []
     if threading.current_thread() is not threading.main_thread():

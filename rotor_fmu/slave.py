@@ -40,8 +40,8 @@ from .wrapper import hold, settle_exit
 
 # What the master may be off in its time, of a step or absolutely [s].
 _TIME_TOLERANCE = 1e-9
-# The rotor of an FMU, as TOML, in its resources.
-ROTOR_FILE = "rotor.toml"
+# In an FMU's resources: the rotor as TOML, and what drives it, speed or torque.
+ROTOR_FILE, DRIVE_FILE = "rotor.toml", "drive.txt"
 _KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
 
 
@@ -77,31 +77,33 @@ class Face:
 
 
 @cache
-def face(toml: str) -> Face:
+def face(toml: str, is_free: bool) -> Face:
     """The face of an FMU with this rotor, made once for all its instances."""
     rotor = parse_rotor(toml)
-    table = interface(rotor)
+    table = interface(rotor, is_free)
     return Face(toml, rotor, table, {variable.name: i for i, variable in enumerate(table)})
 
 
-_rotors_read: dict[str, str] = {}
+_texts_read: dict[Path, str] = {}
 
 
-def _rotor_text(resources: str | None) -> str:
-    """The rotor in an FMU's resources, as TOML; without an FMU, the paper's rig. It is remembered,
+def _resource(resources: str | None, name: str, otherwise: Callable[[], str]) -> str:
+    """Text of a file in an FMU's resources, or `otherwise()` without an FMU. It is remembered,
     since a reset makes the instance anew and the folder may be gone by then."""
     if resources is None:
-        return rig_toml()
-    file = Path(resources, ROTOR_FILE)
-    if file.is_file() or resources not in _rotors_read:
-        _rotors_read[resources] = file.read_text(encoding="utf-8")
-    return _rotors_read[resources]
+        return otherwise()
+    file = Path(resources, name)
+    if file.is_file() or file not in _texts_read:
+        _texts_read[file] = file.read_text(encoding="utf-8")
+    return _texts_read[file]
 
 
 class RotorBearing(Fmi2Slave):
-    """A flexible rotor that rubs in clearance bearings, driven by its speed."""
+    """A flexible rotor that rubs in clearance bearings, driven by its speed or by a torque.
 
-    description = "Flexible rotor with discs that rubs in two clearance bearings with dry friction"
+    One class for both: pythonfmu's wrapper finds direct subclasses of its own only.
+    """
+
     author = "The rotor-fmu authors"
     license = "MIT"
     version = __version__
@@ -109,11 +111,17 @@ class RotorBearing(Fmi2Slave):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
+        is_free = _resource(self.resources, DRIVE_FILE, lambda: "speed") == "torque"
+        self.modelName = "RotorBearingFree" if is_free else "RotorBearing"
+        self.description = (
+            "Flexible rotor with discs that rubs in two clearance bearings with dry friction, "
+            f"driven by {'a torque' if is_free else 'its speed'}"
+        )
         settle_exit(self.resources, self.modelName)
-        self._face = face(_rotor_text(self.resources))
+        self._face = face(_resource(self.resources, ROTOR_FILE, rig_toml), is_free)
         self._table = self._face.table
         self._observed_at = self._face.observed_at
-        self._speed_at = self._face.index["speed"]
+        self._drive_at = self._face.index["tau_drive" if is_free else "speed"]
         self._load_at = [
             (self._face.index[x], self._face.index[y]) for x, y in load_names(self._face.rotor)
         ]
@@ -204,7 +212,7 @@ class RotorBearing(Fmi2Slave):
         loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
         self._is_stale = True
         try:
-            simulation.advance(current_time + step_size, values[self._speed_at], loads)
+            simulation.advance(current_time + step_size, values[self._drive_at], loads)
         except StepFailure as error:
             self._failure = str(error)
             raise

@@ -1,0 +1,1 @@
+"""Systems that the rotor is part of."""

@@ -1,0 +1,306 @@
+"""A motor on a flexible coupling drives the rotor, each an FMU of its own."""
+
+import csv
+import io
+import json
+import math
+import runpy
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from model.assembly import assemble
+from model.rotor_toml import rig
+from rotor_fmu.drive_train import (
+    Member,
+    build_drive_train,
+    couple,
+    drive_train_table,
+    example,
+)
+from rotor_fmu.drive_train_command import (
+    CONTINUATIONS,
+    SMALL,
+    STUDIED,
+    STUDY_STOP,
+    TARGET,
+    mean_load,
+    orders,
+    peak_hz,
+)
+from rotor_fmu.errors import RunFailed
+
+
+@pytest.fixture(scope="module")
+def drive_fmu(tmp_path_factory):
+    return build_drive_train(tmp_path_factory.mktemp("drive"))
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory, drive_fmu, fmu):
+    """The example's folder with both FMUs in it, as the command leaves it."""
+    folder = tmp_path_factory.mktemp("system")
+    shutil.copytree(example(), folder, dirs_exist_ok=True)
+    shutil.copy(drive_fmu, folder)
+    shutil.copy(fmu, folder)
+    return folder
+
+
+@pytest.fixture
+def motor():
+    """A drive train without FMU, with values given by name."""
+    DriveTrain = runpy.run_path(str(example() / "drive_train.py"))["DriveTrain"]
+
+    def make(**values):
+        train = DriveTrain(instance_name="drive")
+        for name, value in values.items():
+            assert hasattr(train, name)
+            setattr(train, name, value)
+        train.exit_initialization_mode()
+        return train
+
+    return make
+
+
+def test_the_coupling_twists_as_two_masses_on_a_spring_do(motor):
+    """A motor at its limit from standstill: twist = T J / (J_m + J) / k (1 - cos(w t))."""
+    train = motor(c=0.0, tau_max=0.1, kp=1e3, h=1e-4)
+    train.w_ref = 10.0
+    J_motor, J, k = train.J_motor, train.J_rotor, train.k
+    omega = math.sqrt(k * (1 / J_motor + 1 / J))
+    for i in range(100):
+        train.do_step(i * 1e-3, 1e-3)
+        t = (i + 1) * 1e-3
+        twist = 0.1 * J / (J_motor + J) / k * (1 - math.cos(omega * t))
+        assert train.phi_motor - train.phi == pytest.approx(twist, abs=1e-8)
+        assert train.tau_motor == 0.1
+
+
+def test_what_the_motor_does_is_stored_lost_or_passed_on(motor):
+    train = motor(tau_load=0.02, w_start=50.0, h=1e-4)
+    start = 0.5 * (train.J_motor + train.J_rotor) * 50.0**2
+    for i in range(500):
+        train.tau_load = 0.02 + 0.01 * math.sin(i / 5)
+        train.do_step(i * 2e-3, 2e-3)
+    motors = 0.5 * train.J_motor * train.w_motor**2
+    twist = 0.5 * train.k * (train.phi_motor - train.phi) ** 2
+    begun = 0.5 * train.J_motor * 50.0**2
+    assert train.work_motor == pytest.approx(
+        motors - begun + twist + train.loss + train.work_out, rel=1e-8
+    )
+    assert motors + 0.5 * train.J_rotor * train.w**2 > start + 1.0
+
+
+def test_the_controller_reaches_its_target_within_the_torque_limit(motor):
+    train = motor(w_target=30.0, tau_load=0.02, tau_max=0.15)
+    highest = 0.0
+    for i in range(3000):
+        train.do_step(i * 2e-3, 2e-3)
+        assert abs(train.tau_motor) <= 0.15
+        highest = max(highest, train.w)
+    assert train.w == pytest.approx(30.0, abs=0.01)
+    assert train.tau_motor == pytest.approx(0.02, rel=0.01)
+    assert highest < 31.0
+
+
+def test_the_drive_trains_description_is_valid(drive_fmu):
+    assert validate_fmu(str(drive_fmu)) == []
+    description = fmpy.read_model_description(str(drive_fmu))
+    for variable, listed in zip(description.modelVariables, drive_train_table(), strict=True):
+        assert (variable.name, variable.unit) == (listed.name, listed.unit)
+
+
+def test_building_the_drive_train_twice_gives_the_same_bytes(drive_fmu, tmp_path):
+    assert build_drive_train(tmp_path).read_bytes() == drive_fmu.read_bytes()
+
+
+def test_the_drive_train_goes_on_from_a_saved_state(drive_fmu):
+    with Member(drive_fmu, {"continuation": 1.0}, []) as drive:
+        drive.begin()
+        names = drive.references("w", "phi", "tau_motor", "work_out", "loss")
+
+        def march(t):
+            seen = []
+            for i in range(20):
+                drive.set(drive.references("tau_load"), [0.01 * math.cos(i)])
+                drive.step(t + i * 1e-3, 1e-3)
+                seen.append(drive.get(names))
+            return seen
+
+        march(0.0)
+        state = drive._fmu.serializeFMUstate(drive._fmu.getFMUState())
+        first = march(0.02)
+        drive._fmu.setFMUState(drive._fmu.deSerializeFMUstate(state))
+        assert march(0.02) == first
+
+
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [({"k": -1.0}, "k = -1 N.m/rad: must be >= 0"), ({"kp": math.nan}, "kp = nan")],
+)
+def test_an_impossible_drive_train_is_refused(drive_fmu, fmu, parameters, message):
+    with pytest.raises(RunFailed, match=message):
+        couple(drive_fmu, fmu, 0.1, 1e-3, parameters, {})
+
+
+def test_an_infinite_load_ends_the_step_with_a_message(drive_fmu):
+    with Member(drive_fmu, {}, []) as drive:
+        drive.begin()
+        drive.set(drive.references("tau_load"), [math.inf])
+        with pytest.raises(RunFailed, match=r"tau_load = inf N\.m: must be a finite number"):
+            drive.step(0.0, 1e-3)
+
+
+def test_the_system_files_start_what_the_models_are(fmu, drive_fmu):
+    """Their numbers: the rig's moment of inertia, its torque at rest, and one step in all three."""
+    inertia = {v.name: v.start for v in drive_train_table()}["J_rotor"]
+    assert inertia == pytest.approx(assemble(rig()).inertia, rel=1e-12)
+    given = json.loads((example() / "cofmpy.json").read_text())["fmus"][0]["initialization"]
+    with Member(fmu, {"speed": 0.0}, []) as rotor:
+        (at_rest,) = rotor.get(rotor.references("tau_load"))
+    assert given["tau_load"] == pytest.approx(at_rest, rel=1e-12)
+    lever = abs(sum(assemble(rig()).unbalance)) * 9.81
+    assert at_rest == pytest.approx(lever, rel=1e-3)
+
+
+def last_row(script, *arguments):
+    """What one of the example's scripts prints last, by name."""
+    done = subprocess.run(
+        [sys.executable, str(script), *arguments], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    row = list(csv.DictReader(io.StringIO(done.stdout)))[-1]
+    return {name: float(value) for name, value in row.items()}
+
+
+@pytest.fixture(scope="module")
+def through_fmpy(drive_fmu, fmu):
+    return couple(drive_fmu, fmu, 1.0, 0.002, {}, {})
+
+
+@pytest.mark.parametrize("kind", ["osp", "ssp"])
+def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, kind):
+    row = last_row(system / "with_libcosim.py", kind, "1")
+    assert row["time"] == 1.0
+    for side in ("drive", "rotor"):
+        for name, column in getattr(through_fmpy, side).items():
+            if f"{side}.{name}" in row:
+                assert row[f"{side}.{name}"] == pytest.approx(column[-1], rel=1e-9), name
+
+
+def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):
+    pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
+    row = last_row(system / "with_cofmpy.py", "1")
+    assert row["drive.w"] == pytest.approx(through_fmpy.drive["w"][-1], rel=1e-9)
+    assert row["rotor.tau_load"] == pytest.approx(through_fmpy.rotor["tau_load"][-1], rel=1e-9)
+
+
+def test_cofmpys_gauss_seidel_differs_by_the_communication_step_only(system, through_fmpy):
+    pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
+    row = last_row(system / "with_cofmpy.py", "1", "gauss_seidel")
+    assert row["drive.w"] == pytest.approx(through_fmpy.drive["w"][-1], rel=1e-3)
+
+
+@pytest.mark.parametrize(("continuation", "order"), [*zip(CONTINUATIONS, (1, 2), strict=True)])
+def test_the_energy_lost_between_the_fmus_falls_with_the_step(drive_fmu, fmu, continuation, order):
+    drive = {"continuation": float(CONTINUATIONS.index(continuation))}
+    runs = [
+        couple(drive_fmu, fmu, STUDY_STOP, h, drive, {"solver.tolerance": 1e-4}) for h in STUDIED
+    ]
+    assert orders(runs) == pytest.approx([order] * 3, abs=0.1)
+    power = runs[-1].drive["tau_coupling"] * runs[-1].drive["w"]
+    taken = runs[-1].rotor["tau"] * runs[-1].drive["w"]
+    assert np.abs(power - taken).max() < 0.005 * np.abs(taken).max()
+
+
+def test_a_rotor_much_heavier_than_the_motor_leaves_the_loop_stable(drive_fmu, fmu):
+    """With J a in the torque that goes around, J > J_motor would blow up within a few steps."""
+    run = couple(drive_fmu, fmu, 2.0, 0.01, {"J_motor": 1e-4, "k": 40.0, "ramp": 15.0}, {})
+    assert run.J > 90 * 1e-4
+    assert run.drive["w"][-1] == pytest.approx(30.0, rel=0.02)
+
+
+def test_a_motor_just_too_weak_hangs_at_the_horizontal_resonance(drive_fmu, fmu):
+    """Just below it still speeds up, above it slows down again: it cannot get through."""
+    rates = []
+    for hz in (26.5, 29.0):
+        start = {"tau_max": SMALL, "w_start": 2 * math.pi * hz}
+        run = couple(drive_fmu, fmu, 8.0, 0.002, start, {})
+        late = run.t > 3.0  # when the start's transient is over
+        rates.append(np.polyfit(run.t[late], run.hz[late], 1)[0])
+        assert run.rotor["disc[3].x_amp"][-1] > 300e-6
+    assert rates[0] > 0.01
+    assert rates[1] < -0.01
+
+
+def test_ample_torque_passes_both_resonances(drive_fmu, fmu):
+    run = couple(drive_fmu, fmu, 12.0, 0.002, {"w_start": 130.0}, {})
+    assert run.drive["w"][-1] == pytest.approx(250.0, rel=0.01)
+    assert 26 < peak_hz(run, "x") < 29 < peak_hz(run, "y") < 33
+    hz, torque = mean_load(run)
+    assert np.interp(40, hz, torque) < SMALL < torque.max() < run.drive["tau_motor"].max()
+
+
+@pytest.mark.slow
+def test_the_command_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "drive-train", "--out", str(tmp_path)])
+    from rotor_fmu.cli import main
+
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0
+    report = json.loads((tmp_path / "summary.json").read_text())
+    assert report["ample"]["end_hz"] == pytest.approx(TARGET / (2 * math.pi), rel=1e-3)
+    assert 26 < report["small"]["end_hz"] < 29
+    assert abs(report["small"]["end_acceleration_hz_per_s"]) < 0.03
+    for picture in ("run_up.png", "power.png"):
+        assert (tmp_path / picture).stat().st_size > 10_000
+    assert "hang" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--small", "0.3"), "--small 0.3 N.m: must be below --ample = 0.2 N.m"),
+        (("--ample", "nan"), "--ample nan N.m: must be > 0"),
+        (("--step", "1"), "--step 1 s: must lie between 0.0001 and 0.02"),
+        (("--out", "/dev/null/x"), "--out /dev/null/x: cannot be written to"),
+    ],
+)
+def test_what_the_command_cannot_do_it_says_in_one_line(tmp_path, arguments, message):
+    done = subprocess.run(
+        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "drive-train", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"rotor-fmu: {message}")
+    assert len(done.stderr.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_ctrl_c_ends_the_command_in_one_line(tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "drive-train"],
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=tmp_path,
+    )
+    runs = tmp_path / "out" / "drive_train" / "runs"
+    while not runs.exists() and process.poll() is None:
+        time.sleep(0.05)
+    time.sleep(1.0)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert errors.strip().splitlines()[-1].startswith("rotor-fmu: stopped")
+    assert not list(tmp_path.rglob("*.part*"))

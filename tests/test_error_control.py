@@ -1,0 +1,113 @@
+"""Error-controlled steps: what the tolerance promises, and what must not upset the step length."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.error_control import GROWTH, SHRINKAGE, next_length, repeated_length
+from model.rotor_toml import rig
+from model.settings import SettingsError, choose
+from model.simulation import Simulation
+from model.step import new_motion
+
+from .machines import overhung
+
+
+def orbit(settings, stop=1.0, interval=0.02, speed=205.0, rate=-10.0, rotor=None):
+    """Disc 3 of a run-down at the ends of the intervals [m], and the simulation."""
+    sim = Simulation(rotor or rig(), settings, speed=speed, rate=rate)
+    seen = []
+    for i in range(round(stop / interval)):
+        sim.advance((i + 1) * interval, speed + rate * i * interval)
+        seen.append(complex(sim.read("disc[3].x"), sim.read("disc[3].y")))
+    return np.array(seen), sim
+
+
+def test_errors_fall_with_the_tolerance_and_keep_to_ten_times_of_it():
+    """Through the vertical resonance, against steps some twenty times shorter."""
+    exact, fine = orbit(choose("robust", h=1e-5))
+    size = np.abs(exact).max()
+    assert fine.read("bearing[1].contact") == 1.0
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        found, sim = orbit(choose(tolerance=tolerance))
+        error = np.abs(found - exact).max() / size
+        assert 0.03 * tolerance < error < 10 * tolerance
+        assert sim.read("solver.steps") < fine.read("solver.steps") / 2
+
+
+@pytest.mark.slow
+def test_twenty_phases_give_the_same_peaks_and_no_false_state():
+    peaks = []
+    for i in range(20):
+        discs = tuple(replace(disc, phase=1e-5 * i) for disc in rig().discs)
+        sim = Simulation(
+            replace(rig(), discs=discs), choose(tolerance=1e-4), speed=400.0, rate=-10.0
+        )
+        largest = np.zeros(2)
+        for k in range(400):
+            sim.advance(0.1 * (k + 1), 400.0 - k)
+            if k > 20:
+                amplitudes = [sim.read(f"disc[3].{axis}_amp") for axis in "xy"]
+                largest = np.maximum(largest, amplitudes)
+        peaks.append(largest)
+        assert sim.read("solver.trapped") == 0
+    assert np.all(np.ptp(peaks, axis=0) < 2e-3 * np.median(peaks, axis=0))
+
+
+def test_short_communication_steps_do_not_spoil_the_step_length():
+    _, whole = orbit(choose(tolerance=1e-2), stop=0.4, interval=0.4)
+    _, cut = orbit(choose(tolerance=1e-2), stop=0.4, interval=0.4 / 401)
+    assert whole.read("solver.h_last") > 2e-4
+    # an interval of a millisecond costs at most one step more than its length asks for
+    assert cut.read("solver.steps") < whole.read("solver.steps") + 2 * 401
+
+
+def test_at_rest_the_steps_grow_to_the_longest():
+    sim = Simulation(rig(), choose("controlled"), speed=0.0)
+    sim.advance(2.0, 0.0)
+    assert sim.read("solver.h_last") == pytest.approx(choose("controlled").h_max, rel=0.01)
+    assert sim.read("disc[3].y") == pytest.approx(-238.396e-6, abs=2e-9)
+
+
+@pytest.mark.parametrize("gravity", [0.0, 9.81])
+def test_a_rotor_without_bearings_or_anything_moving_it_takes_long_steps(gravity):
+    still = tuple(replace(disc, e=0.0) for disc in overhung().discs)
+    sim = Simulation(overhung(gravity=gravity, discs=still), choose("controlled"), speed=50.0)
+    sim.advance(1.0, 50.0)
+    assert sim.read("solver.rejected") == 0
+    assert sim.read("solver.steps") < 400
+
+
+def test_a_rejected_step_leaves_nothing_behind():
+    """Two runs that begin a step with wished lengths far apart, one of them hopeless."""
+    ends = []
+    for h in (1e-5, 4e-3):
+        sim = Simulation(rig(), choose(tolerance=1e-5, h=h), speed=200.0, rate=-10.0)
+        sim.advance(0.05, 200.0)
+        ends.append((complex(sim.read("disc[3].x"), sim.read("disc[3].y")), sim))
+    assert ends[1][1].read("solver.rejected") > ends[0][1].read("solver.rejected")
+    assert abs(ends[1][0] - ends[0][0]) < 1e-8
+
+
+def test_the_controller_keeps_to_its_limits():
+    assert next_length(1e-3, 0.0, 0.0) == pytest.approx(GROWTH * 1e-3)
+    assert next_length(1e-3, 1e6, 1.0) == pytest.approx(SHRINKAGE * 1e-3)
+    assert next_length(1e-3, 0.5, 0.1) < next_length(1e-3, 0.5, 0.5)  # a growing error
+
+
+def test_a_repeated_step_ends_where_a_journal_touches():
+    sim = Simulation(rig(), speed=100.0)
+    structure = sim.structure
+    old, new = new_motion(structure), new_motion(structure)
+    dof, clearance = structure.contacts[0].dof, structure.contacts[0].clearance
+    old.q[dof], new.q[dof] = 0.7 * clearance * 1j, 1.3 * clearance * 1j
+    assert repeated_length(structure, 1e-3, 100.0, old, new) == pytest.approx(0.5e-3)
+    new.q[dof] = 0.9 * clearance * 1j
+    assert repeated_length(structure, 1e-3, 100.0, old, new) == pytest.approx(SHRINKAGE * 1e-3)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, -1e-3, float("nan"), float("inf")])
+def test_a_tolerance_that_cannot_be_is_refused(tolerance):
+    with pytest.raises(SettingsError, match=r"solver\.tolerance = .*> 0"):
+        choose(tolerance=tolerance)

@@ -1,0 +1,90 @@
+"""Component modes: exact with all of them, closer with each, and the same machine."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.assembly import assemble
+from model.band import to_dense
+from model.reduction import component_modes, reduced
+from model.rotor import Support
+from model.rotor_toml import rig
+from model.settings import SettingsError, choose
+from model.simulation import Simulation
+
+ALL = 10  # fixed-interface modes that the rig has: 16 dofs less 6 deflections kept
+
+
+def orbit(modes, stop=0.4, rotor=None):
+    """Disc 3 through contact near the horizontal resonance, every 10 ms."""
+    settings = choose("robust", h=1e-4, reduction=modes)
+    sim = Simulation(rotor or rig(), settings, speed=180.0, rate=-10.0)
+    seen = []
+    for i in range(round(stop / 0.01)):
+        sim.advance((i + 1) * 0.01, 180.0 - 0.1 * i)
+        seen.append(complex(sim.read("disc[3].x"), sim.read("disc[3].y")))
+    return np.array(seen), sim
+
+
+def test_with_all_modes_it_is_a_change_of_coordinates():
+    whole, _ = orbit(0)
+    changed, _ = orbit(ALL)
+    assert np.abs(changed - whole).max() < 1e-11
+
+
+def test_every_mode_more_comes_closer():
+    whole, _ = orbit(0)
+    errors = [np.abs(orbit(modes)[0] - whole).max() for modes in (1, 2, 4)]
+    assert errors[0] < 2e-5
+    assert errors[0] > 3 * errors[1] > 9 * errors[2]
+
+
+def test_the_energy_closes_in_component_modes():
+    _, sim = orbit(2)
+    losses = sum(sim.read(f"energy.{n}_loss") for n in ("structure", "housing", "contact"))
+    assert losses + sim.read("energy.friction_loss") > 0.5
+    # the start, when friction sets in at once, costs the same with all modes
+    assert sim.read("energy.residual") == pytest.approx(
+        orbit(0)[1].read("energy.residual"), abs=2e-3
+    )
+
+
+def test_masses_and_modes_below_the_cut_are_kept():
+    structure = assemble(rig())
+    n = len(structure.weight)
+    for modes, closeness in ((1, 1e-2), (3, 1e-4)):
+        small = reduced(structure, modes)
+        assert small.M.shape == (6 + modes, 6 + modes)
+        rigid = np.zeros(len(small.weight))
+        rigid[:6] = 1.0
+        assert rigid @ small.weight == pytest.approx(structure.weight[::2].sum(), rel=1e-9)
+        assert small.mass_share.sum() == pytest.approx(1.0)
+        springs = np.zeros((n, n))
+        dofs = structure.contacts.dof
+        springs[dofs, dofs] = 1e7
+        squares = np.linalg.eigvals(
+            np.linalg.solve(to_dense(structure.M), to_dense(structure.K) + springs)
+        )
+        _, T = component_modes(structure, modes)
+        few = np.linalg.eigvals(
+            np.linalg.solve(to_dense(small.M), to_dense(small.K) + T.T @ springs @ T)
+        )
+        assert np.sort(few.real)[:2] == pytest.approx(np.sort(squares.real)[:2], rel=closeness)
+
+
+def test_more_modes_than_there_are_means_all():
+    assert reduced(assemble(rig()), 1000).M.shape == (16, 16)
+
+
+def test_a_rotor_on_supports_rests_where_it_rested():
+    rotor = replace(rig(), bearings=(), supports=(Support(2, 1e6, 10.0), Support(8, 1e6, 10.0)))
+    whole = Simulation(rotor, choose("robust")).read("disc[2].y")
+    few = Simulation(rotor, choose("robust", reduction=2)).read("disc[2].y")
+    assert few == pytest.approx(whole, rel=1e-4)
+
+
+@pytest.mark.parametrize("value", [-1, 1.5])
+def test_a_number_of_modes_that_cannot_be_is_refused(value):
+    with pytest.raises(SettingsError, match=r"solver\.reduction = .*integer >= 0"):
+        choose(reduction=value)
