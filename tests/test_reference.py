@@ -1,5 +1,7 @@
 """The run-down against SUNDIALS' CVODE, on equations that are not this project's own code."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -70,3 +72,16 @@ def test_a_run_in_small_steps_converges_to_the_reference(hz, stretches, referenc
         errors.append(np.abs(orbit - exact).max() / size(exact))
     assert errors[0] < 2e-3
     assert errors[1] < errors[0] / 10
+
+
+@pytest.mark.parametrize("hz", SPEEDS_HZ)
+def test_an_error_controlled_run_keeps_to_the_tolerance_asked(hz, stretches, references):
+    exact = references[hz]
+    reach = np.abs(exact).max()  # from the bearings' axis, what the tolerance is relative to
+    before = math.inf
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5):
+        orbit, _ = stretches[hz].orbit(choose("controlled", tolerance=tolerance))
+        error = np.abs(orbit - exact).max() / reach
+        assert error < 10 * tolerance
+        assert error < before / 3
+        before = error
