@@ -21,6 +21,7 @@ from model.rotor_toml import rig_toml  # noqa: E402
 from rotor_fmu.bundle import build  # noqa: E402
 from rotor_fmu.errors import run, writable_folder  # noqa: E402
 
+from .dissipation import dissipation  # noqa: E402
 from .growth import growth  # noqa: E402
 from .hosting import hosting  # noqa: E402
 from .processes import processes  # noqa: E402
@@ -60,6 +61,7 @@ def main(
         step_cost(store, times, report)
         growth(store, times, quick, report)
         race(store, times, quick, report)
+        dissipation(store, quick, report)
         scatter(store, quick, report)
         with tempfile.TemporaryDirectory() as temporary:
             fmu = build(Path(temporary), rig_toml())

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
 
 from .compare import OWN, rows
+from .growth import REDUCED
 from .store import Store, median
 
 # by program and the first words of its setting: (label, colour, marker)
@@ -90,7 +91,7 @@ def _against_work(
 def growth(store: Store) -> Figure:
     """Cost of a step against degrees of freedom."""
     figure, axes = new_figure()
-    for program, colour, marker in ((OWN, BLUE, "o"), ("Exudyn", GREEN, "^")):
+    for program, colour, marker in ((OWN, BLUE, "o"), (REDUCED, BLUE, "."), ("Exudyn", GREEN, "^")):
         points = sorted(
             (row["dofs"], median(row["us"]))
             for row in store.section("growth").values()

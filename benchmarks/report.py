@@ -32,6 +32,7 @@ def write_report(store: Store, folder: Path) -> list[Path]:
     parts = ["# Benchmark", _measured_on(store), "## Goals", _goals_table(store)]
     parts += [_race(store, problem) for problem in _TITLES if store.section(problem)]
     parts += ["## A step", _step_cost_table(store)]
+    parts += ["## Dissipation, fixed steps", _dissipation_table(store)]
     parts += ["## Larger machines, h = 0.1 ms", _growth_table(store)]
     parts += ["## Through the FMU, the default preset", _hosting_table(store)]
     page = folder / "table.md"
@@ -48,6 +49,7 @@ def filled_page(store: Store, text: str) -> str:
         "goals": _goals_table(store),
         "run-down": _race_table(store, "run-down"),
         "beginning": _race_table(store, "beginning"),
+        "dissipation": _dissipation_table(store),
         "larger machines": _growth_table(store),
         "hosting": _hosting_table(store),
     }
@@ -149,6 +151,24 @@ def _step_cost_table(store: Store) -> str:
     return table(("program", "µs of CPU"), lines)
 
 
+def _dissipation_table(store: Store) -> str:
+    found = list(store.section("dissipation").values())
+    steps = sorted({row["h"] for row in found}, reverse=True)
+    lines = [
+        (
+            f"{rho:g}",
+            *(
+                f"{row['orbit_max'] * 1e6:.3g}"
+                for h in steps
+                for row in found
+                if row["rho"] == rho and row["h"] == h
+            ),
+        )
+        for rho in sorted({row["rho"] for row in found})
+    ]
+    return table(("rho", *(f"orbit error, h = {h * 1e3:g} ms [µm]" for h in steps)), lines)
+
+
 def _growth_table(store: Store) -> str:
     found = store.section("growth").values()
     lines = [
@@ -161,7 +181,7 @@ def _growth_table(store: Store) -> str:
         )
         for row in sorted(
             found,
-            key=lambda r: (r["program"] != OWN, r["varied"] == "bearings", r["dofs"]),
+            key=lambda r: (r["program"], r["varied"] == "bearings", r["dofs"]),
         )
     ]
     head = ("program", "elements", "bearings", "dofs", "µs of CPU a step")
