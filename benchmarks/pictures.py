@@ -16,7 +16,7 @@ from .store import Store, median
 # by program and the first words of its setting: (label, colour, marker)
 _SERIES = {
     (OWN, "tolerance"): ("this project, error-controlled", BLUE, "o"),
-    (OWN, ""): ("this project, fixed steps and adaptive ones", BLUE, "."),
+    (OWN, ""): ("this project, other modes", BLUE, "."),
     ("CVODE", "order 2"): ("CVODE, order 2", ORANGE, "s"),
     ("CVODE", "order 5"): ("CVODE, order 5", ORANGE, "D"),
     ("Exudyn", ""): ("Exudyn, generalized-alpha", GREEN, "^"),
@@ -68,7 +68,7 @@ def peaks(store: Store) -> Figure:
 def _against_work(
     store: Store, problem: str, error: Callable[[dict], float]
 ) -> tuple[Figure, object]:
-    figure, axes = new_figure(7.0, 4.6)
+    figure, axes = new_figure(8.6, 4.4)
     stop = store.section("reference")[problem]["stop"]
     left = rows(store, problem)
     for (program, start), (label, colour, marker) in _SERIES.items():
@@ -84,7 +84,7 @@ def _against_work(
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter("{x:g}")
     axes.set_ylabel("CPU time for a simulated second [s]")
-    axes.legend(frameon=False, fontsize=8, loc="best")
+    figure.legend(frameon=False, fontsize=8, loc="outside right upper")
     return figure, axes
 
 
