@@ -68,7 +68,7 @@ class Simulation:
             self.structure = reduced(self.structure, int(settings.reduction))
         self.names = observed_names(self.structure)
         self._scheme = settings.scheme()
-        self._control = settings.control()
+        self._how = tuple(self._scheme), tuple(settings.control())
         if not is_unconditionally_stable(self._scheme):
             self._warn(
                 f"{settings.method} with alpha_f = {self._scheme.alpha_f:g}, alpha_m = "
@@ -77,7 +77,7 @@ class Simulation:
             )
         self._loads = np.zeros(len(self.structure.load_dof), dtype=complex)
         self._motion = new_motion(self.structure)
-        self._trial = new_motion(self.structure)
+        self._trial = tuple(new_motion(self.structure))
         self._work = new_workspace(self.structure)
         self._memory = new_memory(self.structure)
         self._observed = np.zeros(len(self.names))
@@ -90,8 +90,12 @@ class Simulation:
         record.t = t
         record.h = settings.h
         record.continues = continues_speed
-        record.is_free = drive_torque is not None
+        self._is_free = drive_torque is not None
+        record.is_free = self._is_free
         record.omega = speed
+        # views of single fields: a record's attributes cost a microsecond each
+        self._time = self._memory.record["t"]
+        self._trapped = self._memory.record["trapped"]
         self._arguments = calls.plain(self.structure, self._motion, self._memory, self._work)
         drive = speed if drive_torque is None else drive_torque
         calls.start(*self._arguments, drive, rate, self._loads, self._observed)
@@ -99,12 +103,12 @@ class Simulation:
     @property
     def time(self) -> float:
         """Time reached [s]."""
-        return float(self._memory.record[0].t)
+        return float(self._time[0])
 
     @property
     def is_free(self) -> bool:
         """Whether a torque drives the rotor, its speed being a state."""
-        return bool(self._memory.record[0].is_free)
+        return self._is_free
 
     @property
     def motion(self) -> Motion:
@@ -129,9 +133,10 @@ class Simulation:
         finite or lies in the past, without a step, and `StepFailure`, the state then
         being that after the last good step.
         """
-        for name, value in (("to", to), ("torque" if self.is_free else "speed", drive)):
-            if not math.isfinite(value):
-                raise ValueError(f"{name} = {value}: must be finite")
+        if not math.isfinite(to):
+            raise ValueError(f"to = {to}: must be finite")
+        if not math.isfinite(drive):
+            raise ValueError(f"{'torque' if self.is_free else 'speed'} = {drive}: must be finite")
         if to < self.time:
             raise ValueError(f"to = {to:.9g} s: must not lie before {self.time:.9g} s, now")
         if loads is not None:
@@ -139,22 +144,15 @@ class Simulation:
                 raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
         status = calls.advance(
-            *self._arguments,
-            tuple(self._scheme),
-            tuple(self._control),
-            to,
-            drive,
-            self._loads,
-            tuple(self._trial),
-            self._observed,
+            *self._arguments, *self._how, to, drive, self._loads, self._trial, self._observed
         )
         if status != march.DONE:
             raise StepFailure(self._failure(status))
-        record = self._memory.record[0]
-        if record.trapped and not self._has_warned:
+        if self._trapped[0] and not self._has_warned:
             self._has_warned = True
+            since = self._memory.record[0].trapped_at
             self._warn(
-                f"false state since t = {record.trapped_at:.4g} s: a journal jumps from wall to "
+                f"false state since t = {since:.4g} s: a journal jumps from wall to "
                 "wall of its clearance every step or two, which is the integrator's doing; do not "
                 "trust this run: take the preset robust, or a smaller solver.h"
             )

@@ -75,9 +75,11 @@ def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
 
 
 def _sources() -> dict[str, str]:
-    """The package's modules by their path in it; `model` becomes a subpackage."""
+    """The package's modules by their path in it; `model` becomes a subpackage, without what no
+    rotor needs."""
     root = Path(model.__file__).parent
-    files = {f"model/{p.relative_to(root).as_posix()}": p for p in root.rglob("*.py")}
+    modules = [p for p in root.rglob("*.py") if root / "impact" not in p.parents]
+    files = {f"model/{p.relative_to(root).as_posix()}": p for p in modules}
     files |= {f"{name}.py": _HERE / f"{name}.py" for name in _OWN_MODULES}
     texts = {path: file.read_text(encoding="utf-8") for path, file in sorted(files.items())}
     return {

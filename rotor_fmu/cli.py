@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from model.settings import PRESETS
 
-from . import figures
+from . import figures, impact_command
 from .bundle import build
 from .drive_train_command import drive_train
 from .errors import RunFailed, run, writable_folder
@@ -21,6 +22,7 @@ from .run_down import summary
 from .schemes_command import schemes
 from .signals import RUN_DOWN_STOP
 from .variable_table import markdown
+from .warm import warm
 
 app = typer.Typer(
     add_completion=False,
@@ -98,6 +100,7 @@ def reproduce_command(
 
 
 app.command("schemes")(schemes)
+app.add_typer(impact_command.app, name="impact")
 app.command("drive-train")(drive_train)
 
 
@@ -112,6 +115,19 @@ def host_env() -> None:
     """Print the environment that a C host needs to run the FMU on this machine."""
     for name, value in host_environment().items():
         typer.echo(f'export {name}="{value}"')
+
+
+@app.command("warm")
+def warm_command(
+    fmus: Annotated[
+        list[Path] | None, typer.Argument(help="FMUs; default: one built from this version.")
+    ] = None,
+) -> None:
+    """Compile the FMU's solver ahead of its first use on this machine."""
+    with tempfile.TemporaryDirectory() as folder:
+        for fmu in fmus or [build(Path(folder))]:
+            seconds = warm(fmu)
+            typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
 
 
 @app.command("build")

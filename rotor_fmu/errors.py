@@ -9,6 +9,7 @@ from pathlib import Path
 import typer
 
 from model.equilibrium import EquilibriumError
+from model.impact.failures import ImpactError
 from model.rotor import RotorError
 from model.schemes import SchemeError
 from model.settings import SettingsError
@@ -26,7 +27,15 @@ class RunFailed(RuntimeError):
     """A run that did not reach its end."""
 
 
-_BAD_INPUTS = (InputError, SignalError, RotorError, SettingsError, SchemeError, EquilibriumError)
+_BAD_INPUTS = (
+    InputError,
+    SignalError,
+    RotorError,
+    SettingsError,
+    SchemeError,
+    EquilibriumError,
+    ImpactError,
+)
 
 
 def run(app: Callable[..., object]) -> None:

@@ -50,6 +50,13 @@ CASES = (
         "(not in the paper)",
     ),
     Case(
+        "controlled",
+        "controlled (the default): Chung-Hulbert 0.3, tolerance 1e-3",
+        (),
+        8,
+        "(not in the paper)",
+    ),
+    Case(
         "robust",
         "robust: Chung-Hulbert 0.2, h = 0.5 ms",
         ("solver.preset=robust",),

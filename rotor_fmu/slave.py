@@ -69,6 +69,7 @@ class Face:
     rotor: Rotor
     table: tuple[Variable, ...]
     index: dict[str, int]
+    inputs: frozenset[int]
 
     @property
     def observed_at(self) -> int:
@@ -81,7 +82,9 @@ def face(toml: str, is_free: bool) -> Face:
     """The face of an FMU with this rotor, made once for all its instances."""
     rotor = parse_rotor(toml)
     table = interface(rotor, is_free)
-    return Face(toml, rotor, table, {variable.name: i for i, variable in enumerate(table)})
+    index = {variable.name: i for i, variable in enumerate(table)}
+    inputs = frozenset(i for i, variable in enumerate(table) if variable.causality == "input")
+    return Face(toml, rotor, table, index, inputs)
 
 
 _texts_read: dict[Path, str] = {}
@@ -122,9 +125,9 @@ class RotorBearing(Fmi2Slave):
         self._table = self._face.table
         self._observed_at = self._face.observed_at
         self._drive_at = self._face.index["tau_drive" if is_free else "speed"]
-        self._load_at = [
-            (self._face.index[x], self._face.index[y]) for x, y in load_names(self._face.rotor)
-        ]
+        self._load_at = [self._face.index[n] for pair in load_names(self._face.rotor) for n in pair]
+        self._loads = np.zeros(len(self._load_at) // 2, dtype=complex)
+        self._load_parts = self._loads.view(float)
         self._values = [v.start if v.start is not None else 0.0 for v in self._table]
         self.guid = guid(self._table, f"{Path(__file__).parent.name} {self._face.toml}")
         self.default_experiment = DefaultExperiment(
@@ -209,10 +212,10 @@ class RotorBearing(Fmi2Slave):
         if not (step_size > 0 and math.isfinite(step_size)):
             raise FmuError(f"doStep over {step_size:g} s: the step must be > 0")
         values = self._values
-        loads = np.array([complex(values[x], values[y]) for x, y in self._load_at])
+        self._load_parts[:] = [values[i] for i in self._load_at]
         self._is_stale = True
         try:
-            simulation.advance(current_time + step_size, values[self._drive_at], loads)
+            simulation.advance(current_time + step_size, values[self._drive_at], self._loads)
         except StepFailure as error:
             self._failure = str(error)
             raise
@@ -293,7 +296,11 @@ class RotorBearing(Fmi2Slave):
         self._guard(self._set, vrs, values)
 
     def _set(self, vrs: list[int], values: list[float]) -> None:
+        inputs = self._face.inputs
         for vr, value in zip(vrs, values, strict=True):
+            if vr in inputs and -math.inf < value < math.inf:
+                self._values[vr] = value
+                continue
             variable = self._table[vr]
             if not math.isfinite(value):
                 raise FmuError(f"{variable.name} = {value}: must be a finite number")

@@ -24,7 +24,9 @@ def test_the_hosts_page_names_test_files_that_exist():
         assert (ROOT / file).is_file(), file
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/reproduction.md", "docs/performance.md"])
+@pytest.mark.parametrize(
+    "page", ["README.md", "docs/impact.md", "docs/performance.md", "docs/reproduction.md"]
+)
 def test_what_is_linked_is_there(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     links = [link for link in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in link]

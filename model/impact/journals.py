@@ -1,0 +1,204 @@
+"""A rotor in round hard stops: the rotor's own matrices with paper B's contact in its bearings.
+
+The penalty law of the bearings gives way to a frictionless wall at the same clearance, so that
+IMPACT=AVERAGE TIME, which is made for hard contacts, can be tried on a rotor.
+Unknowns, real: x of the rotor's nodes and housings, then y; see `assembly.Structure`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import assembly
+from ..band import to_dense
+from ..equilibrium import static_equilibrium
+from ..excitation import Spin, add_applied, spin_of
+from ..rotor import Rotor
+from ..schemes import Scheme
+from .contacts import RoundStops
+from .failures import ImpactError
+from .march import Run, march
+from .stepper import Motion, Stepper
+from .structure import Solver
+
+# Stiffness [N/m] that puts a journal at rest on its wall but for the rounding errors.
+_RIGID = 1e13
+# A journal that crosses its clearance within so many increments is carried by the integrator.
+_CROSSING = 2
+
+
+@dataclass(frozen=True)
+class RunDown:
+    """A rotor whose speed falls linearly from `speed` [rad/s] by `rate` [rad/s2]."""
+
+    rotor: Rotor
+    speed: float
+    rate: float
+
+    def spin(self, t: float) -> Spin:
+        """Rotation at time t [s]."""
+        omega = self.speed + self.rate * t
+        return spin_of(omega, self.rate, t * (self.speed + 0.5 * self.rate * t))
+
+
+class JournalStructure:
+    """See `structure.Structure`; the matrices change with the speed of rotation."""
+
+    is_constant = False
+
+    def __init__(self, run_down: RunDown) -> None:
+        self._run_down = run_down
+        # the housings' springs and dampers stay, their contact becomes a wall
+        machine = assembly.assemble(run_down.rotor)
+        self._machine = machine
+        housings = machine.contacts
+        n, nb = len(machine.weight), len(housings)
+        self.size = size = n + nb
+        if machine.eta_v or machine.eta_h:
+            raise ImpactError("rotating internal damping: not with hard stops; set it to false")
+        self._M = _both_planes(machine.M, housings.mass, housings.mass)
+        self._C = _both_planes(machine.C, housings.cx, housings.cy)
+        self._K = _both_planes(machine.K, housings.kx, housings.ky)
+        self._G = np.zeros((2 * size, 2 * size))
+        self._G[:n, size : size + n] = to_dense(machine.G)
+        self._G[size : size + n, :n] = -to_dense(machine.G)
+        self._weight = np.zeros(2 * size)
+        self._weight[size + n :] = -housings.mass * machine.gravity
+        B = np.zeros((2 * size, 2 * nb))
+        for j, dof in enumerate(housings.dof):
+            for axis in (0, 1):
+                B[axis * size + dof, 2 * j + axis] = 1.0
+                B[axis * size + n + j, 2 * j + axis] = -1.0
+        self.contacts = RoundStops(B, housings.clearance.copy(), np.zeros(nb))
+        weight = float(np.abs(machine.weight.imag).sum())
+        self.energy_scale = weight * float(housings.clearance.max())
+
+    def load(self, t: float) -> np.ndarray:
+        """See `structure.Structure`: weight and unbalance."""
+        machine = self._machine
+        n = len(machine.weight)
+        applied = np.zeros(n, dtype=complex)
+        none = np.zeros(len(machine.load_dof), dtype=complex)
+        add_applied(machine, self._run_down.spin(t), none, applied)
+        f = self._weight.copy()
+        f[:n] += applied.real
+        f[self.size : self.size + n] += applied.imag
+        return f
+
+    def inertia(self, a: np.ndarray) -> np.ndarray:
+        """See `structure.Structure`."""
+        return self._M @ a
+
+    def internal(self, q: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
+        """See `structure.Structure`; gyroscopic terms included."""
+        spin = self._run_down.spin(t)
+        turned = spin.omega * v + 0.5 * spin.alpha * q
+        return self._C @ v + self._K @ q + self._G @ turned
+
+    def step_solver(self, m: float, c: float, k: float, t: float) -> Solver:
+        """See `structure.Structure`."""
+        spin = self._run_down.spin(t)
+        turning = c * spin.omega + 0.5 * k * spin.alpha
+        return _factorized(m * self._M + c * self._C + k * self._K + turning * self._G)
+
+    def mass_solver(self) -> Solver:
+        """See `structure.Structure`."""
+        return _factorized(self._M)
+
+    def energy(self, q: np.ndarray, v: np.ndarray) -> float:
+        """Kinetic energy of the vibration, elastic energy and potential of the weight [J]."""
+        weight = self._weight.copy()
+        weight[self.size : self.size + len(self._machine.weight)] += self._machine.weight.imag
+        return float(0.5 * (v @ self._M @ v + q @ self._K @ q) - weight @ q)
+
+    def at_rest(self) -> np.ndarray:
+        """Displacements at rest under the weight, journals on the bottom of their stops."""
+        rotor = self._run_down.rotor
+        bearings = tuple(replace(bearing, k=_RIGID) for bearing in rotor.bearings)
+        still = static_equilibrium(assembly.assemble(replace(rotor, bearings=bearings)))
+        return np.r_[still.real, still.imag]
+
+    @property
+    def last_disc(self) -> tuple[int, int]:
+        """Unknowns of the last disc's displacement, x and y."""
+        dof = int(self._machine.disc_dof[-1])
+        return dof, self.size + dof
+
+
+def _both_planes(band: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    n, nb = len(band), len(x)
+    size = n + nb
+    full = np.zeros((2 * size, 2 * size))
+    for start, housing in ((0, x), (size, y)):
+        full[start : start + n, start : start + n] = to_dense(band)
+        at = np.arange(start + n, start + size)
+        full[at, at] = housing
+    return full
+
+
+def _factorized(matrix: np.ndarray) -> Solver:
+    # its few unknowns are not worth the threads that a triangular solution would start
+    inverse = np.linalg.inv(matrix)
+    return lambda right: inverse @ right
+
+
+@dataclass(frozen=True)
+class JournalRun:
+    """A run of a rotor in hard stops; run.seen has x and y of the last disc, then x and y of each
+    journal relative to its housing [m]."""
+
+    run_down: RunDown
+    run: Run
+
+    @property
+    def t(self) -> np.ndarray:
+        """Times [s], one an increment, the start first."""
+        return self.run.t
+
+    @property
+    def disc(self) -> np.ndarray:
+        """Displacement of the last disc [m], shape (k, 2)."""
+        return self.run.seen[:, :2]
+
+    @property
+    def impacts(self) -> int:
+        """How often a journal came to touch its wall."""
+        touches = self.run.force > 0
+        return int((touches[1:] & ~touches[:-1]).sum())
+
+    @property
+    def crossings(self) -> int:
+        """How often a journal touched one side of its clearance and, at most two increments later,
+        the opposite side."""
+        count = 0
+        for j in range(self.run.force.shape[1]):
+            at = np.flatnonzero(self.run.force[:, j] > 0)
+            p = self.run.seen[at, 2 + 2 * j : 4 + 2 * j]
+            opposite = (p[1:] * p[:-1]).sum(axis=1) < -0.5 * (p[1:] ** 2).sum(axis=1)
+            count += int((opposite & (np.diff(at) <= _CROSSING)).sum())
+        return count
+
+
+def run_journals(
+    run_down: RunDown,
+    scheme: Scheme,
+    dt: float,
+    impact: str = "no",
+    t_end: float = 1.0,
+    cap: int = 100_000,
+    progress: Callable[[float], None] = lambda t: None,
+) -> JournalRun:
+    """Turn a rotor in hard stops from rest; dt, t_end [s]; see `march` for the rest."""
+    structure = JournalStructure(run_down)
+    q = structure.at_rest()
+    start = Stepper(structure, scheme).start(0.0, q, np.zeros_like(q))
+    disc, B = list(structure.last_disc), structure.contacts.B
+
+    def observe(motion: Motion) -> tuple[float, ...]:
+        return (*motion.q[disc], *(B.T @ motion.q))
+
+    run = march(structure, scheme, start, dt, t_end, impact, observe, cap, progress)
+    return JournalRun(run_down, run)

@@ -1,0 +1,80 @@
+"""A table that goes to the screen, to a CSV file and to a Markdown page."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+_FIRST = 20  # characters that the first column keeps on a narrow screen
+
+
+@dataclass(frozen=True)
+class Column:
+    """Name in files, head on paper (with its unit), format of the numbers; whether the screen,
+    which is narrower, shows it too."""
+
+    name: str
+    head: str
+    spec: str = ""
+    on_screen: bool = True
+
+
+class Report:
+    """Rows of values by column name; what a row does not have is shown as a dash."""
+
+    def __init__(
+        self, columns: Sequence[Column], rows: Sequence[Mapping[str, object]], title: str = ""
+    ) -> None:
+        self._columns, self._rows, self._title = columns, rows, title
+
+    def print(self, console: Console) -> None:
+        """To the screen."""
+        table = Table(
+            title=self._title,
+            title_justify="left",
+            title_style="bold",
+            box=box.SIMPLE_HEAD,
+            padding=0,
+            pad_edge=False,
+        )
+        shown = [column for column in self._columns if column.on_screen]
+        for k, column in enumerate(shown):
+            if k == 0:
+                table.add_column(column.head, overflow="fold", min_width=_FIRST)
+            else:
+                table.add_column(column.head, justify="right", no_wrap=True)
+        for row in self._rows:
+            table.add_row(*self._cells(row, shown))
+        console.print(table, soft_wrap=False)
+
+    def write(self, csv_path: Path, markdown_path: Path) -> None:
+        """All digits as CSV, the table as Markdown."""
+        with csv_path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, [column.name for column in self._columns])
+            writer.writeheader()
+            names = set(writer.fieldnames)
+            writer.writerows({k: v for k, v in row.items() if k in names} for row in self._rows)
+        heads = [column.head.replace("\n", " ") for column in self._columns]
+        lines = [
+            heads,
+            ["---"] * len(heads),
+            *(self._cells(row, self._columns) for row in self._rows),
+        ]
+        text = "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+        markdown_path.write_text(text, encoding="utf-8")
+
+    @staticmethod
+    def _cells(row: Mapping[str, object], columns: Sequence[Column]) -> list[str]:
+        return [_shown(row.get(column.name), column.spec) for column in columns]
+
+
+def _shown(value: object, spec: str) -> str:
+    if value is None or value != value:
+        return "-"
+    return value if isinstance(value, str) else format(value, spec)
