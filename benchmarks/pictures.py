@@ -36,7 +36,7 @@ def draw(store: Store, folder: Path) -> list[Path]:
     ):
         if rows(store, problem):
             found.append(save(work_precision(store, problem), folder / f"{name}.png"))
-    if rows(store, "run-down"):
+    if any(row["x_peak_error"] is not None for row in rows(store, "run-down")):
         found.append(save(peaks(store), folder / "work_precision_peaks.png"))
     if store.section("growth"):
         found.append(save(growth(store), folder / "growth.png"))
