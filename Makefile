@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-all lint clean
+.PHONY: run-down reproduce survey reference test test-all lint bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -38,6 +38,14 @@ test-all: $(VENV)/made
 lint: $(VENV)/made
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+
+# what a run costs beside other programs; stopped with Ctrl-C it goes on from there
+bench: $(VENV)/made
+	for peers in scikit-sundae exudyn "ross-rotordynamics plotly<7"; do \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check $$peers \
+			|| echo "$$peers: cannot be installed; the report will say so"; \
+	done
+	$(BIN)/python -m benchmarks
 
 clean:
 	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu

@@ -1,50 +1,86 @@
-"""What a step costs: python benchmarks/step_cost.py
+"""What a step costs, contacts solved: python -m benchmarks.step_cost
 
-Prints, for each preset, the median over several runs of the CPU time of a step through the model
-alone, and of the whole run-down through FMPy, all warm.
+CPU time of a step of 0.1 and of 4 ms, this project's beside Exudyn's, in turns.
 """
 
-import statistics
+from __future__ import annotations
+
 import sys
-import tempfile
-import time
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
-from pathlib import Path
 
-from model.settings import PRESETS
-from rotor_fmu.job import fmu_in, prepare
-from rotor_fmu.run_down import run_direct, run_fmu
+from model.settings import choose
 
-REPETITIONS = 5
+from .peers import exudyn_peer, project
+from .problem import Diverged, Method, Missing, Problem, run_down, timed
+from .store import Store, median
 
-
-def cpu(call):
-    """CPU seconds of a call, and its result."""
-    begun = time.process_time()
-    result = call()
-    return time.process_time() - begun, result
+# step [s]: (this project's preset, Exudyn's rho, how much of the run-down Exudyn is given [s])
+CASES = {1e-4: ("robust", 0.2, 1.0), 4e-3: ("paper", 0.9, 10.0)}
 
 
-def main():
-    with tempfile.TemporaryDirectory() as folder:
-        print(f"{'preset':16s} {'steps':>8s} {'us a step':>10s} {'Newton':>7s} {'FMPy [s]':>9s}")
-        for preset in PRESETS:
-            job = prepare(None, preset, [], None, 40.0, None)
-            coarse = replace(job, step=0.4)
-            fmu = fmu_in(Path(folder), job.toml)
-            run_fmu(fmu, replace(job, stop=0.1))
-            alone, hosted = [], []
-            for _ in range(REPETITIONS):
-                seconds, run = cpu(partial(run_direct, job.rotor, coarse))
-                steps = run.columns["solver.steps"][-1]
-                newton = run.columns["solver.newton"][-1] / steps
-                alone.append(seconds / steps * 1e6)
-                hosted.append(cpu(partial(run_fmu, fmu, job))[0])
-            print(
-                f"{preset:16s} {steps:8.0f} {statistics.median(alone):10.2f} {newton:7.2f} "
-                f"{statistics.median(hosted):9.2f}"
-            )
+def step_cost(store: Store, repetitions: int, report: Callable[[str, float], None]) -> None:
+    """Fill the section `step cost`: name, step, microseconds a step (each run's)."""
+    for number, (h, (preset, rho, stop)) in enumerate(CASES.items()):
+        whole = replace(run_down(), sample=0.4)
+        part = replace(whole, stop=stop, sample=0.04)
+        runs = {
+            f"this project, h = {h:g} s": (_own(preset, h), whole),
+            f"this project, h = {h:g} s, first {stop:g} s": (_own(preset, h), part),
+            f"Exudyn, h = {h:g} s, first {stop:g} s": (_exudyn(rho, h), part),
+        }
+        for _ in range(repetitions):
+            for name, (method, problem) in runs.items():
+                row = store.section("step cost").get(name, {"h": h, "us": [], "failed": None})
+                if row["failed"] or len(row["us"]) >= repetitions:
+                    continue
+                report(f"cost of a step: {name}", number / len(CASES))
+                store.keep("step cost", name, _measured(row, method, problem))
+
+
+def _measured(row: dict, method: Method | str, problem: Problem) -> dict:
+    if isinstance(method, str):
+        return {**row, "failed": method}
+    try:
+        if not row["us"]:
+            method.solve(replace(problem, stop=0.16, sample=0.04))
+        seconds, found = timed(method.solve, problem)
+    except Diverged as error:
+        return {**row, "failed": str(error)}
+    return {**row, "us": [*row["us"], 1e6 * seconds / found.steps]}
+
+
+def _own(preset: str, h: float) -> Method:
+    return project.method(f"{preset}, h = {h:g} s", choose(preset, h=h))
+
+
+def _exudyn(rho: float, h: float) -> Method | str:
+    try:
+        exudyn_peer.load()
+    except Missing as error:
+        return str(error)
+    return exudyn_peer.method(rho, h)
+
+
+def main() -> None:
+    """Print the table."""
+
+    class Kept:
+        """A store that forgets: nothing on disk."""
+
+        def __init__(self) -> None:
+            self.rows: dict[str, dict] = {}
+
+        def section(self, _: str) -> dict[str, dict]:
+            return self.rows
+
+        def keep(self, _: str, name: str, row: dict) -> None:
+            self.rows[name] = row
+
+    kept = Kept()
+    step_cost(kept, 5, lambda what, share: None)
+    for name, row in kept.rows.items():
+        print(f"{name:45s}", row["failed"] or f"{median(row['us']):8.2f} us a step")
 
 
 if __name__ == "__main__":

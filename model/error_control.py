@@ -16,6 +16,7 @@ SAFETY = 0.8
 GROWTH, SHRINKAGE = 1.25, 0.2
 # Gains of the controller; the error per unit of time is of order 2 in the step length.
 INTEGRAL, PROPORTIONAL = 0.35, 0.2
+CUT = 0.9  # of the wished length: a step below it was cut short and says nothing against it
 SMALLEST = 1e-8  # an error that it does not pay to tell from none
 # Share of a step before which a contact's opening or closing is worth ending a repeated step at.
 LATE = 0.9
@@ -27,7 +28,7 @@ def local_error(structure, control, omega, h, old, new):
 
     Displacements are weighted with their masses (root mean square), so that neither the turning
     point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
-    of this displacement and the clearance, per two radians of the lowest mode or of the rotation,
+    of this displacement and the clearance, per 2.5 radians of the lowest mode or of the rotation,
     whichever is faster: with that the disc's orbit keeps to some times the tolerance.
     """
     share = structure.mass_share
@@ -39,17 +40,19 @@ def local_error(structure, control, omega, h, old, new):
         error += share[i] * (change.real * change.real + change.imag * change.imag)
         size += share[i] * (q.real * q.real + q.imag * q.imag)
     radians = h * max(structure.lowest_omega, abs(omega))
-    tolerated = 0.5 * radians * control.tolerance * (structure.clearance + math.sqrt(size))
+    tolerated = 0.4 * radians * control.tolerance * (structure.clearance + math.sqrt(size))
     return abs(control.error_constant) * h * h * math.sqrt(error) / tolerated
 
 
 @compiled
-def next_length(h, error, error_before):
-    """Wished length of the next step [s] after one of length h [s] with these last errors [1]."""
+def next_length(wished, h, error, error_before):
+    """Wished length of the next step [s] after one of length h [s] with these last errors [1]; a
+    communication point may have cut h shorter than was wished, which says nothing against it."""
     error = max(error, SMALLEST)
     trend = max(error_before, SMALLEST) / error
     factor = SAFETY * error**-INTEGRAL * trend**PROPORTIONAL
-    return h * min(GROWTH, max(SHRINKAGE, factor))
+    shortest = SHRINKAGE * h if h > CUT * wished else wished
+    return min(GROWTH * wished, max(shortest, factor * h))
 
 
 @compiled

@@ -21,7 +21,6 @@ DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
-CUT = 0.9  # of the wished length: a step below it was cut short and says little about the next one
 
 
 @compiled
@@ -76,7 +75,7 @@ def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work
         motion.a[i] -= motion.v_dot[i]
     for _ in range(SPIN_ITERATIONS):
         spin = spin_now(memory.record)
-        accelerate(structure, spin, loads, motion, work)
+        accelerate(structure, spin, r.damping, loads, motion, work)
         r.torque = powers(structure, spin, loads, motion, memory.power)
         change = _imbalance(structure, memory.record, r.torque)
         if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
@@ -95,6 +94,11 @@ def _imbalance(structure, record, torque):
 
 
 @compiled
+def _fit(scheme, control, spin, h):
+    return fitted(scheme, spin.omega * h) if control.is_fitted else unfitted()
+
+
+@compiled
 def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
     """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
     rotor's torques balance at its end. Fills work.powers.
@@ -105,7 +109,7 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
     spin = spin_at(memory.record, t, r.alpha)
     status, total, torque = NOT_CONVERGED, 0, 0.0
     for correction in range(SPIN_ITERATIONS):
-        fit = fitted(scheme, spin.omega * h) if control.is_fitted else unfitted()
+        fit = _fit(scheme, control, spin, h)
         status, iterations = try_step(structure, scheme, fit, spin, h, loads, motion, trial, work)
         total += iterations
         if status != DONE:
@@ -165,8 +169,8 @@ def _next(control, wished, h, error, error_before, was_rejected):
         return next_step(control, wished, h, error)
     if control.mode == CONTROLLED:
         longest = h if was_rejected else control.h_max
-        proposed = max(control.h_min, min(longest, next_length(h, error, error_before)))
-        return proposed if h > CUT * wished else max(wished, proposed)
+        proposed = next_length(wished, h, error, error_before)
+        return max(control.h_min, min(longest, proposed))
     return wished
 
 
@@ -206,6 +210,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
             h = (t_end - r.t) / parts
         r.t = t
         r.h_carried = h
+        r.damping = _fit(scheme, control, spin, h).damping
         r.h = _next(control, wished, h, error, r.error, was_rejected)
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)

@@ -25,6 +25,7 @@ RECORD = np.dtype(
             "h",  # wished step length [s]
             "h_last",
             "h_carried",  # to which the carried accelerations belong
+            "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
             "h_largest",
             "error",  # of the last step, relative [1]
@@ -70,6 +71,7 @@ def new_memory(structure: Structure) -> Memory:
         rest=np.zeros(len(structure.disc_dof)),
     )
     memory.record[0].trapped_at = np.nan
+    memory.record[0].damping = 1.0
     return memory
 
 

@@ -107,14 +107,15 @@ def _housing_forces(bearing, gravity, q, v):
 
 
 @compiled
-def accelerate(structure, spin, loads, motion, work):
-    """Fill motion.force and motion.v_dot from the equation of motion at this instant."""
+def accelerate(structure, spin, damping, loads, motion, work):
+    """Fill motion.force and motion.v_dot from the equation of motion at this instant; damping: the
+    factor that a `fitting` gives it."""
     n = structure.M.shape[0]
     f = motion.v_dot[:n]
     for i in range(n):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
-    _add_internal(structure, spin, -1.0, 1.0, motion.q, motion.v, work.scratch, f)
+    _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
     for j in range(len(structure.contacts)):
         bearing = structure.contacts[j]
         q, v = motion.q[n + j], motion.v[n + j]
@@ -123,7 +124,7 @@ def accelerate(structure, spin, loads, motion, work):
         force = contact_force(bearing, d, d_dot, spin.omega)[0]
         motion.force[j] = force
         f[bearing.dof] += force
-        housing = _housing_forces(bearing, structure.gravity, q, v) + force
+        housing = _housing_forces(bearing, structure.gravity, q, damping * v) + force
         motion.v_dot[n + j] = housing * (-1.0 / bearing.mass)
     solve(structure.M_factors, f)
 

@@ -91,9 +91,15 @@ def test_a_rejected_step_leaves_nothing_behind():
 
 
 def test_the_controller_keeps_to_its_limits():
-    assert next_length(1e-3, 0.0, 0.0) == pytest.approx(GROWTH * 1e-3)
-    assert next_length(1e-3, 1e6, 1.0) == pytest.approx(SHRINKAGE * 1e-3)
-    assert next_length(1e-3, 0.5, 0.1) < next_length(1e-3, 0.5, 0.5)  # a growing error
+    assert next_length(1e-3, 1e-3, 0.0, 0.0) == pytest.approx(GROWTH * 1e-3)
+    assert next_length(1e-3, 1e-3, 1e6, 1.0) == pytest.approx(SHRINKAGE * 1e-3)
+    # a growing error
+    assert next_length(1e-3, 1e-3, 0.5, 0.1) < next_length(1e-3, 1e-3, 0.5, 0.5)
+
+
+def test_a_step_cut_short_neither_shortens_nor_hinders_the_next():
+    assert next_length(1e-3, 0.5e-3, 0.9, 0.9) == pytest.approx(1e-3)
+    assert next_length(1e-3, 0.5e-3, 1e-4, 1e-4) == pytest.approx(GROWTH * 1e-3)
 
 
 def test_a_repeated_step_ends_where_a_journal_touches():

@@ -25,7 +25,15 @@ def test_the_hosts_page_names_test_files_that_exist():
 
 
 @pytest.mark.parametrize(
-    "page", ["README.md", "docs/reproduction.md", "docs/impact.md", "docs/integrators.md"]
+    "page",
+    [
+        "README.md",
+        "docs/hosts.md",
+        "docs/impact.md",
+        "docs/integrators.md",
+        "docs/performance.md",
+        "docs/reproduction.md",
+    ],
 )
 def test_what_is_linked_is_there(page):
     text = (ROOT / page).read_text(encoding="utf-8")

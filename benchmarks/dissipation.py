@@ -1,0 +1,34 @@
+"""Which high-frequency dissipation serves best: spectral radii in fixed steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from model.settings import choose
+
+from .peers import project
+from .problem import run_down
+from .store import Store
+
+RADII = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8)
+STEPS = (5e-4, 2.5e-4)  # [s]
+
+
+def dissipation(store: Store, is_quick: bool, report: Callable[[str, float], None]) -> None:
+    """Fill the section `dissipation`: rho, h [s], largest error of the orbit [m]; needs the
+    reference that the race keeps."""
+    kept = store.section("reference")["run-down"]
+    truth = np.array(kept["x"]) + 1j * np.array(kept["y"])
+    problem = replace(run_down(), stop=kept["stop"])
+    for number, rho in enumerate(RADII[:: 4 if is_quick else 1]):
+        for h in STEPS:
+            name = f"rho = {rho:g}, h = {h:g} s"
+            if name in store.section("dissipation"):
+                continue
+            report(f"dissipation: {name}", number / len(RADII))
+            found = project.solve(choose("robust", rho=rho, h=h), problem)
+            error = float(np.abs(found.disc - truth).max())
+            store.keep("dissipation", name, {"rho": rho, "h": h, "orbit_max": error})

@@ -1,0 +1,87 @@
+"""The run-down against SUNDIALS' CVODE, on equations that are not this project's own code."""
+
+import math
+
+import numpy as np
+import pytest
+
+from benchmarks import equations
+from model.assembly import assemble
+from model.equilibrium import static_equilibrium
+from model.settings import choose
+
+from .windows import SPEEDS_HZ, rig, windows
+
+RTOL = 1e-8
+
+
+@pytest.fixture(scope="module")
+def stretches():
+    return dict(zip(SPEEDS_HZ, windows(), strict=True))
+
+
+@pytest.fixture(scope="module")
+def references(stretches):
+    return {hz: window.reference(RTOL) for hz, window in stretches.items()}
+
+
+def size(orbit):
+    """Half of the larger side of the box around an orbit [m]."""
+    return max(np.ptp(orbit.real), np.ptp(orbit.imag)) / 2
+
+
+def test_the_reference_rests_where_the_machine_does():
+    still = equations.equations(rig(), 0.0, 0.0)
+    rest = static_equilibrium(assemble(rig()))
+    slope = still.slope(0.0, equations.real_state(rest, 0 * rest))
+    assert np.abs(slope).max() < 1e-6  # [m/s2], beside gravity's 9.81
+
+
+def test_the_jacobian_of_the_reference_is_the_derivative_of_its_slope():
+    turning = equations.equations(rig(), 200.0, -10.0)
+    random = np.random.default_rng(0)
+    state = np.concatenate([random.normal(0, 3e-5, 36), random.normal(0, 1e-2, 36)])
+    exact = turning.jacobian(0.1, state)
+    numeric = np.empty_like(exact)
+    for i in range(72):
+        shift = np.zeros(72)
+        shift[i] = 1e-8 if i < 36 else 1e-4
+        change = turning.slope(0.1, state + shift) - turning.slope(0.1, state - shift)
+        numeric[:, i] = change / (2 * shift[i])
+    assert np.abs(turning.slope(0.1, state)).max() > 1e6  # both journals press on their walls
+    scale = np.abs(exact).max(axis=0)
+    assert (np.abs(numeric - exact) / scale).max() < 1e-5
+
+
+@pytest.mark.parametrize("hz", SPEEDS_HZ)
+def test_the_reference_has_converged_and_its_motion_is_not_chaotic(hz, stretches, references):
+    exact = references[hz]
+    coarser = stretches[hz].reference(100 * RTOL)
+    assert np.abs(coarser - exact).max() < 2e-9  # [m], orbits of 28 to 400 um
+    shifted = stretches[hz].reference(RTOL, shift=1e-10)
+    assert np.abs(shifted - exact)[-1] < 1e-9
+
+
+@pytest.mark.parametrize("hz", SPEEDS_HZ)
+def test_a_run_in_small_steps_converges_to_the_reference(hz, stretches, references):
+    exact = references[hz]
+    errors = []
+    for h in (1e-4, 2e-5):
+        orbit, steps = stretches[hz].orbit(choose("moderate", h=h))
+        assert steps == pytest.approx(0.2 / h, abs=1)
+        errors.append(np.abs(orbit - exact).max() / size(exact))
+    assert errors[0] < 2e-3
+    assert errors[1] < errors[0] / 10
+
+
+@pytest.mark.parametrize("hz", SPEEDS_HZ)
+def test_an_error_controlled_run_keeps_to_the_tolerance_asked(hz, stretches, references):
+    exact = references[hz]
+    reach = np.abs(exact).max()  # from the bearings' axis, what the tolerance is relative to
+    before = math.inf
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5):
+        orbit, _ = stretches[hz].orbit(choose("controlled", tolerance=tolerance))
+        error = np.abs(orbit - exact).max() / reach
+        assert error < 10 * tolerance
+        assert error < before / 3
+        before = error

@@ -1,0 +1,92 @@
+"""Stretches of the rig's run-down, each begun from one state by this project and by CVODE.
+
+CVODE (SUNDIALS) solves the equations of `benchmarks.equations`, which share the matrices with this
+project and nothing of its time integration.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from sksundae.cvode import CVODE
+
+from benchmarks import equations
+from model.rotor import Rotor
+from model.rotor_toml import parse_rotor, rig_toml
+from model.settings import Settings, choose
+from model.simulation import Simulation
+
+SPEED, RATE = 400.0, -10.0  # of the run-down: [rad/s] at its start, [rad/s2]
+SPEEDS_HZ = (60.0, 31.4, 27.5, 15.0)  # before, at and between the peaks, and far below them
+DURATION, STOPS = 0.2, 41  # of a window [s]; points at which orbits are compared
+STOP = 0.04  # between two of the run that leads to the windows [s]
+
+
+def rig() -> Rotor:
+    """The paper's rig."""
+    return parse_rotor(rig_toml())
+
+
+@dataclass(frozen=True)
+class Window:
+    """A stretch of the run-down: its beginning [s], and a simulation's snapshot and state there."""
+
+    begin: float
+    snapshot: tuple[np.ndarray, ...]
+    machine: equations.Equations
+    state: np.ndarray
+
+    @property
+    def times(self) -> np.ndarray:
+        """Where orbits are compared, from the beginning of the window [s]."""
+        return np.linspace(0.0, DURATION, STOPS)
+
+    def reference(self, rtol: float, shift: float = 0.0) -> np.ndarray:
+        """Orbit of the last disc [m] by CVODE; shift: of every displacement at the start [m]."""
+        coefficients, size = self.machine.coefficients, self.machine.size
+
+        def slope(t, state, out):
+            equations.slope(t, state, out, coefficients)
+
+        def jacobian(t, state, _, out):
+            equations.jacobian(t, state, out, coefficients)
+
+        atol = np.repeat([1e-4 * rtol, 1e-1 * rtol], size)  # [m], [m/s]
+        start = self.state + np.repeat([shift, 0.0], size)
+        solver = CVODE(slope, jacfn=jacobian, rtol=rtol, atol=atol, max_num_steps=10**8)
+        return self.machine.disc(solver.solve(self.times, start).y)
+
+    def orbit(self, settings: Settings) -> tuple[np.ndarray, int]:
+        """Orbit of the last disc [m] by this project, and the steps it took."""
+        sim = Simulation(rig(), settings, t=self.begin, speed=SPEED + RATE * self.begin, rate=RATE)
+        state = tuple(array.copy() for array in self.snapshot)
+        record = next(array for array in state if array.dtype.names and "h" in array.dtype.names)
+        record["h"] = settings.h
+        sim.restore(state)
+        before = sim.read("solver.steps")
+        found = [_last_disc(sim)]
+        for t in self.begin + self.times[1:]:
+            sim.advance(t, SPEED + RATE * sim.time)
+            found.append(_last_disc(sim))
+        return np.array(found), int(sim.read("solver.steps") - before)
+
+
+def _last_disc(sim: Simulation) -> complex:
+    number = len(sim.structure.disc_dof)
+    return complex(sim.read(f"disc[{number}].x"), sim.read(f"disc[{number}].y"))
+
+
+def windows() -> Iterator[Window]:
+    """The windows, from one run-down with steps of 0.1 ms that leads to them."""
+    sim = Simulation(rig(), choose("robust", h=1e-4), speed=SPEED, rate=RATE)
+    for hz in SPEEDS_HZ:
+        begin = (SPEED - 2 * math.pi * hz) / -RATE
+        for t in np.linspace(sim.time, begin, 1 + math.ceil((begin - sim.time) / STOP))[1:]:
+            sim.advance(t, SPEED + RATE * sim.time)
+        speed = SPEED + RATE * begin
+        machine = equations.equations(sim.rotor, speed, RATE, sim.read("phi"))
+        state = equations.real_state(sim.motion.q, sim.motion.v)
+        yield Window(begin, sim.snapshot(), machine, state)
