@@ -24,6 +24,8 @@ from .slave import DRIVE_FILE, ROTOR_FILE
 FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
 REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
+# Of `model`, what no rotor needs: paper B's experiments and the analysis of the false state.
+_NOT_IN_FMU = ("impact", "false_state.py", "bouncing.py", "one_axis.py")
 _OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "state", "slave")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -78,7 +80,7 @@ def _sources() -> dict[str, str]:
     """The package's modules by their path in it; `model` becomes a subpackage, without what no
     rotor needs."""
     root = Path(model.__file__).parent
-    modules = [p for p in root.rglob("*.py") if root / "impact" not in p.parents]
+    modules = [p for p in root.rglob("*.py") if p.relative_to(root).parts[0] not in _NOT_IN_FMU]
     files = {f"model/{p.relative_to(root).as_posix()}": p for p in modules}
     files |= {f"{name}.py": _HERE / f"{name}.py" for name in _OWN_MODULES}
     texts = {path: file.read_text(encoding="utf-8") for path, file in sorted(files.items())}
