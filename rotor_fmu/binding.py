@@ -8,7 +8,7 @@ from model.rotor import Rotor
 from model.settings import choose
 from model.simulation import Simulation
 
-from .interface import Variable
+from .variables import Variable
 
 SOLVER = "solver."
 # Parameters of the run itself, neither the rotor's nor the solver's.

@@ -26,7 +26,16 @@ REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
 _HERE = Path(__file__).parent
 # Of `model`, what no rotor needs: paper B's experiments and the analysis of the false state.
 _NOT_IN_FMU = ("impact", "false_state.py", "bouncing.py", "one_axis.py")
-_OWN_MODULES = ("about", "interface", "binding", "description", "wrapper", "state", "slave")
+_OWN_MODULES = (
+    "about",
+    "variables",
+    "interface",
+    "binding",
+    "description",
+    "wrapper",
+    "state",
+    "slave",
+)
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 

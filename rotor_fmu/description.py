@@ -6,7 +6,7 @@ import uuid
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from .interface import UNITS, Variable
+from .variables import UNITS, Variable
 
 _ORDER = (
     "CoSimulation",

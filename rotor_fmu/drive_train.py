@@ -23,7 +23,7 @@ from .about import RELEASED
 from .bundle import repack, wrap
 from .description import complete
 from .errors import RunFailed
-from .interface import Variable
+from .variables import Variable
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
 SYSTEM_FILES = ("OspSystemStructure.xml", "SystemStructure.ssd", "cofmpy.json")

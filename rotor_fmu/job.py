@@ -20,9 +20,10 @@ from model.settings import PRESETS, Settings, choose
 from .binding import build_simulation, chosen_settings
 from .bundle import FMU_NAME, build, is_current
 from .errors import InputError, read_text
-from .interface import Variable, interface
+from .interface import interface
 from .run_down import Plan, Run, run_direct, run_fmu
 from .signals import make_signals, read_signals
+from .variables import Variable
 
 _console = Console(stderr=True)
 

@@ -20,8 +20,8 @@ from model.simulation import StepFailure
 
 from .binding import build_simulation, load_names
 from .errors import RunFailed
-from .interface import Variable
 from .signals import Signals
+from .variables import Variable
 
 Progress = Callable[[float], None]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]

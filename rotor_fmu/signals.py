@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .interface import Variable
+from .variables import Variable
 
 # Paper A's run-down: 400 - 10 t rad/s, over 40 s.
 RUN_DOWN_SPEED = 400.0

@@ -34,8 +34,9 @@ from model.simulation import Simulation, StepFailure
 from .about import RELEASED, __version__
 from .binding import build_simulation, load_names
 from .description import complete, guid
-from .interface import Variable, interface
+from .interface import interface
 from .state import StateError, pack, unpack
+from .variables import Variable
 from .wrapper import hold, settle_exit
 
 # What the master may be off in its time, of a step or absolutely [s].

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from .interface import UNITS, Variable
+from .variables import UNITS, Variable
 
 _HEAD = ("variable", "causality", "unit", "start", "what it is")
 

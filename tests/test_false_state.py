@@ -182,7 +182,7 @@ def test_the_map_of_an_impact_is_the_integrators(name):
     motion.v[:] = speed * shape
     motion.a[:] = 0.0
     loads = np.zeros(len(structure.load_dof), dtype=complex)
-    accelerate(structure, spin_of(0.0, 0.0, 0.0), loads, motion, new_workspace(structure))
+    accelerate(structure, spin_of(0.0, 0.0, 0.0), 1.0, loads, motion, new_workspace(structure))
     simulation.restore(snapshot)
     seen = displacements(simulation, H, count + 1)[1:].real
     np.testing.assert_allclose(seen[:20], predicted[:20], rtol=1e-6, atol=1e-12)

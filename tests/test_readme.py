@@ -28,7 +28,6 @@ def test_the_hosts_page_names_test_files_that_exist():
     "page",
     [
         "README.md",
-        "docs/hosts.md",
         "docs/impact.md",
         "docs/integrators.md",
         "docs/performance.md",

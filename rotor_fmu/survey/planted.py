@@ -70,7 +70,7 @@ def plant(
         lift = math.copysign(axis.clearance * math.sin(tilt), axis.across) - other.rest
         motion.q[:] += 1j * lift * other.static[0]
     loads = np.zeros(len(structure.load_dof), dtype=complex)
-    accelerate(structure, spin, loads, motion, new_workspace(structure))
+    accelerate(structure, spin, 1.0, loads, motion, new_workspace(structure))
     simulation.restore(snapshot)
 
 

@@ -11,7 +11,8 @@ from fmpy.validation import validate_fmu
 
 from model.rotor_toml import rig, rig_toml
 from rotor_fmu.bundle import build, is_current
-from rotor_fmu.interface import UNITS, interface
+from rotor_fmu.interface import interface
+from rotor_fmu.variables import UNITS
 
 
 def test_fmpy_finds_no_problem(fmu):
