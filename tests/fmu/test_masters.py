@@ -102,3 +102,21 @@ def test_a_jumping_speed_is_held_where_asked(fmu):
     assert held["phi"][-1] == pytest.approx(0.5 * 300 + 0.5 * 200)
     linear = simulate(fmu, 1.0, 0.05, jump)
     assert linear["w"].min() == pytest.approx(100.0)  # continues the jump for one step
+
+
+def test_the_tolerance_of_the_experiment_is_that_of_the_solver(fmu):
+    def steps(tolerance, **parameters):
+        result = fmpy.simulate_fmu(
+            str(fmu),
+            stop_time=0.5,
+            output_interval=0.1,
+            relative_tolerance=tolerance,
+            start_values={name.replace("__", "."): value for name, value in parameters.items()},
+            output=["solver.steps"],
+        )
+        return result["solver.steps"][-1]
+
+    coarse, fine = steps(1e-2), steps(1e-4)
+    assert fine > 5 * coarse
+    assert steps(1e-2, solver__tolerance=1e-4) == fine
+    assert steps(1e-2, solver__preset=0) == steps(1e-4, solver__preset=0)  # robust: fixed steps
