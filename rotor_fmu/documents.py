@@ -18,7 +18,7 @@ from matplotlib.patches import Rectangle
 from model.rotor import Disc, Rotor
 
 from .about import __version__
-from .reference import related_files
+from .related_files import related_files
 from .variable_table import rows
 from .variables import Variable
 

@@ -12,7 +12,8 @@ import pytest
 
 from model.rotor_toml import rig_toml
 from rotor_fmu.bundle import build
-from rotor_fmu.reference import FOLDER, default_experiment
+from rotor_fmu.reference import default_experiment
+from rotor_fmu.related_files import FOLDER
 
 LS = "{http://fmi-standard.org/fmi-ls-manifest}"
 
