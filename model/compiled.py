@@ -26,7 +26,7 @@ except ImportError:
 
 INTERPRETED_WARNING = (
     f"numba is {'switched off' if numba else 'not installed (pip install numba)'}: the solver runs "
-    "interpreted, some four hundred times slower, with the same numbers"
+    "interpreted, some five hundred times slower, with the same numbers"
 )
 # The kernels allocate nothing, so arrays need no reference counts (atomic ones, at every access),
 # and the tuples they share are many words to hand over: inlined, a step takes half the time.

@@ -94,22 +94,20 @@ def _imbalance(structure, record, torque):
 
 
 @compiled
-def _fit(scheme, control, spin, h):
-    return fitted(scheme, spin.omega * h) if control.is_fitted else unfitted()
-
-
-@compiled
 def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
     """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
     rotor's torques balance at its end. Fills work.powers.
 
-    Returns the status, the Newton iterations, the rotation, and the drive's torque [N.m].
+    Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and
+    the drive's torque [N.m].
     """
     r = memory.record[0]
     spin = spin_at(memory.record, t, r.alpha)
     status, total, torque = NOT_CONVERGED, 0, 0.0
+    fit = unfitted()
     for correction in range(SPIN_ITERATIONS):
-        fit = _fit(scheme, control, spin, h)
+        if control.is_fitted:
+            fit = fitted(scheme, spin.omega * h)
         status, iterations = try_step(structure, scheme, fit, spin, h, loads, motion, trial, work)
         total += iterations
         if status != DONE:
@@ -121,7 +119,7 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
             break
         spin = spin_at(memory.record, t, spin.alpha + change)
         status = NOT_CONVERGED
-    return status, total, spin, torque
+    return status, total, fit, spin, torque
 
 
 @compiled
@@ -190,7 +188,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
             t = t_end if parts == 1.0 else r.t + h
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
-            status, iterations, spin, torque = _turn(
+            status, iterations, fit, spin, torque = _turn(
                 structure, scheme, control, t, h, loads, motion, trial, memory, work
             )
             r.newton += iterations
@@ -210,7 +208,7 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
             h = (t_end - r.t) / parts
         r.t = t
         r.h_carried = h
-        r.damping = _fit(scheme, control, spin, h).damping
+        r.damping = fit.damping
         r.h = _next(control, wished, h, error, r.error, was_rejected)
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)

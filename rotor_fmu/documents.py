@@ -23,7 +23,7 @@ from .variable_table import rows
 from .variables import Variable
 
 DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
-Python 3.11 or newer with numpy and scipy; with numba it runs some four hundred times faster.
+Python 3.11 or newer with numpy and scipy; with numba it runs some five hundred times faster.
 No network, no licence, no files but its own and a cache of compiled code in the user's
 cache folder ($ROTOR_FMU_CACHE).
 """

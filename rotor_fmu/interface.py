@@ -26,6 +26,7 @@ def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
 
 def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
     def load(name: str, axis: str, where: str) -> Variable:
+        """An external force on a body along an axis [N]."""
         direction = "to the right (+x)" if axis == "x" else "upwards (+y)"
         return Variable(
             f"{name}.f{axis}",
@@ -136,6 +137,7 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
 
 def _solver_parameters() -> list[Variable]:
     def choice(name: str, names: tuple[str, ...], start: int, text: str) -> Variable:
+        """An Integer that stands for one of the names."""
         listed = ", ".join(f"{i} {n}" for i, n in enumerate(names))
         return Variable(
             f"solver.{name}",
@@ -150,6 +152,7 @@ def _solver_parameters() -> list[Variable]:
         )
 
     def real(name: str, unit: str, unset: float, low: float, high: float, text: str) -> Variable:
+        """A Real that the value `unset` leaves to the preset."""
         return Variable(
             f"solver.{name}",
             "Real",

@@ -36,6 +36,21 @@ def test_errors_fall_with_the_tolerance_and_keep_to_ten_times_of_it():
         assert sim.read("solver.steps") < fine.read("solver.steps") / 2
 
 
+@pytest.mark.parametrize("speed", [100.0, 150.0, 200.0, 300.0])
+@pytest.mark.parametrize("rho", [0.3, 0.5])
+def test_journals_knocked_about_settle_instead_of_bouncing_for_ever(rho, speed):
+    """By fixed steps of 0.5 ms rho = 0.5 falls into the false state."""
+    for kick in (1.0, 3.0, 6.0):
+        settings = choose(rho=rho, tolerance=1e-2)
+        sim = Simulation(rig(), settings, speed=speed, warn=lambda message: None)
+        sim.advance(0.2, speed)
+        sim.motion.v[sim.structure.contacts.dof] += kick * np.exp(1j * kick)
+        sim.advance(1.2, speed)
+        before = sim.read("solver.trapped")
+        sim.advance(1.5, speed)
+        assert sim.read("solver.trapped") == before
+
+
 @pytest.mark.slow
 def test_twenty_phases_give_the_same_peaks_and_no_false_state():
     peaks = []

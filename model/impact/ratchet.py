@@ -178,6 +178,7 @@ def run_ratchet(
     count = 2 * len(ratchet.plate.points)
 
     def observe(motion: Motion) -> tuple[float, ...]:
+        """Angle [rad] and speed [rad/s] of the wheel, speed of the pawl [rad/s]."""
         if motion.t >= len(shape_t) * frame_time - 1e-12 and math.isfinite(frame_time):
             nodes = np.zeros(count)
             nodes[made.free] = motion.q[:-1]

@@ -1,0 +1,123 @@
+"""What FMI adds to a communication step: python -m benchmarks.fmi_overhead
+
+Through FMPy's API: set all inputs, a step of 0.1 ms, read all outputs; beside it the model's own
+call, and an FMU with as many variables that computes nothing. Medians, CPU time.
+"""
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from model.rotor_toml import rig
+from model.settings import choose
+from model.simulation import Simulation
+from rotor_fmu.bundle import build
+
+H, STEPS, REPETITIONS = 1e-4, 5000, 7
+SPEED = 400.0
+IDLE = """
+from pythonfmu import Boolean, Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+class Idle(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        for name in {inputs}:
+            setattr(self, name, 0.0)
+            self.register_variable(Real(name, causality=Fmi2Causality.input))
+        for name in {outputs}:
+            setattr(self, name, 0.0)
+            self.register_variable(Real(name, causality=Fmi2Causality.output))
+        for name in {flags}:
+            setattr(self, name, False)
+            self.register_variable(
+                Boolean(name, causality=Fmi2Causality.output, variability=Fmi2Variability.discrete)
+            )
+    def set_real(self, references, values):
+        pass
+    def get_real(self, references):
+        return [0.0] * len(references)
+    def get_boolean(self, references):
+        return [False] * len(references)
+    def do_step(self, t, h):
+        return True
+"""
+
+
+def median_cost(call):
+    """CPU time of call(t) in microseconds."""
+    costs, n = [], 0
+    for _ in range(REPETITIONS):
+        begun = time.process_time()
+        for _ in range(STEPS):
+            call(n * H)
+            n += 1
+        costs.append((time.process_time() - begun) / STEPS * 1e6)
+    return statistics.median(costs)
+
+
+def variables(fmu, kind, causality):
+    """References of an FMU's variables."""
+    described = fmpy.read_model_description(str(fmu)).modelVariables
+    return [v.valueReference for v in described if v.type == kind and v.causality == causality]
+
+
+def through_fmpy(fmu):
+    """Cost of a communication step [us]."""
+    folder = fmpy.extract(str(fmu))
+    instance = fmpy.instantiate_fmu(folder, fmpy.read_model_description(folder), "CoSimulation")
+    inputs, outputs = variables(fmu, "Real", "input"), variables(fmu, "Real", "output")
+    flags = variables(fmu, "Boolean", "output")
+    values = [SPEED] + [0.0] * (len(inputs) - 1)
+    instance.setupExperiment(startTime=0.0)
+    instance.enterInitializationMode()
+    instance.exitInitializationMode()
+
+    def step(t):
+        instance.setReal(inputs, values)
+        instance.doStep(t, H)
+        instance.getReal(outputs)
+        instance.getBoolean(flags)
+
+    return median_cost(step)
+
+
+def idle_fmu(like, folder):
+    """An FMU with as many variables as another that computes nothing."""
+    counts = {
+        "inputs": ("u", len(variables(like, "Real", "input"))),
+        "outputs": ("y", len(variables(like, "Real", "output"))),
+        "flags": ("b", len(variables(like, "Boolean", "output"))),
+    }
+    names = {key: [f"{letter}{i}" for i in range(n)] for key, (letter, n) in counts.items()}
+    script = folder / "idle.py"
+    script.write_text(IDLE.format(**names))
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(script), "-d", str(folder)]
+    subprocess.run(command, check=True, capture_output=True, cwd=folder)
+    return folder / "Idle.fmu"
+
+
+def model_alone():
+    """Cost of the model's own call [us]."""
+    sim = Simulation(rig(), choose(), speed=SPEED)
+    loads = np.zeros(len(sim.structure.load_dof), dtype=complex)
+    return median_cost(lambda t: sim.advance(t + H, SPEED, loads))
+
+
+def main():
+    with tempfile.TemporaryDirectory() as name:
+        fmu = build(Path(name))
+        hosted, model = through_fmpy(fmu), model_alone()
+        idle = through_fmpy(idle_fmu(fmu, Path(name)))
+    print("| a communication step of 0.1 ms | us of CPU |\n| --- | ---: |")
+    print(f"| through FMPy | {hosted:.1f} |\n| the model's own call | {model:.1f} |")
+    print(f"| so FMI adds | {hosted - model:.1f} |\n| an FMU that computes nothing | {idle:.1f} |")
+
+
+if __name__ == "__main__":
+    main()
