@@ -27,13 +27,13 @@ survey: $(VENV)/made
 
 # after a change of the model's numbers: the result that the FMU carries
 reference: $(VENV)/made
-	$(BIN)/python -m rotor_fmu.reference
+	$(BIN)/python -m rotor_fmu.packing.reference
 
 test: $(VENV)/made
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 test-all: $(VENV)/made
-	$(BIN)/python -m pytest -m "slow or not slow"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
 
 lint: $(VENV)/made
 	$(BIN)/ruff check .

@@ -16,10 +16,10 @@ from typing import Annotated  # noqa: E402
 import typer  # noqa: E402
 from rich.console import Console  # noqa: E402
 from rich.progress import Progress  # noqa: E402
+from rotor_fmu.model.machine.toml import rig_toml  # noqa: E402
 
-from model.rotor_toml import rig_toml  # noqa: E402
-from rotor_fmu.bundle import build  # noqa: E402
 from rotor_fmu.errors import run, writable_folder  # noqa: E402
+from rotor_fmu.packing.bundle import build  # noqa: E402
 
 from .dissipation import dissipation  # noqa: E402
 from .growth import growth  # noqa: E402

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-
-from model.settings import choose
+from rotor_fmu.model.settings import choose
 
 from .peers import project
 from .problem import run_down

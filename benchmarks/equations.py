@@ -17,9 +17,9 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.structure.assembly import assemble
 
-from model.assembly import assemble
-from model.rotor import Rotor
 from tests.dense import dense_matrices
 
 _BEARING = ("journal_radius", "clearance", "k", "c", "delta_c", "mu", "v_s")

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
-from rotor_fmu.bundle import build
+from rotor_fmu.packing.bundle import build
 
 H, STEPS, REPETITIONS = 1e-4, 5000, 7
 SPEED = 400.0

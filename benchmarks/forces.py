@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numba
 import numpy as np
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
-from model.assembly import assemble
-from model.equilibrium import static_equilibrium
-from model.rotor import Rotor
 from tests.dense import dense_matrices
 
 from .equations import contact, equations

@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-
-from model.rotor import Rotor
-from model.settings import choose
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.settings import choose
 
 from .peers import exudyn_peer, project
 from .problem import Diverged, Method, Missing, Problem, run_down, timed

@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from rotor_fmu.job import Job, prepare
-from rotor_fmu.run_down import run_direct, run_fmu
+from rotor_fmu.runs.job import Job, prepare
+from rotor_fmu.runs.run_down import run_direct, run_fmu
 
 from .store import Store
 

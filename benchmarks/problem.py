@@ -7,10 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from scipy.interpolate import CubicSpline
-
-from model.rotor import Rotor
-from model.rotor_toml import parse_rotor, rig_toml
 
 from . import equations
 

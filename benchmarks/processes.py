@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from model.settings import choose
+from rotor_fmu.model.settings import choose
 
 from .peers import project
 from .problem import Diverged, Missing, beginning, timed

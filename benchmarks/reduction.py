@@ -5,10 +5,9 @@ distance from the run with the whole shaft, over the number of modes kept.
 """
 
 import numpy as np
-
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 MODES = (1, 2, 4, 6)
 

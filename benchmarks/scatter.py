@@ -6,9 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from .problem import PEAKS_AFTER, RATE, SPEED, run_down
 from .store import Store

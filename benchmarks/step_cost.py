@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 
-from model.settings import choose
+from rotor_fmu.model.settings import choose
 
 from .peers import exudyn_peer, project
 from .problem import Diverged, Method, Missing, Problem, run_down, timed

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from . import schemes
-from .control import (
+from .march.control import (
     ADAPTIVE,
     CONTROLLED,
     FIXED,
@@ -16,6 +15,7 @@ from .control import (
     ZIENKIEWICZ_XIE,
     Control,
 )
+from .schemes import family as schemes
 
 # The parameters that each method takes.
 METHODS = {

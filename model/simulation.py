@@ -8,17 +8,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from . import calls, march
-from .assembly import assemble
-from .compiled import INTERPRETED_WARNING, IS_COMPILED
-from .equilibrium import static_equilibrium
-from .memory import new_memory
-from .observe import observed_names
-from .reduction import reduced
-from .rotor import Rotor
-from .schemes import is_unconditionally_stable
+from .kernels.compiled import INTERPRETED_WARNING, IS_COMPILED
+from .machine.rotor import Rotor
+from .march import calls, march
+from .march.memory import new_memory
+from .march.observe import observed_names
+from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .step import Motion, new_motion, new_workspace
+from .step.step import Motion, new_motion, new_workspace
+from .structure.assembly import assemble
+from .structure.equilibrium import static_equilibrium
+from .structure.reduction import reduced
 
 
 class StepFailure(RuntimeError):

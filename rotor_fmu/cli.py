@@ -8,22 +8,22 @@ from typing import Annotated
 
 import typer
 
-from model.settings import PRESETS
-
-from . import figures, impact_command
-from .bundle import build
-from .drive_train_command import drive_train
+from . import figures
+from .drive_train.command import drive_train
 from .errors import RunFailed, run, writable_folder
-from .host_env import host_environment
-from .interface import interface
-from .job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
-from .reproduce import reproduce
-from .run_down import summary
-from .schemes_command import schemes
-from .signals import RUN_DOWN_STOP
+from .fmu.interface import interface
+from .impact import command as impact_command
+from .model.settings import PRESETS
+from .packing.bundle import build
+from .packing.variable_table import markdown
+from .packing.warm import warm
+from .runs.host_env import host_environment
+from .runs.job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
+from .runs.reproduce import reproduce
+from .runs.run_down import summary
+from .runs.signals import RUN_DOWN_STOP
+from .schemes.command import schemes
 from .survey.command import survey
-from .variable_table import markdown
-from .warm import warm
 
 app = typer.Typer(
     add_completion=False,

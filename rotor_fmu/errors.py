@@ -8,13 +8,12 @@ from pathlib import Path
 
 import typer
 
-from model.equilibrium import EquilibriumError
-from model.impact.failures import ImpactError
-from model.rotor import RotorError
-from model.schemes import SchemeError
-from model.settings import SettingsError
-
-from .signals import SignalError
+from .model.impact.stepping.failures import ImpactError
+from .model.machine.rotor import RotorError
+from .model.schemes.family import SchemeError
+from .model.settings import SettingsError
+from .model.structure.equilibrium import EquilibriumError
+from .runs.signals import SignalError
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 

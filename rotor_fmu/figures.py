@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from .run_down import PEAKS_AFTER, Run, last_index
+from .runs.run_down import PEAKS_AFTER, Run, last_index
 
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
 SPEED_LABEL = "Rotational speed $n$ [Hz]"

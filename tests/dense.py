@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
-from model.assembly import Structure
-from model.band import to_dense
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.structure.assembly import Structure
 
 
 def dense_matrices(

@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-
-from model.band import to_dense
-from model.rotor import Disc, Material, Rotor, Support
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.machine.rotor import Disc, Material, Rotor, Support
 
 STEEL = Material(young=2.1e11, density=7800.0)
 

@@ -4,8 +4,7 @@ import itertools
 import math
 
 import numpy as np
-
-from model.beam import shear_coefficient
+from rotor_fmu.model.structure.beam import shear_coefficient
 
 
 def pieces(rotor):

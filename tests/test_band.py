@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-
-from model import band
+from rotor_fmu.model.kernels import band
 
 SIZES = [(1, 0), (2, 1), (4, 3), (16, 3), (30, 1), (25, 7), (12, 11), (40, 0)]
 KINDS = [float, complex]

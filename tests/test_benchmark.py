@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from benchmarks import compare, growth, race
 from benchmarks.peers import cvode, exudyn_peer, project, ross_peer
 from benchmarks.problem import Diverged, Method, Missing, beginning, orbit, peaks
 from benchmarks.report import PAGE, filled_page, write_report
 from benchmarks.store import Store
-from model.assembly import assemble
-from model.equilibrium import static_equilibrium
-from model.settings import choose
 
 from .windows import rig
 

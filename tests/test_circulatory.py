@@ -9,10 +9,9 @@ import math
 
 import numpy as np
 import pytest
-
-from model.assembly import assemble
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
 
 from .machines import first_order, jeffcott, jeffcott_shaft_mass, jeffcott_stiffness
 

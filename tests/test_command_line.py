@@ -9,8 +9,8 @@ import time
 from pathlib import Path
 
 import pytest
+from rotor_fmu.model.machine.toml import rig_toml
 
-from model.rotor_toml import rig_toml
 from rotor_fmu.cli import main
 
 

@@ -5,10 +5,9 @@ import math
 
 import numpy as np
 import pytest
-
-from model.assembly import assemble
-from model.contact import contact_force, contact_tangent
-from model.rotor_toml import rig
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.clearance_contact import contact_force, contact_tangent
+from rotor_fmu.model.structure.assembly import assemble
 
 BEARING = assemble(rig()).contacts[0]
 S, K, C, MU = BEARING.clearance, BEARING.k, BEARING.c, BEARING.mu

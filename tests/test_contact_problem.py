@@ -4,12 +4,17 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.clearance_contact import contact_force
+from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
+from rotor_fmu.model.step.contact_problem import (
+    TOLERANCE,
+    new_contact_problem,
+    solve_contacts,
+    solve_dense,
+)
+from rotor_fmu.model.structure.assembly import assemble
 
-from model.assembly import assemble
-from model.contact import contact_force
-from model.contact_problem import TOLERANCE, new_contact_problem, solve_contacts, solve_dense
-from model.rotor_toml import rig
-from model.schemes import chung_hulbert, generalized_alpha, hht, newmark
 from tests.dense import dense_matrices
 
 STRUCTURE = assemble(rig())

@@ -6,12 +6,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import scipy.linalg
-
-from model.band import to_dense
-from model.control import error_indicator, next_step, shorter_step
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.control import error_indicator, next_step, shorter_step
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from .machines import first_order, overhung
 

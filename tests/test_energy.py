@@ -5,11 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from model.energy import FLOWS, STORES
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.energy import FLOWS, STORES
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from .machines import METHODS, STEEL, overhung
 

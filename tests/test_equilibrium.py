@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from model.assembly import assemble
-from model.equilibrium import EquilibriumError, static_equilibrium
-from model.rotor import Support
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.machine.rotor import Support
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import EquilibriumError, static_equilibrium
 
 from .machines import overhung
 from .statics import reactions_of_two_pins, sag_of_discs, total_weight

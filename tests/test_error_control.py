@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from model.error_control import GROWTH, SHRINKAGE, next_length, repeated_length
-from model.rotor_toml import rig
-from model.settings import SettingsError, choose
-from model.simulation import Simulation
-from model.step import new_motion
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.error_control import GROWTH, SHRINKAGE, next_length, repeated_length
+from rotor_fmu.model.settings import SettingsError, choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.step.step import new_motion
 
 from .machines import overhung
 

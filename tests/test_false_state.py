@@ -5,16 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.false_state import bouncing, one_axis
+from rotor_fmu.model.false_state import cycles as false_state
+from rotor_fmu.model.machine.rotor import Bearing, Disc, Support
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark, wbz
+from rotor_fmu.model.settings import Settings
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.step.excitation import spin_of
+from rotor_fmu.model.step.step import Motion, accelerate, new_workspace
+from rotor_fmu.model.structure.assembly import assemble
 
-from model import bouncing, false_state, one_axis
-from model.assembly import assemble
-from model.excitation import spin_of
-from model.rotor import Bearing, Disc, Support
-from model.rotor_toml import rig
-from model.schemes import chung_hulbert, generalized_alpha, hht, newmark, wbz
-from model.settings import Settings
-from model.simulation import Simulation
-from model.step import Motion, accelerate, new_workspace
 from rotor_fmu.survey.planted import lasting_cycles, plant
 
 from .machines import overhung

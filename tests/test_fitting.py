@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-
-from model.band import to_dense
-from model.fitting import fitted, unfitted
-from model.schemes import chung_hulbert, generalized_alpha, hht, newmark
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.step.fitting import fitted, unfitted
 
 from .machines import overhung, unbalance_vector
 

@@ -5,13 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.energy import FLOWS
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 from scipy.integrate import solve_ivp
-
-from model.band import to_dense
-from model.energy import FLOWS
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
 
 from .machines import METHODS, overhung, unbalance_vector
 

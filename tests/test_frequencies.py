@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.linalg
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.structure import beam
+from rotor_fmu.model.structure.assembly import assemble
 
-from model import beam
-from model.assembly import assemble
-from model.rotor_toml import rig
 from tests.dense import dense_matrices
 
 from .machines import STEEL

@@ -8,15 +8,15 @@ from pathlib import Path
 
 import numpy as np
 
-import model
+import rotor_fmu
 
 STEPS = """
 import json
 from dataclasses import replace
-from model.rotor import Support
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.machine.rotor import Support
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 held = replace(rig(), bearings=(), supports=(Support(2, 1e6, 9.0), Support(8, 2e6)))
 robust, adaptive = choose("robust"), choose("paper-adaptive", h_min=1e-4)
@@ -31,7 +31,7 @@ print(json.dumps([said, seen]))
 
 
 def numbers_of(**environment):
-    path = str(Path(model.__file__).parents[1])
+    path = str(Path(rotor_fmu.__file__).parents[1])
     run = subprocess.run(
         [sys.executable, "-c", STEPS],
         env={**os.environ, "PYTHONPATH": path, **environment},

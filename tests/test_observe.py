@@ -5,12 +5,11 @@ import math
 
 import numpy as np
 import pytest
-
-from model.contact import contact_angle, contact_force
-from model.equilibrium import static_equilibrium
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from .machines import overhung
 

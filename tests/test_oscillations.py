@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.linalg
-
-from model.assembly import assemble
-from model.band import to_dense
-from model.equilibrium import static_equilibrium
-from model.settings import choose
-from model.simulation import Simulation
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from .machines import (
     METHODS,

@@ -4,10 +4,10 @@ import re
 from pathlib import Path
 
 import pytest
+from rotor_fmu.model.machine.toml import rig
 
-from model.rotor_toml import rig
-from rotor_fmu.interface import interface
-from rotor_fmu.variable_table import markdown
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.packing.variable_table import markdown
 
 ROOT = Path(__file__).parents[1]
 

@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from model.assembly import assemble
-from model.band import to_dense
-from model.reduction import component_modes, reduced
-from model.rotor import Support
-from model.rotor_toml import rig
-from model.settings import SettingsError, choose
-from model.simulation import Simulation
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.machine.rotor import Support
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import SettingsError, choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.reduction import component_modes, reduced
 
 ALL = 10  # fixed-interface modes that the rig has: 16 dofs less 6 deflections kept
 

@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from benchmarks import equations
-from model.assembly import assemble
-from model.equilibrium import static_equilibrium
-from model.settings import choose
 
 from .windows import SPEEDS_HZ, rig, windows
 

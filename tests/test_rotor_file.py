@@ -5,9 +5,8 @@ import random
 import re
 
 import pytest
-
-from model.rotor import RotorError
-from model.rotor_toml import parse_rotor, rig, rig_toml
+from rotor_fmu.model.machine.rotor import RotorError
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 
 TEXT = rig_toml()
 NODES = "[0.0, 0.043, 0.063, 0.11475, 0.1865, 0.25825, 0.310, 0.330]"

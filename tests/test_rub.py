@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 import scipy.integrate
+from rotor_fmu.model.machine.rotor import Bearing, Disc, Support
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
-from model.assembly import assemble
-from model.equilibrium import static_equilibrium
-from model.rotor import Bearing, Disc, Support
-from model.settings import choose
-from model.simulation import Simulation
 from tests.dense import dense_matrices
 
 from .machines import overhung

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-
-from model import classical, schemes, spectral
+from rotor_fmu.model.schemes import classical, spectral
+from rotor_fmu.model.schemes import family as schemes
 
 TURN = 2 * math.pi
 CENTRAL = classical.CentralDifference()

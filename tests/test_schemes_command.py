@@ -7,11 +7,12 @@ from itertools import pairwise
 import pytest
 import typer
 from matplotlib.image import imread
+from rotor_fmu.model import settings
+from rotor_fmu.model.schemes import family, spectral
 from typer.testing import CliRunner
 
-from model import schemes as family
-from model import settings, spectral
-from rotor_fmu import schemes_command, spectral_figures
+from rotor_fmu.schemes import command as schemes_command
+from rotor_fmu.schemes import figures as spectral_figures
 
 app = typer.Typer(rich_markup_mode=None, add_completion=False)
 app.command()(schemes_command.schemes)

@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import RotorWarning, Simulation, StepFailure
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import RotorWarning, Simulation, StepFailure
 
 RIG = rig()
 PRESETS = {"robust": choose("robust"), "paper-adaptive": choose("paper-adaptive")}

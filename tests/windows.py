@@ -11,13 +11,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.settings import Settings, choose
+from rotor_fmu.model.simulation import Simulation
 from sksundae.cvode import CVODE
 
 from benchmarks import equations
-from model.rotor import Rotor
-from model.rotor_toml import parse_rotor, rig_toml
-from model.settings import Settings, choose
-from model.simulation import Simulation
 
 SPEED, RATE = 400.0, -10.0  # of the run-down: [rad/s] at its start, [rad/s2]
 SPEEDS_HZ = (60.0, 31.4, 27.5, 15.0)  # before, at and between the peaks, and far below them

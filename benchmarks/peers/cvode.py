@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-
-from model.assembly import assemble
-from model.equilibrium import static_equilibrium
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from ..equations import real_state
 from ..problem import Diverged, Method, Missing, Orbit, Problem, orbit

@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-
-from model import settings
-from model.settings import Settings, choose
-from model.simulation import Simulation, StepFailure
+from rotor_fmu.model import settings
+from rotor_fmu.model.settings import Settings, choose
+from rotor_fmu.model.simulation import Simulation, StepFailure
 
 from ..problem import PEAKS_AFTER, RATE, SPEED, Diverged, Method, Orbit, Problem
 

@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 import scipy.integrate
-
-from model.assembly import assemble
-from model.equilibrium import static_equilibrium
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from ..equations import real_state
 from ..problem import Diverged, Method, Orbit, Problem, orbit

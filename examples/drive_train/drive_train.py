@@ -24,7 +24,7 @@ from pythonfmu import Real as FmiReal
 try:
     from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
 except ImportError:
-    from rotor_fmu.wrapper import hold, settle_exit  # in the source tree
+    from rotor_fmu.fmu.wrapper import hold, settle_exit  # in the source tree
 
 # For each instance pythonfmu's wrapper drops a reference to these globals that it never took.
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..schemes import Scheme
-from .contacts import FlatStops
-from .failures import ImpactError
-from .march import INCREMENT_CAP, Run, march
+from ..schemes.family import Scheme
 from .plane import solid, to_band
-from .stepper import Motion
-from .structure import Elastic
+from .stepping.contacts import FlatStops
+from .stepping.failures import ImpactError
+from .stepping.march import INCREMENT_CAP, Run, march
+from .stepping.stepper import Motion
+from .stepping.structure import Elastic
 
 T_END = 0.04  # paper B's [s]
 # Where the errors are taken, from the impact on [s]: all of it, the plateau, after the release.

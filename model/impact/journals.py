@@ -12,17 +12,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import assembly
-from ..band import to_dense
-from ..equilibrium import static_equilibrium
-from ..excitation import Spin, add_applied, spin_of
-from ..rotor import Rotor
-from ..schemes import Scheme
-from .contacts import RoundStops
-from .failures import ImpactError
-from .march import Run, march
-from .stepper import Motion, Stepper
-from .structure import Solver
+from ..kernels.band import to_dense
+from ..machine.rotor import Rotor
+from ..schemes.family import Scheme
+from ..step.excitation import Spin, add_applied, spin_of
+from ..structure import assembly
+from ..structure.equilibrium import static_equilibrium
+from .stepping.contacts import RoundStops
+from .stepping.failures import ImpactError
+from .stepping.march import Run, march
+from .stepping.stepper import Motion, Stepper
+from .stepping.structure import Solver
 
 # Stiffness [N/m] that puts a journal at rest on its wall but for the rounding errors.
 _RIGID = 1e13

@@ -11,7 +11,7 @@ from skfem import Basis, BilinearForm, ElementQuad1, ElementVector, MeshQuad
 from skfem.helpers import dot
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from .failures import ImpactError
+from .stepping.failures import ImpactError
 
 
 @dataclass(frozen=True)

@@ -17,13 +17,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_matrix
 
-from ..schemes import Scheme
-from .contacts import FlatStops
-from .march import INCREMENT_CAP, Run, march
+from ..schemes.family import Scheme
 from .plane import to_band
 from .ratchet_geometry import Ratchet, parse_ratchet, ratchet_toml
-from .stepper import Motion, Stepper
-from .structure import Elastic
+from .stepping.contacts import FlatStops
+from .stepping.march import INCREMENT_CAP, Run, march
+from .stepping.stepper import Motion, Stepper
+from .stepping.structure import Elastic
 
 __all__ = ["Ratchet", "RatchetRun", "build", "parse_ratchet", "ratchet_toml", "run_ratchet"]
 

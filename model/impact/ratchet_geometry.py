@@ -20,8 +20,8 @@ from importlib.resources import files
 
 import numpy as np
 
-from .failures import ImpactError
 from .plane import Solid, solid
+from .stepping.failures import ImpactError
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from model import bouncing, one_axis
-from model.assembly import assemble
-from model.rotor_toml import rig, rig_toml
-from model.schemes import Scheme
-
+from ..model.false_state import bouncing, one_axis
+from ..model.machine.toml import rig, rig_toml
+from ..model.schemes.family import Scheme
+from ..model.structure.assembly import assemble
 from .grid import Experiment, Row
 from .rotor import STEPS, is_of_the_rotor
 from .sources import file_digest, source_digest
@@ -43,7 +42,8 @@ def bounce(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
 
 
 def _version() -> str:
-    return f"{source_digest('model.bouncing')} {file_digest(__file__)} {rig_toml()}"
+    code = source_digest("rotor_fmu.model.false_state.bouncing")
+    return f"{code} {file_digest(__file__)} {rig_toml()}"
 
 
 BOUNCE = Experiment(

@@ -9,10 +9,9 @@ from typing import Annotated
 
 import typer
 
-from model.schemes import Scheme
-
 from ..errors import InputError, writable_folder
-from ..schemes_command import parse_scheme
+from ..model.schemes.family import Scheme
+from ..schemes.command import parse_scheme
 from . import bounces, impact, planted, rotor
 from .grid import TABLE, Experiment, Row, read_table, run_grid
 

@@ -9,14 +9,14 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.figure import Figure
 
-from model import bouncing, false_state, one_axis
-from model.assembly import assemble
-from model.excitation import spin_of
-from model.rotor_toml import rig
-from model.schemes import Scheme, chung_hulbert, generalized_alpha, hht, newmark, wbz
-
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
-from ..signals import RUN_DOWN_RATE
+from ..model.false_state import bouncing, one_axis
+from ..model.false_state import cycles as false_state
+from ..model.machine.toml import rig
+from ..model.schemes.family import Scheme, chung_hulbert, generalized_alpha, hht, newmark, wbz
+from ..model.step.excitation import spin_of
+from ..model.structure.assembly import assemble
+from ..runs.signals import RUN_DOWN_RATE
 from . import bounces
 from .figures import SHOWN
 from .findings import Findings, title_of

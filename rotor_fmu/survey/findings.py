@@ -6,9 +6,8 @@ import statistics
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from model import schemes as family
-from model.schemes import Scheme
-
+from ..model.schemes import family
+from ..model.schemes.family import Scheme
 from .grid import Row
 
 TITLES = {

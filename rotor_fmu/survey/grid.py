@@ -16,9 +16,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
-from model.schemes import Scheme
-
 from ..errors import InputError
+from ..model.schemes.family import Scheme
 
 Row = dict[str, str | float]
 TABLE = "survey.csv"

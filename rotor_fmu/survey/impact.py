@@ -8,13 +8,12 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from model.schemes import Scheme
-
+from ..model.schemes.family import Scheme
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
 
 if TYPE_CHECKING:
-    from model.impact.march import Run
+    from ..model.impact.stepping.march import Run
 
 # What runs them is imported where they run: finite elements load slowly.
 BARS_STEPS = (8e-4, 4e-4, 2e-4, 1e-4, 5e-5, 2.5e-5)
@@ -28,7 +27,7 @@ def meet(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
 
     error: root mean square of the tip velocity's error from the impact on, over the speed.
     """
-    from model.impact.bars import Bars, run_bars
+    from ..model.impact.bars import Bars, run_bars
 
     bars = Bars()
     begun = time.process_time()
@@ -50,7 +49,7 @@ def slide(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     error: of the wheel's deceleration while the pawl slides, against a rigid pawl's; fast: the
     pawl's high-frequency content then; energy_made: until the locking face, over the work done.
     """
-    from model.impact.ratchet import parse_ratchet, ratchet_toml, run_ratchet
+    from ..model.impact.ratchet import parse_ratchet, ratchet_toml, run_ratchet
 
     machine = parse_ratchet(ratchet_toml())
     begun = time.process_time()
@@ -81,12 +80,12 @@ def _end_of(run: Run) -> str:
 
 
 def _bars_version() -> str:
-    return f"{source_digest('model.impact.bars')} {file_digest(__file__)}"
+    return f"{source_digest('rotor_fmu.model.impact.bars')} {file_digest(__file__)}"
 
 
 def _ratchet_version() -> str:
-    toml = files("model.impact").joinpath("ratchet.toml").read_text(encoding="utf-8")
-    return f"{source_digest('model.impact.ratchet')} {file_digest(__file__)} {toml}"
+    toml = files("rotor_fmu.model.impact").joinpath("ratchet.toml").read_text(encoding="utf-8")
+    return f"{source_digest('rotor_fmu.model.impact.ratchet')} {file_digest(__file__)} {toml}"
 
 
 ON_BARS = Experiment("bars", BARS_STEPS, IMPACTS, _bars_version, meet)

@@ -10,12 +10,12 @@ from string import Template
 
 import numpy as np
 
-from model import false_state, one_axis
-from model.assembly import assemble
-from model.rotor_toml import rig
-from model.schemes import chung_hulbert, wbz
-
 from ..figures import save
+from ..model.false_state import cycles as false_state
+from ..model.false_state import one_axis
+from ..model.machine.toml import rig
+from ..model.schemes.family import chung_hulbert, wbz
+from ..model.structure.assembly import assemble
 from . import false_state_figures, figures
 from .false_state_figures import free_growth, phase_limit
 from .findings import Findings, false_state_power, median, rebound_of, scheme_of, title_of

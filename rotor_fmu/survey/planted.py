@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from model import false_state, one_axis
-from model.assembly import Structure, assemble
-from model.excitation import Spin, spin_of
-from model.rotor_toml import rig, rig_toml
-from model.schemes import Scheme
-from model.simulation import Simulation, StepFailure
-from model.step import Motion, accelerate, new_workspace
-
-from ..signals import RUN_DOWN_RATE
+from ..model.false_state import cycles as false_state
+from ..model.false_state import one_axis
+from ..model.machine.toml import rig, rig_toml
+from ..model.schemes.family import Scheme
+from ..model.simulation import Simulation, StepFailure
+from ..model.step.excitation import Spin, spin_of
+from ..model.step.step import Motion, accelerate, new_workspace
+from ..model.structure.assembly import Structure, assemble
+from ..runs.signals import RUN_DOWN_RATE
 from .grid import Experiment, Row
 from .rotor import STEPS, is_of_the_rotor, perturbed, work_of
 from .sources import file_digest, source_digest
@@ -113,7 +113,7 @@ def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
 
 
 def _version() -> str:
-    code = source_digest("model.simulation", "model.false_state")
+    code = source_digest("rotor_fmu.model.simulation", "rotor_fmu.model.false_state.cycles")
     return f"{code} {file_digest(__file__)} {rig_toml()}"
 
 

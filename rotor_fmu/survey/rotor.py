@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from model.rotor_toml import rig, rig_toml
-from model.schemes import Scheme, chung_hulbert, generalized_alpha
-from model.settings import Settings
-from model.simulation import Simulation, StepFailure
-
-from ..run_down import PEAKS_AFTER
-from ..signals import RUN_DOWN_RATE, RUN_DOWN_SPEED, RUN_DOWN_STOP
+from ..model.machine.toml import rig, rig_toml
+from ..model.schemes.family import Scheme, chung_hulbert, generalized_alpha
+from ..model.settings import Settings
+from ..model.simulation import Simulation, StepFailure
+from ..runs.run_down import PEAKS_AFTER
+from ..runs.signals import RUN_DOWN_RATE, RUN_DOWN_SPEED, RUN_DOWN_STOP
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
 
@@ -152,7 +151,7 @@ def work_of(simulation: Simulation, begun: float) -> Row:
 
 
 def _version() -> str:
-    return f"{source_digest('model.simulation')} {file_digest(__file__)} {rig_toml()}"
+    return f"{source_digest('rotor_fmu.model.simulation')} {file_digest(__file__)} {rig_toml()}"
 
 
 RUN_DOWN = Experiment(

@@ -8,7 +8,7 @@ import importlib.util
 from functools import cache
 from pathlib import Path
 
-_OURS = ("model", "rotor_fmu")
+_OURS = ("rotor_fmu",)
 
 
 @cache

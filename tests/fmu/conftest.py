@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from rotor_fmu.bundle import build
+from rotor_fmu.packing.bundle import build
 
 from .masters import NO_C_HOST, Master, compile_c_host
 

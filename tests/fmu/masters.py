@@ -10,7 +10,7 @@ from pathlib import Path
 import fmpy
 
 from rotor_fmu.errors import InputError
-from rotor_fmu.host_env import host_environment
+from rotor_fmu.runs.host_env import host_environment
 
 HERE = Path(__file__).parent
 COMPILER = shutil.which("cc") or shutil.which("gcc")

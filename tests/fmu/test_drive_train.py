@@ -15,17 +15,10 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.structure.assembly import assemble
 
-from model.assembly import assemble
-from model.rotor_toml import rig
-from rotor_fmu.drive_train import (
-    Member,
-    build_drive_train,
-    couple,
-    drive_train_table,
-    example,
-)
-from rotor_fmu.drive_train_command import (
+from rotor_fmu.drive_train.command import (
     CONTINUATIONS,
     SMALL,
     STUDIED,
@@ -34,6 +27,13 @@ from rotor_fmu.drive_train_command import (
     mean_load,
     orders,
     peak_hz,
+)
+from rotor_fmu.drive_train.system import (
+    Member,
+    build_drive_train,
+    couple,
+    drive_train_table,
+    example,
 )
 from rotor_fmu.errors import RunFailed
 

@@ -4,14 +4,14 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.energy import FLOWS
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
-from model.energy import FLOWS
-from model.rotor_toml import rig
-from model.settings import choose
-from model.simulation import Simulation
-from rotor_fmu.bundle import build, is_current
-from rotor_fmu.drive_train import Member
-from rotor_fmu.interface import interface
+from rotor_fmu.drive_train.system import Member
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.packing.bundle import build, is_current
 
 LOSSES = [f"energy.{name}_loss" for name in FLOWS[2:]]
 LEDGER = ["energy.residual", "energy.drive_work", *LOSSES]

@@ -9,9 +9,9 @@ import sys
 import zipfile
 
 import pytest
+from rotor_fmu.model.machine.toml import rig_toml
 
-from model.rotor_toml import rig_toml
-from rotor_fmu.bundle import build, package_name
+from rotor_fmu.packing.bundle import build, package_name
 
 PRELUDE = """
 import sys, fmpy, shutil

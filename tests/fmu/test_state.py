@@ -5,9 +5,9 @@ import sys
 
 import fmpy
 import pytest
+from rotor_fmu.model.machine.toml import rig_toml
 
-from model.rotor_toml import rig_toml
-from rotor_fmu.bundle import build
+from rotor_fmu.packing.bundle import build
 
 STEP = 0.004
 

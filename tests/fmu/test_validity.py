@@ -8,11 +8,11 @@ import zipfile
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
+from rotor_fmu.model.machine.toml import rig, rig_toml
 
-from model.rotor_toml import rig, rig_toml
-from rotor_fmu.bundle import build, is_current
-from rotor_fmu.interface import interface
-from rotor_fmu.variables import UNITS
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmu.variables import UNITS
+from rotor_fmu.packing.bundle import build, is_current
 
 
 def test_fmpy_finds_no_problem(fmu):
@@ -80,7 +80,7 @@ def test_it_runs_where_nothing_of_this_project_can_be_imported(fmu, tmp_path):
     """With the project's own packages barred, from an FMU that only carries its own code."""
     script = (
         "import sys, fmpy\n"
-        "sys.modules['rotor_fmu'] = sys.modules['model'] = None\n"
+        "sys.modules['rotor_fmu'] = None\n"
         "r = fmpy.simulate_fmu(sys.argv[1], stop_time=0.2, output=['phi', 'disc[3].y'])\n"
         "print(r['phi'][-1], r['disc[3].y'][0])\n"
     )

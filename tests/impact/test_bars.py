@@ -5,10 +5,15 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from model.impact.bars import Bars, run_bars
-from model.impact.failures import ImpactError
-from model.schemes import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, Scheme, hht, newmark
+from rotor_fmu.model.impact.bars import Bars, run_bars
+from rotor_fmu.model.impact.stepping.failures import ImpactError
+from rotor_fmu.model.schemes.family import (
+    MODERATE_DISSIPATION,
+    TRANSIENT_FIDELITY,
+    Scheme,
+    hht,
+    newmark,
+)
 
 NEWMARK, CONTACT_NEWMARK = newmark(), newmark(0.5, 0.5)
 DAMPED = [(hht(0.5), "no"), (MODERATE_DISSIPATION, "no"), (TRANSIENT_FIDELITY, "average-time")]

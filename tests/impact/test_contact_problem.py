@@ -5,14 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize, nnls
-
-from model.impact.contacts import FlatStops, RoundStops
-from model.impact.hard_stop import complementarity, held, unilateral
-from model.impact.march import march
-from model.impact.stepper import Stepper
-from model.impact.structure import Elastic
-from model.schemes import (
+from rotor_fmu.model.impact.stepping.contacts import FlatStops, RoundStops
+from rotor_fmu.model.impact.stepping.hard_stop import complementarity, held, unilateral
+from rotor_fmu.model.impact.stepping.march import march
+from rotor_fmu.model.impact.stepping.stepper import Stepper
+from rotor_fmu.model.impact.stepping.structure import Elastic
+from rotor_fmu.model.schemes.family import (
     MODERATE_DISSIPATION,
     TRANSIENT_FIDELITY,
     amplification,
@@ -22,6 +20,7 @@ from model.schemes import (
     rebound,
     wbz,
 )
+from scipy.optimize import minimize, nnls
 
 
 def random_problem(seed, m):

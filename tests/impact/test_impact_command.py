@@ -7,12 +7,12 @@ import pytest
 import typer
 from matplotlib.image import imread
 from PIL import Image
+from rotor_fmu.model.impact.ratchet import ratchet_toml
+from rotor_fmu.model.impact.stepping.failures import ImpactError
 from typer.testing import CliRunner
 
-from model.impact.failures import ImpactError
-from model.impact.ratchet import ratchet_toml
-from rotor_fmu import impact_command
 from rotor_fmu.errors import InputError, RunFailed
+from rotor_fmu.impact import command as impact_command
 
 app = typer.Typer(rich_markup_mode=None, add_completion=False)
 app.add_typer(impact_command.app, name="impact")

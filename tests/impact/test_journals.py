@@ -5,14 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from rotor_fmu.model.impact.journals import JournalStructure, RunDown, run_journals
+from rotor_fmu.model.impact.stepping.failures import ImpactError
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.structure.assembly import assemble
 
-from model.assembly import assemble
-from model.impact.failures import ImpactError
-from model.impact.journals import JournalStructure, RunDown, run_journals
-from model.rotor_toml import rig
-from model.schemes import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
-from model.settings import choose
-from model.simulation import Simulation
 from tests.dense import dense_matrices
 
 RIG = rig()

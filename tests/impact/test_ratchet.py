@@ -6,11 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from model.band import to_dense
-from model.impact.failures import ImpactError
-from model.impact.ratchet import build, parse_ratchet, ratchet_toml, run_ratchet
-from model.schemes import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
+from rotor_fmu.model.impact.ratchet import build, parse_ratchet, ratchet_toml, run_ratchet
+from rotor_fmu.model.impact.stepping.failures import ImpactError
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
 
 RATCHET = parse_ratchet(ratchet_toml())
 

@@ -1,0 +1,1 @@
+"""Steps of a linear structure with hard or compliant contacts."""

@@ -1,0 +1,1 @@
+"""What kernels are made with: the compiler and its cache, band matrices."""

@@ -1,0 +1,1 @@
+"""The loop over steps: memory, step control, energy ledger, watches, what can be read."""

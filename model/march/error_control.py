@@ -1,0 +1,74 @@
+"""Error-controlled step lengths: the local error in the norm of the masses, and a PI controller.
+
+The error of a step is taken per unit of time, in cycles of the motion, so that the error of a run
+is proportional to the tolerance (Hairer, Norsett and Wanner, Solving Ordinary Differential
+Equations I, sec. II.4; PI control: Gustafsson 1991).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.compiled import compiled
+
+SAFETY = 0.8
+# Of one step length to the next, at most; growing slowly costs little and calms the next impact.
+GROWTH, SHRINKAGE = 1.25, 0.2
+# Gains of the controller; the error per unit of time is of order 2 in the step length.
+INTEGRAL, PROPORTIONAL = 0.35, 0.2
+CUT = 0.9  # of the wished length: a step below it was cut short and says nothing against it
+SMALLEST = 1e-8  # an error that it does not pay to tell from none
+# Share of a step before which a contact's opening or closing is worth ending a repeated step at.
+LATE = 0.9
+
+
+@compiled
+def local_error(structure, control, omega, h, old, new):
+    """Error of a step of length h [s] over the one tolerated [1]; omega: speed [rad/s].
+
+    Displacements are weighted with their masses (root mean square), so that neither the turning
+    point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
+    of this displacement and the clearance, per 2.5 radians of the lowest mode or of the rotation,
+    whichever is faster: with that the disc's orbit keeps to some times the tolerance.
+    """
+    share = structure.mass_share
+    error = 0.0
+    size = 0.0
+    for i in range(len(share)):
+        change = new.a[i] - old.a[i]
+        q = new.q[i]
+        error += share[i] * (change.real * change.real + change.imag * change.imag)
+        size += share[i] * (q.real * q.real + q.imag * q.imag)
+    radians = h * max(structure.lowest_omega, abs(omega))
+    tolerated = 0.4 * radians * control.tolerance * (structure.clearance + math.sqrt(size))
+    return abs(control.error_constant) * h * h * math.sqrt(error) / tolerated
+
+
+@compiled
+def next_length(wished, h, error, error_before):
+    """Wished length of the next step [s] after one of length h [s] with these last errors [1]; a
+    communication point may have cut h shorter than was wished, which says nothing against it."""
+    error = max(error, SMALLEST)
+    trend = max(error_before, SMALLEST) / error
+    factor = SAFETY * error**-INTEGRAL * trend**PROPORTIONAL
+    shortest = SHRINKAGE * h if h > CUT * wished else wished
+    return min(GROWTH * wished, max(shortest, factor * h))
+
+
+@compiled
+def repeated_length(structure, h, error, old, new):
+    """Length to repeat a step with whose error is too large [s].
+
+    That of the error, or, if it is longer, up to where a contact opens or closes: the two parts of
+    such a step are smooth each, and only their joint is not.
+    """
+    n = len(structure.mass_share)
+    share = max(SHRINKAGE, SAFETY / math.sqrt(error))
+    joint = 1.0
+    for j in range(len(structure.contacts)):
+        bearing = structure.contacts[j]
+        before = abs(old.q[bearing.dof] - old.q[n + j]) - bearing.clearance
+        after = abs(new.q[bearing.dof] - new.q[n + j]) - bearing.clearance
+        if before * after < 0.0:
+            joint = min(joint, before / (before - after))
+    return h * (joint if share < joint < LATE else share)

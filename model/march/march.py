@@ -1,0 +1,240 @@
+"""The loop over steps from one communication point to the next, compiled.
+
+Chooses each step's length, repeats what is rejected, and keeps what has to be kept at every step:
+the energy ledger, the amplitudes, and the watch for the false wall-to-wall state.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.compiled import compiled
+from ..step.fitting import fitted, unfitted
+from ..step.step import accelerate, try_step
+from .control import ADAPTIVE, CONTROLLED, FIXED, error_indicator, next_step, shorter_step
+from .energy import powers, total_energy
+from .error_control import local_error, next_length, repeated_length
+from .memory import spin_at, spin_now
+from .watch import watch_amplitudes, watch_bounces
+
+DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+# A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
+# SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
+SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
+
+
+@compiled
+def _commit(h, structure, motion, trial, memory, work, spin, torque):
+    """Make the trial state the present one and do the bookkeeping of an accepted step."""
+    r = memory.record[0]
+    for i in range(len(motion.q)):
+        motion.q[i] = trial.q[i]
+        motion.v[i] = trial.v[i]
+        motion.a[i] = trial.a[i]
+        motion.v_dot[i] = trial.v_dot[i]
+        motion.jerk[i] = trial.jerk[i]
+    for j in range(len(motion.force)):
+        motion.force[j] = trial.force[j]
+    r.steps += 1
+    r.h_last = h
+    r.omega = spin.omega
+    r.theta = spin.theta
+    r.alpha = spin.alpha
+    r.torque = torque
+    for i in range(len(memory.power)):
+        memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
+        memory.power[i] = work.powers[i]
+    watch_amplitudes(structure, motion, memory)
+    watch_bounces(structure, motion, memory)
+
+
+@compiled
+def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work):
+    """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
+    rate [rad/s2], or the torque on a free rotor [N.m], whose rate follows.
+
+    Carries accelerations and powers over the jump; at the start the accelerations are
+    those of the equation of motion. A jump of the speed is work that the drive does in no time.
+    """
+    r = memory.record[0]
+    before = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    r.t_ref = r.t
+    r.theta_ref = r.theta
+    if r.is_free == 1:
+        r.drive = drive
+    else:
+        r.omega = drive
+        r.omega_ref = drive
+        r.alpha = rate
+    after = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    if is_start:
+        r.energy_at_start = after
+    else:
+        memory.work[0] += after - before
+    for i in range(len(motion.a)):
+        motion.a[i] -= motion.v_dot[i]
+    for _ in range(SPIN_ITERATIONS):
+        spin = spin_now(memory.record)
+        accelerate(structure, spin, r.damping, loads, motion, work)
+        r.torque = powers(structure, spin, loads, motion, memory.power)
+        change = _imbalance(structure, memory.record, r.torque)
+        if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
+            break
+        r.alpha += change
+    for i in range(len(motion.a)):
+        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
+
+
+@compiled
+def _imbalance(structure, record, torque):
+    """By how much the rate of a free rotor must change [rad/s2] for its drive to be `torque`; of
+    another rotor not at all."""
+    r = record[0]
+    return (r.drive - torque) / structure.inertia if r.is_free == 1 else 0.0
+
+
+@compiled
+def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
+    """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
+    rotor's torques balance at its end. Fills work.powers.
+
+    Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and
+    the drive's torque [N.m].
+    """
+    r = memory.record[0]
+    spin = spin_at(memory.record, t, r.alpha)
+    status, total, torque = NOT_CONVERGED, 0, 0.0
+    fit = unfitted()
+    for correction in range(SPIN_ITERATIONS):
+        if control.is_fitted:
+            fit = fitted(scheme, spin.omega * h)
+        status, iterations = try_step(structure, scheme, fit, spin, h, loads, motion, trial, work)
+        total += iterations
+        if status != DONE:
+            break
+        torque = powers(structure, spin, loads, trial, work.powers)
+        change = _imbalance(structure, memory.record, torque)
+        is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
+        if r.is_free == 0 or (is_small and correction > 0):
+            break
+        spin = spin_at(memory.record, t, spin.alpha + change)
+        status = NOT_CONVERGED
+    return status, total, fit, spin, torque
+
+
+@compiled
+def _rescale(record, h, motion):
+    """Make the accelerations that generalized-alpha carries along those of steps of length h [s].
+
+    They belong to an instant (alpha_m - alpha_f) h away: left as they were, a step would be of
+    first order in the change of h.
+    """
+    r = record[0]
+    if r.h_carried > 0.0 and h != r.h_carried:
+        ratio = h / r.h_carried
+        for i in range(len(motion.a)):
+            motion.a[i] = motion.v_dot[i] + ratio * (motion.a[i] - motion.v_dot[i])
+    r.h_carried = h
+
+
+@compiled
+def _error(structure, control, spin, h, is_first, motion, trial):
+    """Error of a trial step in the terms of the mode; above control.eps_max it is repeated."""
+    if control.mode == ADAPTIVE:
+        return error_indicator(control, h, is_first, motion, trial)
+    if control.mode == CONTROLLED:
+        return local_error(structure, control, spin.omega, h, motion, trial)
+    return 0.0
+
+
+@compiled
+def _shorter(structure, control, h, error, status, motion, trial):
+    """Length to repeat a step with [s]."""
+    if status != DONE:
+        shorter = 0.5 * h
+    elif control.mode == CONTROLLED:
+        shorter = repeated_length(structure, h, error, motion, trial)
+    else:
+        shorter = shorter_step(control, h, error)
+    return max(control.h_min, shorter)
+
+
+@compiled
+def _next(control, wished, h, error, error_before, was_rejected):
+    """Wished length of the next step [s], after one of length h that a communication point may have
+    cut shorter than was wished."""
+    if control.mode == ADAPTIVE:
+        return next_step(control, wished, h, error)
+    if control.mode == CONTROLLED:
+        longest = h if was_rejected else control.h_max
+        proposed = next_length(wished, h, error, error_before)
+        return max(control.h_min, min(longest, proposed))
+    return wished
+
+
+@compiled
+def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work):
+    """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
+    r = memory.record[0]
+    memory.peaks[2, :, :] = 0.0
+    varies = control.mode != FIXED
+    shortest = control.h_min * (1.0 + 1e-5)
+    parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0
+    while parts >= 1.0:
+        h = (t_end - r.t) / parts
+        wished = r.h
+        was_rejected = False
+        while True:
+            t = t_end if parts == 1.0 else r.t + h
+            if control.mode == CONTROLLED:
+                _rescale(memory.record, h, motion)
+            status, iterations, fit, spin, torque = _turn(
+                structure, scheme, control, t, h, loads, motion, trial, memory, work
+            )
+            r.newton += iterations
+            error = 0.0
+            if status == DONE:
+                error = _error(structure, control, spin, h, r.steps == 0, motion, trial)
+                if not varies or error <= control.eps_max or h <= shortest:
+                    break
+            elif not varies or h <= shortest:
+                r.failed_at = r.t
+                r.failed_h = h
+                return status
+            r.rejected += 1
+            was_rejected = True
+            wished = _shorter(structure, control, h, error, status, motion, trial)
+            parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
+            h = (t_end - r.t) / parts
+        r.t = t
+        r.h_carried = h
+        r.damping = fit.damping
+        r.h = _next(control, wished, h, error, r.error, was_rejected)
+        r.error = error
+        r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
+        r.h_largest = max(r.h_largest, wished)
+        _commit(h, structure, motion, trial, memory, work, spin, torque)
+        parts = parts - 1.0
+        if varies and parts >= 1.0:
+            parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
+    return DONE
+
+
+@compiled
+def advance(structure, scheme, control, t_end, drive, loads, motion, trial, memory, work):
+    """March to t_end [s]; returns DONE or why not.
+
+    drive: the speed now [rad/s], continued linearly from the last two given, or held; of a free
+    rotor the torque [N.m], constant until t_end; loads: constant until t_end, shape (bodies,) [N].
+    On failure the state is that after the last accepted step.
+    """
+    r = memory.record[0]
+    since = r.t - r.t_ref
+    if r.is_free == 1 or r.continues == 0:
+        rate = 0.0
+    elif since > 0.0:
+        rate = (drive - r.omega_ref) / since
+    else:
+        rate = r.alpha
+    begin_interval(structure, drive, rate, loads, False, motion, memory, work)
+    return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)

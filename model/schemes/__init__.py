@@ -1,0 +1,1 @@
+"""The family of generalized-alpha schemes, its spectral radius, and classical schemes beside it."""

@@ -1,0 +1,1 @@
+"""One implicit step: linear part, interface problem, fitting, excitation."""

@@ -1,0 +1,81 @@
+"""What acts on the rotor from outside: spin, unbalance, gravity, external loads, and what the drive
+must supply for it."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.band import form
+from ..kernels.compiled import compiled
+
+
+class Spin(NamedTuple):
+    """Rotation at one instant: speed omega [rad/s], its rate alpha [rad/s2], angle theta [rad], and
+    direction exp(i theta) [1]."""
+
+    omega: float
+    alpha: float
+    theta: float
+    direction: complex
+
+
+@compiled
+def spin_of(omega, alpha, theta):
+    """`Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
+    return Spin(omega, alpha, theta, complex(math.cos(theta), math.sin(theta)))
+
+
+@compiled
+def circulation(structure, omega):
+    """kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
+    kappa = structure.eta_v * omega
+    if omega > 0.0:
+        kappa += structure.eta_h
+    elif omega < 0.0:
+        kappa -= structure.eta_h
+    return kappa
+
+
+@compiled
+def add_applied(structure, spin, loads, f):
+    """f += gravity, unbalance and external loads, shape (n,) [N, N.m]; loads: complex, shape
+    (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
+    for i in range(len(structure.weight)):
+        f[i] += structure.weight[i]
+    turning = spin.direction * complex(spin.omega * spin.omega, -spin.alpha)
+    for i in range(len(structure.unbalance)):
+        f[structure.unbalance_dof[i]] += structure.unbalance[i] * turning
+    for i in range(len(loads)):
+        f[structure.load_dof[i]] += loads[i]
+
+
+@compiled
+def internal_torque(structure, q, v, omega):
+    """Torque by which the drive sustains the rotating internal damping [N.m]; 0 if it does not
+    rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
+    kappa = circulation(structure, omega)
+    if kappa == 0.0 and structure.eta_v == 0.0:
+        return 0.0
+    n = len(structure.weight)
+    by_velocity = form(structure.K_shaft, v[:n], q[:n]).imag
+    by_displacement = form(structure.K_shaft, q[:n], q[:n]).real
+    return structure.eta_v * by_velocity + kappa * by_displacement
+
+
+@compiled
+def drive_torque(structure, q, v, a, spin, friction_torque):
+    """Torque that the drive must supply to keep the prescribed speed [N.m].
+
+    q, v, a: shape (n,) or longer; friction_torque: sum of R F_t over the bearings [N.m]. From
+    Lagrange's equation of the angle of rotation, gyroscopic reaction (second order in the slopes)
+    included.
+    """
+    n = len(structure.weight)
+    torque = structure.inertia * spin.alpha + friction_torque
+    for i in range(len(structure.unbalance)):
+        arm = structure.unbalance[i] * spin.direction
+        torque += (arm.conjugate() * a[structure.unbalance_dof[i]]).imag
+        torque += structure.gravity * arm.real
+    torque -= 0.5 * form(structure.G, q[:n], a[:n]).imag
+    return torque + internal_torque(structure, q, v, spin.omega)

@@ -1,0 +1,56 @@
+"""What one generalized-alpha step has in common for every structure with local contacts.
+
+Written in accelerations, with v_dot = M^-1 (f - C v - K q) of the equation of motion, the scheme
+(`schemes`) is (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v_dot1 + alpha_f v_dot0. With the
+predictions of q and v (everything but a1's share) and the step matrix S = m M + c C + k K, weights
+from `weights`, the unknowns a1 follow from
+
+    S a1 = (1 - alpha_f) (f1 - C v - K q) + M (alpha_f v_dot0 - alpha_m a0) + B F
+
+which leaves a small problem in the contacts' motion, with the flexibility S^-1 B. How F
+follows from that motion, a penalty law with friction or a hard stop, is the closure's affair.
+"""
+
+from __future__ import annotations
+
+from ..kernels.compiled import compiled
+
+
+@compiled
+def weights(scheme, h):
+    """Weights (m, c, k) of mass, damping and stiffness in the step matrix; h [s]."""
+    am, af, beta, gamma = scheme
+    return 1.0 - am, (1.0 - af) * gamma * h, (1.0 - af) * beta * h * h
+
+
+@compiled
+def predict(scheme, h, q0, v0, a0, q, v):
+    """Fill q and v with what is known of them at the end of a step, shape (n,)."""
+    by_displacement = h * h * (0.5 - scheme.beta)
+    by_velocity = h * (1.0 - scheme.gamma)
+    for i in range(len(q)):
+        q[i] = q0[i] + h * v0[i] + by_displacement * a0[i]
+        v[i] = v0[i] + by_velocity * a0[i]
+
+
+@compiled
+def correct(scheme, h, a, q, v):
+    """Add to the predictions the share of the accelerations at the end of the step."""
+    by_displacement = h * h * scheme.beta
+    by_velocity = h * scheme.gamma
+    for i in range(len(q)):
+        q[i] += by_displacement * a[i]
+        v[i] += by_velocity * a[i]
+
+
+@compiled
+def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
+    """Fill v_dot, the accelerations of the equation of motion at the end of a step: the scheme,
+    solved for them, the mass taken with the factor that a `fitting` gives it. What v_dot0 lacked in
+    exactness does not come along: a has met it already."""
+    share = 1.0 / (1.0 - scheme.alpha_f)
+    by_new = mass_factor * (1.0 - scheme.alpha_m) * share
+    by_old = mass_factor * scheme.alpha_m * share
+    by_balance = scheme.alpha_f * share
+    for i in range(len(v_dot)):
+        v_dot[i] = by_new * a[i] + by_old * a0[i] - by_balance * v_dot0[i]

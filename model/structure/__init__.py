@@ -1,0 +1,1 @@
+"""A machine in matrices: shaft elements, assembly, reduction, equilibrium."""

@@ -1,0 +1,72 @@
+"""Fewer degrees of freedom: Craig and Bampton's component modes on a `Structure`.
+
+Kept as they are: the deflections where something acts, of bearings, discs, coupling and supports.
+The rest of the shaft follows them as it would at rest, q_i = Psi q_b, and vibrates besides in its
+lowest modes with those deflections held (Craig and Bampton 1968).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..kernels.band import factorize, to_band, to_dense
+from .assembly import Structure
+
+_MATRICES = ("M", "C", "K", "G", "K_shaft")
+
+
+def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.ndarray]:
+    """The dofs kept, shape (b,), and the basis T of all n dofs, shape (n, b + modes).
+
+    modes: how many fixed-interface modes; all there are where there are fewer.
+    """
+    n = len(structure.weight)
+    acted_on = (structure.contacts.dof, structure.load_dof, structure.support_dof)
+    kept = np.unique(np.concatenate(acted_on))
+    rest = np.setdiff1d(np.arange(n), kept)
+    M, K = to_dense(structure.M), to_dense(structure.K_shaft)
+    inner = np.ix_(rest, rest)
+    inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
+    _, shapes = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
+    modes = min(modes, len(rest))
+    T = np.zeros((n, len(kept) + modes))
+    T[kept, np.arange(len(kept))] = 1.0
+    T[np.ix_(rest, range(len(kept)))] = -np.linalg.solve(K[inner], K[np.ix_(rest, kept)])
+    T[np.ix_(rest, range(len(kept), T.shape[1]))] = (inverse.T @ shapes)[:, :modes]
+    return kept, T
+
+
+def reduced(structure: Structure, modes: int) -> Structure:
+    """The structure in its component modes: full matrices of b + modes dofs, the kept ones first.
+
+    Exact with all modes; with few, for motions slower than the first mode left out.
+    """
+    kept, T = component_modes(structure, modes)
+    size = T.shape[1]
+    dense = {name: T.T @ to_dense(getattr(structure, name)) @ T for name in _MATRICES}
+    bands = {name: to_band(matrix, size - 1) for name, matrix in dense.items()}
+    M_factors = bands["M"].copy()
+    factorize(M_factors)
+    place = {dof: i for i, dof in enumerate(kept.tolist())}
+
+    def moved(dofs: np.ndarray) -> np.ndarray:
+        return np.array([place[dof] for dof in dofs.tolist()], dtype=np.int64)
+
+    contacts = structure.contacts.copy()
+    contacts.dof = moved(structure.contacts.dof)
+    deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
+    deflections[:, 0] = moved(deflections[:, 0])
+    share = np.zeros(size)
+    share[: len(kept)] = np.maximum(dense["M"][: len(kept), : len(kept)].sum(axis=1), 0.0)
+    return structure._replace(
+        **bands,
+        M_factors=M_factors,
+        mass_share=share / share.sum(),
+        weight=T.T @ structure.weight,
+        deflections=deflections,
+        disc_dof=moved(structure.disc_dof),
+        load_dof=moved(structure.load_dof),
+        unbalance_dof=moved(structure.unbalance_dof),
+        support_dof=moved(structure.support_dof),
+        contacts=contacts,
+    )

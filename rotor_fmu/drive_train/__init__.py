@@ -1,0 +1,1 @@
+"""`rotor-fmu drive-train`: a motor, its FMU, and both FMUs coupled."""

@@ -1,0 +1,1 @@
+"""`rotor-fmu impact`: paper B's experiments and their pictures."""

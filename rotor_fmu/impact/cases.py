@@ -1,0 +1,115 @@
+"""What the impact experiments share: integrators as cases, progress, the end of a command."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from ..errors import InputError, RunFailed
+from ..model.impact.stepping.march import IMPACTS
+from ..model.schemes import family, spectral
+from ..model.schemes.family import Scheme
+from ..runs.report import Report
+from ..schemes.command import Row, parse_scheme, remarks
+
+# Paper B's sections 3.1.1 to 3.1.5, whose results are its Figures 3 to 7, and 3.2.
+PAPER_BARS = ("newmark", "newmark=0.5,0.5", "hht=0.5", "moderate-dissipation", "transient-fidelity")
+PAPER_RATCHET = ("moderate-dissipation", "transient-fidelity", "newmark")
+FIGURE_8_OPENING = 0.0200008
+# What Abaqus takes where nothing is said.
+_OWN_IMPACT = {"transient-fidelity": "average-time"}
+console = Console(highlight=False, markup=False, soft_wrap=True)
+
+
+@dataclass(frozen=True)
+class Case:
+    """An integrator under the name that the user gave it, and how it treats impacts."""
+
+    name: str
+    scheme: Scheme
+    impact: str
+
+    @property
+    def label(self) -> str:
+        """For tables and legends."""
+        return self.name if self.impact == "no" else f"{self.name}, {self.impact}"
+
+    @property
+    def slug(self) -> str:
+        """For the names of files."""
+        return "".join(c if c.isalnum() or c in ".-" else "_" for c in self.label.replace(" ", ""))
+
+
+def cases(names: Sequence[str], impact: str | None) -> list[Case]:
+    """Integrators by their names of `rotor-fmu schemes`; impact: `None` for each one's own.
+
+    Raises `InputError` for what cannot make an implicit step.
+    """
+    if impact is not None and impact not in IMPACTS:
+        raise InputError(f"--impact {impact}: must be one of {', '.join(IMPACTS)}")
+    found = {}
+    for text in names:
+        name, method = parse_scheme(text)
+        if not isinstance(method, Scheme):
+            raise InputError(
+                f"--scheme {text}: is not of the generalized-alpha family, whose step this is"
+            )
+        found[name] = Case(name, method, impact or _OWN_IMPACT.get(name, "no"))
+    return list(found.values())
+
+
+def flags(case: Case) -> list[str]:
+    """What a user should know of these parameters before believing a run."""
+    found = remarks(Row(case.name, case.scheme, 0.0, spectral.survey(case.scheme)))
+    rebound = abs(family.rebound(case.scheme))
+    if case.impact == "no" and rebound > 1.001:
+        found.append(f"a contact point that touches for one step leaves {rebound:.3g} times faster")
+    return found
+
+
+def positive(option: str, values: Sequence[float], unit: str = "s") -> Sequence[float]:
+    """The values, each above zero and finite; `InputError` otherwise."""
+    for value in values:
+        if not 0 < value < math.inf:
+            raise InputError(f"{option} {value:g} {unit}: must be > 0 and finite")
+    return values
+
+
+def carried_out(
+    title: str, jobs: Sequence[tuple[str, float, Callable]]
+) -> list[tuple[object, float]]:
+    """Results and wall times [s] of jobs (label, end [s], run of a progress callback)."""
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    results = []
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=sum(end for _, end, _ in jobs))
+        done = 0.0
+        for label, end, run in jobs:
+            bar.update(task, description=label)
+            began = time.perf_counter()
+            result = run(lambda t, done=done: bar.update(task, completed=done + t))
+            results.append((result, time.perf_counter() - began))
+            done += end
+            bar.update(task, completed=done)
+    return results
+
+
+def finish(
+    reports: Sequence[Report], chosen: Sequence[Case], failures: Sequence[str], out: Path
+) -> None:
+    """Print the tables, what is to be said of the parameters, and where things are; fail if a run
+    ended early that was not meant to."""
+    for report in reports:
+        report.print(console)
+    for case in chosen:
+        if found := flags(case):
+            console.print(f"{case.label}: {'; '.join(found)}.")
+    console.print(f"written to {out}")
+    if failures:
+        raise RunFailed("; ".join(failures))

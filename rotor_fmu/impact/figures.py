@@ -1,0 +1,196 @@
+"""Pictures of paper B's experiments: its figures 3 to 7 and 10 to 12, and some beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
+from ..model.impact.bars import BarsRun
+from ..model.impact.ratchet import RatchetRun
+
+PURPLE, SKY = "#cc79a7", "#56b4e9"
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#000000")
+OUTCOMES = {"arrived": "#a9d0ea", "stalled": "#f2c38f", "diverged": "#d9d9d9"}
+_DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
+
+
+def panels(rows: int, width: float, height: float, **options: object) -> tuple[Figure, list]:
+    """A figure with several pairs of axes one below another, in the look of `new_figure`."""
+    figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = list(np.ravel(figure.subplots(rows, 1, **options)))
+    for one in axes:
+        one.spines[["top", "right"]].set_visible(False)
+        one.grid(color="#dddddd", linewidth=0.6)
+        one.set_axisbelow(True)
+    return figure, axes
+
+
+def tip_velocity(runs: Sequence[tuple[float, BarsRun]], caption: str) -> Figure:
+    """Velocity of the left bar's end at each increment length dt [s], with the wave solution."""
+    figure, axes = panels(len(runs), 6.4, 1.0 + 2.1 * len(runs), sharex=True)
+    for one, (dt, found) in zip(axes, runs, strict=True):
+        bars = found.bars
+        t = np.array([0, bars.t_impact, bars.t_impact, bars.t_release, bars.t_release, 0.04])
+        wave = bars.speed * np.array([1.0, 1.0, 0.0, 0.0, -1.0, -1.0])
+        one.plot(1e3 * t, wave, color=GREY, lw=3.5, label="wave solution", solid_capstyle="butt")
+        mark = {"marker": ".", "ms": 5} if len(found.t) < 200 else {}
+        text = f"$\\Delta t$ = {dt:g} s"
+        if found.is_complete:
+            text += f": RMS error {found.rms_error():.3g} m/s"
+        one.plot(1e3 * found.t, found.tip_velocity, color=BLUE, lw=1.0, label=text, **mark)
+        largest = max(2.0, 1.05 * float(np.nanmax(np.abs(found.tip_velocity))))
+        one.set_ylim(-min(largest, 50.0), min(largest, 50.0))
+        one.set_ylabel("Tip velocity [m/s]")
+        one.legend(frameon=False, loc="upper right", fontsize=8.5, ncols=2)
+    axes[-1].set_xlabel("Time [ms]")
+    axes[-1].set_xlim(0, 1e3 * max(found.t[-1] for _, found in runs))
+    axes[0].set_title(caption, loc="left", fontsize=10)
+    return figure
+
+
+def _curves(axes: object, curves: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> None:
+    for k, (label, (x, y)) in enumerate(curves.items()):
+        dash = _DASHES[k % len(_DASHES)]
+        axes.plot(x, y, color=COLOURS[k % len(COLOURS)], ls=dash, lw=1.5, label=label)
+
+
+def bars_energy(runs: Mapping[str, BarsRun], dt: float) -> Figure:
+    """Energy of both bars over time, relative to the start: all of it, and near one."""
+    figure, axes = panels(2, 6.8, 6.0, sharex=True)
+    curves = {name: (1e3 * r.t, r.run.energy / r.run.energy[0]) for name, r in runs.items()}
+    for one in axes:
+        _curves(one, curves)
+    largest = float(np.nanmax([np.nanmax(y) for _, y in curves.values()]))
+    if largest > 2:
+        axes[0].set_yscale("log")
+        axes[0].set_ylim(0.8, 1.3 * min(largest, 1e6))
+        axes[0].set_yticks([tick for tick in (1, 2, 5, 10, 20, 50) if tick <= largest])
+        axes[0].yaxis.set_major_formatter("{x:g}")
+        axes[0].minorticks_off()
+    axes[1].set_ylim(0.96, 1.04)
+    axes[1].set_xlabel("Time [ms]")
+    figure.supylabel("Energy of both bars over that at the start [1]", fontsize=10)
+    caption = f"What the integrators make of the energy, $\\Delta t$ = {dt:g} s"
+    axes[0].set_title(caption, loc="left", fontsize=10)
+    axes[0].legend(frameon=False, fontsize=8.5)
+    return figure
+
+
+def bars_momentum(runs: Mapping[str, BarsRun], dt: float) -> Figure:
+    """Momentum of the left bar over time, with the wave solution."""
+    figure, axes = new_figure(6.8, 4.2)
+    bars = next(iter(runs.values())).bars
+    whole = bars.energy / bars.speed
+    t = np.array([0.0, bars.t_impact, bars.t_release, 0.04])
+    axes.plot(1e3 * t, [1, 1, -1, -1], color=GREY, lw=3.5, label="wave solution")
+    _curves(axes, {name: (1e3 * r.t, r.run.seen[:, 1] / whole) for name, r in runs.items()})
+    axes.set_xlabel("Time [ms]")
+    axes.set_ylabel("Momentum of the left bar over that at the start [1]")
+    axes.set_title(f"Momentum handed over, $\\Delta t$ = {dt:g} s", loc="left", fontsize=10)
+    axes.set_ylim(-1.5, 1.2)
+    axes.legend(frameon=False, fontsize=8.5)
+    return figure
+
+
+def wheel_speeds(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
+    """Angular velocity of the ratchet wheel (paper B, Figure 10)."""
+    figure, axes = new_figure(6.8, 4.4)
+    ratchet = next(iter(runs.values())).ratchet
+    t0 = ratchet.t_locking
+    axes.plot(
+        [0, 1e3 * t0],
+        [0, t0 * ratchet.acceleration],
+        color=GREY,
+        lw=4,
+        label="rigid pawl, closed form",
+    )
+    for k, (name, found) in enumerate(runs.items()):
+        style = {"color": COLOURS[k], "ls": _DASHES[k % 4], "lw": 1.6}
+        label = name if found.run.is_done else f"{name}: stalls at {1e3 * found.t[-1]:.3g} ms"
+        axes.plot(1e3 * found.t, found.wheel_speed, label=label, **style)
+        if not found.run.is_done:
+            axes.plot(1e3 * found.t[-1], found.wheel_speed[-1], "X", color=COLOURS[k], ms=9)
+    axes.set_xlabel("Time [ms]")
+    axes.set_ylabel("Angular velocity of the wheel [rad/s]")
+    axes.set_title(caption, loc="left", fontsize=10)
+    axes.legend(frameon=False, fontsize=8.5)
+    return figure
+
+
+def stall(name: str, found: RatchetRun, others: Mapping[str, RatchetRun], caption: str) -> Figure:
+    """Where the increments of a run go (beside paper B, Figure 11)."""
+    figure, axes = panels(2, 6.8, 5.6)
+    last = max(2 * found.t[-1], 1e-4) if not found.run.is_done else found.t[-1]
+    for k, (label, run) in enumerate(others.items(), 1):
+        inside = run.t <= last
+        style = {"color": COLOURS[k + 1], "lw": 1.0, "ls": _DASHES[k % 4]}
+        axes[0].plot(1e3 * run.t[inside], run.pawl_speed[inside], label=label, **style)
+        axes[1].plot(run.t * 1e3, **style, label=label)
+    axes[0].plot(
+        1e3 * found.t, found.pawl_speed, color=ORANGE, lw=1.4, marker=".", ms=3, label=name
+    )
+    axes[1].plot(1e3 * found.t, color=ORANGE, lw=1.8, label=name)
+    axes[0].set_xlabel("Time [ms]")
+    axes[0].set_ylabel("Pawl [rad/s]")
+    axes[1].set_xlabel("Increments used")
+    axes[1].set_ylabel("Time reached [ms]")
+    axes[1].set_yscale("log")
+    axes[0].set_title(caption, loc="left", fontsize=10)
+    axes[1].legend(frameon=False, fontsize=8.5)
+    return figure
+
+
+def shaking(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
+    """Angular velocity of the pawl while it slides (paper B, Figure 12)."""
+    figure, axes = panels(2, 6.8, 5.6)
+    ratchet = next(iter(runs.values())).ratchet
+    t0 = ratchet.t_locking
+    windows = ((0.0, 0.97 * t0), (0.5 * t0, 0.55 * t0))
+    for one, (first, last) in zip(axes, windows, strict=True):
+        for k, (name, found) in enumerate(runs.items()):
+            inside = (found.t >= first) & (found.t <= last)
+            label = f"{name}: {found.fast_content:.2g} rad/s RMS about the moving mean"
+            front = {"zorder": 2 + k, "lw": 1.0 if k == 0 else 1.8}
+            mark = {"marker": ".", "ms": 4} if one is axes[1] and k == 0 else {}
+            colour = (BLUE, ORANGE)[k % 2]
+            one.plot(
+                1e3 * found.t[inside],
+                found.pawl_speed[inside],
+                color=colour,
+                label=label,
+                **front,
+                **mark,
+            )
+        one.set_ylabel("Pawl [rad/s]")
+        one.set_xlim(1e3 * first, 1e3 * last)
+    low, high = axes[0].get_ylim()
+    axes[0].set_ylim(low, high + 0.35 * (high - low))
+    axes[0].legend(frameon=False, fontsize=8.5, loc="upper left")
+    axes[0].set_title(caption, loc="left", fontsize=10)
+    axes[1].set_xlabel("Time [ms]")
+    return figure
+
+
+def outcomes(rows: Sequence[str], columns: Sequence[str], cells: Mapping, caption: str) -> Figure:
+    """Which runs reached their end; cells: (row, column) -> (outcome, text), outcome one of
+    `OUTCOMES`."""
+    figure, axes = new_figure(1.9 + 1.45 * len(columns), 1.0 + 0.42 * len(rows))
+    axes.grid(False)
+    axes.spines[:].set_visible(False)
+    for (row, column), (outcome, text) in cells.items():
+        i, j = rows.index(row), columns.index(column)
+        axes.add_patch(Rectangle((j, i), 0.97, 0.94, facecolor=OUTCOMES[outcome], lw=0))
+        axes.text(j + 0.485, i + 0.47, text, ha="center", va="center", fontsize=8.5)
+    axes.set_xlim(0, len(columns))
+    axes.set_ylim(len(rows), 0)
+    axes.set_xticks(np.arange(len(columns)) + 0.485, columns, fontsize=8.5)
+    axes.set_yticks(np.arange(len(rows)) + 0.47, rows, fontsize=8.5)
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
+    axes.set_title(caption, loc="left", fontsize=10, pad=8)
+    return figure

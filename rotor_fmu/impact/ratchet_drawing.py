@@ -1,0 +1,159 @@
+"""The ratchet drawn: wheel, pawl and its deformation, at a few instants and in motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from ..model.impact.ratchet import Ratchet, RatchetRun
+from .figures import panels
+
+_WHEEL, _EDGE = "#d9d4c7", "#6d675a"
+_SHOWN = 1.5e-3  # size at which the largest bending is drawn [m]
+_SLOWER = 300  # the animation's time over the ratchet's
+_FRAME_RATE = 20
+
+
+def bending(ratchet: Ratchet, u: np.ndarray) -> np.ndarray:
+    """What displacements u, shape (frames, N, 2), have besides the pawl's turning [m]."""
+    x = ratchet.plate.points
+    turned = np.stack([-x[:, 1], x[:, 0]], axis=1)
+    angle = (u * turned).sum(axis=(1, 2)) / (turned**2).sum()
+    return u - angle[:, None, None] * turned
+
+
+def _magnification(bent: np.ndarray) -> float:
+    """A round factor that makes the bending visible."""
+    largest = float(np.sqrt((bent**2).sum(axis=-1)).max())
+    factor = _SHOWN / largest if largest > 0 else 1.0
+    decade = 10.0 ** math.floor(math.log10(factor))
+    return max(1.0, decade * max(k for k in (1, 2, 5) if k * decade <= factor))
+
+
+def _wheel(ratchet: Ratchet, angle: float) -> np.ndarray:
+    """Outline of the wheel [m], shape (points, 2), turned by an angle [rad].
+
+    The model unrolls the wheel below the tip of the nose; here it is rolled up again.
+    """
+    pawl, tooth, wheel = ratchet.pawl, ratchet.tooth, ratchet.wheel
+    tip = -(pawl.height / 2 + tooth.slope * pawl.nose_length)
+    on_back = -tooth.clearance * math.hypot(1, tooth.slope)
+    along = np.linspace(0.0, ratchet.pitch, 40)
+    teeth = []
+    for k in range(wheel.teeth):
+        # from the foot of a face up, then down the back of its tooth
+        x = tooth.slip + k * ratchet.pitch + along
+        y = on_back + tooth.slope * (ratchet.pitch - tooth.slip - along)
+        teeth.append(np.stack([x, y], axis=1))
+    x, y = np.concatenate(teeth).T
+    turned = x / wheel.radius + angle
+    r = wheel.radius + y
+    centre = (pawl.length, tip - wheel.radius)
+    return np.stack([centre[0] + r * np.sin(turned), centre[1] + r * np.cos(turned)], axis=1)
+
+
+class _Scene:
+    """Wheel and pawl in one pair of axes; `show` moves them."""
+
+    def __init__(self, axes: object, ratchet: Ratchet, factor: float, largest: float) -> None:
+        pawl = ratchet.pawl
+        self._ratchet, self._factor = ratchet, factor
+        c = ratchet.plate.columns
+        quads = np.stack([c[:-1, :-1], c[1:, :-1], c[1:, 1:], c[:-1, 1:]], axis=-1)
+        self._quads = quads.reshape(-1, 4)
+        (self._wheel,) = axes.fill([0], [0], facecolor=_WHEEL, edgecolor=_EDGE, lw=1.2)
+        self.mesh = PolyCollection([], cmap="viridis", edgecolor="white", linewidths=0.4)
+        self.mesh.set_clim(0, 1e6 * largest)
+        axes.add_collection(self.mesh)
+        axes.plot(0, 0, "o", color="black", ms=6, zorder=5)
+        tip = pawl.height / 2 + ratchet.tooth.slope * pawl.nose_length
+        axes.set_xlim(-200 * pawl.length, 1e3 * (pawl.length + 3 * ratchet.tooth.slip))
+        axes.set_ylim(-4000 * tip, 2000 * pawl.height)
+        axes.set_aspect("equal")
+        axes.grid(False)
+        axes.set_ylabel("y [mm]")
+
+    def show(self, angle: float, u: np.ndarray) -> None:
+        """The wheel at an angle [rad], the pawl's nodes displaced by u, shape (N, 2) [m]."""
+        bent = bending(self._ratchet, u[None])[0]
+        points = self._ratchet.plate.points + u + (self._factor - 1) * bent
+        self.mesh.set_verts(1e3 * points[self._quads])
+        size = np.hypot(*bent.T)
+        self.mesh.set_array(1e6 * size[self._quads].mean(axis=1))
+        self._wheel.set_xy(1e3 * _wheel(self._ratchet, angle))
+
+
+def _frame_at(found: RatchetRun, t: float) -> int:
+    return int(np.argmin(np.abs(found.shape_t - t)))
+
+
+def instants(found: RatchetRun) -> list[tuple[str, int]]:
+    """Frames worth showing: at rest, sliding, at the locking face, after the rebound."""
+    t_locked = found.t_reversal
+    if math.isnan(t_locked):
+        return [("start", 0), ("end", len(found.shape_t) - 1)]
+    near = np.flatnonzero(np.abs(found.shape_t - t_locked) < 0.02 * t_locked)
+    bent = np.sqrt((bending(found.ratchet, found.shapes[near]) ** 2).sum(axis=-1)).max(axis=1)
+    locked = int(near[np.argmax(bent)]) if len(near) else _frame_at(found, t_locked)
+    return [
+        ("at rest", 0),
+        ("sliding", _frame_at(found, 0.7 * t_locked)),
+        ("hits the locking face", locked),
+        ("rebounds", _frame_at(found, 1.35 * t_locked)),
+    ]
+
+
+def drawing(found: RatchetRun, caption: str) -> Figure:
+    """The ratchet at a few instants, bending magnified."""
+    shown = instants(found)
+    bent = bending(found.ratchet, found.shapes[[k for _, k in shown]])
+    largest = float(np.sqrt((bent**2).sum(axis=-1)).max())
+    factor = _magnification(bent)
+    figure, axes = panels(len(shown), 6.6, 0.8 + 2.25 * len(shown), sharex=True)
+    for one, (label, k) in zip(axes, shown, strict=True):
+        scene = _Scene(one, found.ratchet, factor, largest)
+        scene.show(found.shape_angle[k], found.shapes[k])
+        text = f"{label}, t = {1e3 * found.shape_t[k]:.2f} ms"
+        one.text(0.02, 0.95, text, transform=one.transAxes, va="top", fontsize=9)
+    axes[-1].set_xlabel("x [mm]")
+    axes[0].set_title(f"{caption}, bending drawn {factor:g} times", loc="left", fontsize=10)
+    figure.colorbar(scene.mesh, ax=axes, label="Bending [µm]", shrink=0.5)
+    return figure
+
+
+def animate(found: RatchetRun, path: Path, caption: str) -> Path:
+    """A GIF of the kept shapes: one tooth."""
+    ratchet = found.ratchet
+    bent = bending(ratchet, found.shapes)
+    size = np.sqrt((bent**2).sum(axis=-1)).max(axis=1)
+    largest = float(np.quantile(size, 0.98))
+    figure, (axes,) = panels(1, 6.0, 3.1)
+    scene = _Scene(axes, ratchet, _magnification(np.array([[[largest, 0.0]]])), largest)
+    axes.set_xlabel("x [mm]")
+    axes.set_title(caption, loc="left", fontsize=9)
+    clock = axes.text(0.02, 0.95, "", transform=axes.transAxes, va="top", fontsize=9)
+
+    def frame(k: int) -> Sequence[object]:
+        scene.show(found.shape_angle[k], found.shapes[k])
+        speed = np.interp(found.shape_t[k], found.t, found.wheel_speed)
+        clock.set_text(f"t = {1e3 * found.shape_t[k]:5.2f} ms    wheel {speed:+6.1f} rad/s")
+        return ()
+
+    frame(0)
+    movie = FuncAnimation(figure, frame, frames=len(found.shape_t), blit=False)
+    figure.canvas.draw()
+    figure.set_layout_engine("none")
+    unfinished = path.with_stem(path.stem + ".part")
+    movie.save(unfinished, writer=PillowWriter(fps=_FRAME_RATE), dpi=90)
+    return unfinished.replace(path)
+
+
+def frame_interval() -> float:
+    """Time between two frames of the animation [s]."""
+    return 1 / (_SLOWER * _FRAME_RATE)

@@ -1,0 +1,1 @@
+"""Building FMUs: what goes into one, its documents and pages."""

@@ -1,0 +1,150 @@
+"""What goes into the FMU, and building it."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import sys
+import tempfile
+import zipfile
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from xml.etree.ElementTree import Element, fromstring, indent, tostring
+
+from pythonfmu.builder import FmuBuilder
+
+from .. import model
+from ..fmu.interface import interface
+from ..fmu.slave import DRIVE_FILE, ROTOR_FILE
+from ..model.machine.toml import parse_rotor, rig_toml
+from .documents import documents
+
+FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
+REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
+_HERE = Path(__file__).parent
+_PROJECT = _HERE.parent
+# Of `model`, what no rotor needs: paper B's experiments and the analysis of the false state.
+_NOT_IN_FMU = ("impact", "false_state")
+_ZIP_DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def build(out: Path, rotor_toml: str | None = None, is_free: bool = False) -> Path:
+    """Build `RotorBearing.fmu`, or `RotorBearingFree.fmu` where a torque is to drive the rotor, in
+    the folder `out` and return its path.
+
+    rotor_toml: TOML text of the rotor, by default the paper's rig. Raises `RotorError` for an
+    impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
+    """
+    toml = rig_toml() if rotor_toml is None else rotor_toml
+    described = parse_rotor(toml)
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
+        folder = Path(name)
+        package = _write_package(folder)
+        rotor = folder / ROTOR_FILE
+        rotor.write_text(toml, encoding="utf-8")
+        drive = folder / DRIVE_FILE
+        drive.write_text("torque" if is_free else "speed", encoding="utf-8")
+        script = folder / _script(package.name, is_free)
+        shutil.copyfile(_HERE / "entry.py", script)
+        requirements = folder / "requirements.txt"
+        requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
+        raw = folder / "raw.fmu"
+        wrap(script, [package, rotor, drive, requirements], raw)
+        target = out / (FREE_FMU_NAME if is_free else FMU_NAME)
+        return repack(raw, target, documents(described, interface(described, is_free), target.stem))
+
+
+def _script(package: str, is_free: bool) -> str:
+    return f"{package}_free_entry.py" if is_free else f"{package}_entry.py"
+
+
+def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
+    """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources."""
+    search_path = list(sys.path)
+    try:
+        FmuBuilder.build_FMU(
+            script,
+            dest=raw,
+            project_files=list(beside),
+            canGetAndSetFMUstate=True,
+            canSerializeFMUstate=True,
+        )
+    finally:
+        sys.path[:] = search_path
+
+
+def _sources() -> dict[str, str]:
+    """The package's modules by their path in it: two folders of the project as they are, `model`
+    without what no rotor needs."""
+    files = {"about.py": _PROJECT / "about.py"}
+    for folder, root in (("model", Path(model.__file__).parent), ("fmu", _PROJECT / "fmu")):
+        for file in root.rglob("*.py"):
+            inside = file.relative_to(root)
+            if folder != "model" or inside.parts[0] not in _NOT_IN_FMU:
+                files[f"{folder}/{inside.as_posix()}"] = file
+    return {path: file.read_text(encoding="utf-8") for path, file in sorted(files.items())}
+
+
+def _contents() -> tuple[str, dict[str, str]]:
+    """Name of the FMU's package, which follows its content, and the content by path."""
+    contents = _sources() | {"__init__.py": ""}
+    digest = hashlib.sha256()
+    for path, text in sorted(contents.items()):
+        digest.update(f"{path}\0{text}\0".encode())
+    return f"rotorbearing_{digest.hexdigest()[:12]}", contents
+
+
+def _write_package(folder: Path) -> Path:
+    name, contents = _contents()
+    package = folder / name
+    for path, text in contents.items():
+        target = package / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(text, encoding="utf-8")
+    return package
+
+
+def package_name() -> str:
+    """Name of the package that `build` would put into the FMU now; it follows the code."""
+    return _contents()[0]
+
+
+def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) -> bool:
+    """Whether `fmu` is what `build` would make now."""
+    if not fmu.is_file() or not zipfile.is_zipfile(fmu):
+        return False
+    with zipfile.ZipFile(fmu) as archive:
+        if f"resources/{_script(package_name(), is_free)}" not in archive.namelist():
+            return False
+        toml = archive.read(f"resources/{ROTOR_FILE}").decode("utf-8")
+    return toml == (rig_toml() if rotor_toml is None else rotor_toml)
+
+
+def repack(
+    raw: Path,
+    target: Path,
+    documents: Mapping[str, bytes],
+    describe: Callable[[Element], Element] = lambda root: root,
+) -> Path:
+    """Copy an FMU with documents added and its description completed by `describe`; sorted, with
+    one date and without caches, so that equal sources give equal bytes. Returns `target`."""
+    with zipfile.ZipFile(raw) as source:
+        contents = {
+            name: source.read(name)
+            for name in source.namelist()
+            if "__pycache__" not in name and not name.endswith("/")
+        }
+    root = describe(fromstring(contents["modelDescription.xml"].decode("utf-8")))
+    indent(root)
+    xml = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8")
+    contents |= {"modelDescription.xml": xml, **documents}
+    # written beside its place and moved there, so that nothing half-written is ever found
+    unfinished = target.with_suffix(".part")
+    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as sink:
+        for name, data in sorted(contents.items()):
+            info = zipfile.ZipInfo(name, _ZIP_DATE)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            sink.writestr(info, data)
+    return unfinished.replace(target)

@@ -1,0 +1,158 @@
+"""What the FMU shows to people and tools beside the model: pages, picture, licences, terminals."""
+
+from __future__ import annotations
+
+import html
+import io
+from collections.abc import Sequence
+from importlib.metadata import distribution
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from ..about import __version__
+from ..fmu.variables import Variable
+from ..model.machine.rotor import Disc, Rotor
+from .related_files import related_files
+from .variable_table import rows
+
+DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
+Python 3.11 or newer with numpy and scipy; with numba it runs some five hundred times faster.
+No network, no licence, no files but its own and a cache of compiled code in the user's
+cache folder ($ROTOR_FMU_CACHE).
+"""
+
+_REFERENCE = """<h2>A reference result</h2>
+<p>The FMU carries the result of its default experiment, to compare an import with: see
+<a href="fmi-ls-ref.txt">fmi-ls-ref.txt</a>.</p>
+"""
+
+# What the page says of the drive, by the input that drives.
+_DRIVES = {
+    "speed": "the speed of the shaft and the external loads go in; displacements, contact angles "
+    "and the torque that the drive must supply come out",
+    "tau_drive": "the torque of the drive and the external loads go in; speed and angle of the "
+    "shaft, displacements and contact angles come out. Friction, whirl and unbalance slow it",
+}
+
+
+def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, bytes]:
+    """Files of the FMU called `name`, by their path in it."""
+    picture = model_picture(rotor)
+    related = related_files(rotor, name)
+    pages = files(__package__).joinpath("pages")
+    return {
+        "model.png": picture,
+        "documentation/model.png": picture,
+        "documentation/run_down.png": pages.joinpath("run_down.png").read_bytes(),
+        "documentation/index.html": _index(table, name, bool(related)).encode(),
+        "documentation/externalDependencies.txt": DEPENDENCIES.encode(),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
+        **{f"documentation/licenses/{of}.txt": text for of, text in _licences().items()},
+        **related,
+    }
+
+
+def _index(table: Sequence[Variable], name: str, has_reference: bool) -> str:
+    page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
+    head, *body = rows(table)
+    cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
+    cells += ["<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in body]
+    variables = "<table>\n" + "\n".join(cells) + "\n</table>"
+    return Template(page).substitute(
+        name=name,
+        drive=_DRIVES[table[0].name],
+        version=__version__,
+        variables=variables,
+        reference=_REFERENCE if has_reference else "",
+    )
+
+
+def _licences() -> dict[str, bytes]:
+    """Licences of what the FMU carries: this project and pythonfmu."""
+    found = {}
+    for name in ("rotor-fmu", "pythonfmu"):
+        for file in distribution(name).files or ():
+            if file.name.upper().startswith("LICEN"):
+                found[name] = Path(str(file.locate())).read_bytes()
+    return found
+
+
+def terminals(table: Sequence[Variable]) -> bytes:
+    """terminalsAndIcons.xml: the shaft as a rotational flange, and each body's forces and
+    displacements."""
+    names = {variable.name for variable in table}
+    root = Element("fmiTerminalsAndIcons", fmiVersion="2.0")
+    group = SubElement(root, "Terminals")
+    shaft = SubElement(
+        group,
+        "Terminal",
+        name="shaft",
+        matchingRule="bus",
+        terminalKind="rotational.flange",
+        description="the driven end: motion one way, torque the other",
+    )
+    free = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
+    driven = {"w": "speed", "phi": "phi", "tau": "tau"}
+    for member, variable in (free if "tau_drive" in names else driven).items():
+        _member(shaft, member, variable)
+    bodies = [name.removesuffix(".fx") for name in names if name.endswith(".fx")]
+    for body in sorted(bodies):
+        terminal = SubElement(group, "Terminal", name=body, matchingRule="bus", terminalKind="body")
+        for member in ("fx", "fy", "x", "y"):
+            if f"{body}.{member}" in names:
+                _member(terminal, member, f"{body}.{member}")
+    indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8")
+
+
+def _member(terminal: Element, member: str, variable: str) -> None:
+    SubElement(
+        terminal,
+        "TerminalMemberVariable",
+        memberName=member,
+        variableName=variable,
+        variableKind="signal",
+    )
+
+
+def model_picture(rotor: Rotor) -> bytes:
+    """The rotor to scale as a PNG, for the importing tool's icon."""
+    figure = Figure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+
+    def block(left: float, width: float, height: float, color: str, line: str = "black") -> None:
+        axes.add_patch(
+            Rectangle((left, -height / 2), width, height, facecolor=color, edgecolor=line, lw=1.0)
+        )
+
+    for i, diameter in enumerate(rotor.diameters):
+        block(rotor.nodes[i], rotor.nodes[i + 1] - rotor.nodes[i], diameter, "#bbbbbb")
+    bodies: list[Disc] = [*rotor.discs, *([rotor.coupling] if rotor.coupling else [])]
+    for body in bodies:
+        block(rotor.nodes[body.node - 1] - body.width / 2, body.width, body.diameter, "#56b4e9")
+    tallest = max(body.diameter for body in bodies)
+    for bearing in rotor.bearings:
+        z, width = rotor.nodes[bearing.node - 1], 0.06 * rotor.length
+        for side in (1, -1):
+            low = side * (bearing.journal_radius + 0.01 * rotor.length)
+            height = side * 0.12 * tallest
+            axes.add_patch(
+                Rectangle(
+                    (z - width / 2, low), width, height, facecolor="#e69f00", edgecolor="black"
+                )
+            )
+        axes.plot([z, z], [-0.5 * tallest, -0.24 * tallest], color="black", lw=1.0, ls=(0, (2, 1)))
+        axes.plot([z - width, z + width], [-0.5 * tallest] * 2, color="black", lw=2.0)
+    axes.autoscale_view()
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()

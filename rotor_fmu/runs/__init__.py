@@ -1,0 +1,1 @@
+"""Runs through a built FMU: signals, run-down, reproduction, reports."""

@@ -1,0 +1,174 @@
+"""A run as a user asks for it: checked before anything is written, then carried out."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress, TimeRemainingColumn
+
+from ..errors import InputError, read_text
+from ..fmu.binding import build_simulation, chosen_settings
+from ..fmu.interface import interface
+from ..fmu.variables import Variable
+from ..model.machine.rotor import Rotor, RotorError
+from ..model.machine.toml import parse_rotor, rig_toml
+from ..model.settings import PRESETS, Settings, choose
+from ..model.structure.equilibrium import EquilibriumError
+from ..packing.bundle import FMU_NAME, build, is_current
+from .run_down import Plan, Run, run_direct, run_fmu
+from .signals import make_signals, read_signals
+
+_console = Console(stderr=True)
+
+
+def load_rotor(path: Path | None) -> tuple[str, Rotor]:
+    """TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible one."""
+    text = rig_toml() if path is None else read_text("--rotor", path)
+    try:
+        return text, parse_rotor(text)
+    except RotorError as error:
+        raise InputError(f"{path}: {error}" if path else str(error)) from error
+
+
+def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
+    """Values by name from `NAME=VALUE` texts; choices may be given by number or by name.
+
+    Raises `InputError` for an unknown name and for a value that the variable cannot have.
+    """
+    known = {v.name: v for v in table if not v.is_observed}
+    values = {}
+    for text in settings:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not equals:
+            raise InputError(f"--set {text}: must be NAME=VALUE")
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 3, 0.5) or sorted(known)[:3]
+            raise InputError(f"--set {name}: unknown name; did you mean {', '.join(near)}?")
+        values[name] = _parse_value(known[name], value)
+    return values
+
+
+def _parse_value(variable: Variable, text: str) -> float:
+    if variable.kind == "Boolean":
+        allowed = {"true": True, "false": False, "1": True, "0": False}
+        if text.lower() not in allowed:
+            raise InputError(f"--set {variable.name} = {text}: must be true or false")
+        return allowed[text.lower()]
+    if variable.choices:
+        if text in variable.choices:
+            return variable.choices.index(text)
+        if text.isdecimal() and int(text) < len(variable.choices):
+            return int(text)
+        listed = ", ".join(f"{i} {name}" for i, name in enumerate(variable.choices))
+        raise InputError(f"--set {variable.name} = {text}: must be one of {listed}")
+    try:
+        value = float(text)
+    except ValueError:
+        raise InputError(f"--set {variable.name} = {text}: must be a number") from None
+    low = float("-inf") if variable.low is None else variable.low
+    high = float("inf") if variable.high is None else variable.high
+    if not low <= value <= high or value in (float("inf"), float("-inf")):
+        unit = "" if variable.unit == "1" else f" {variable.unit}"
+        limit = f" from {low:g} to {high:g}{unit}" if variable.high is not None else f" >= {low:g}"
+        bound = "finite" if variable.low is None else f"a finite number{limit}"
+        raise InputError(f"--set {variable.name} = {text}{unit}: must be {bound}")
+    return value
+
+
+@dataclass(frozen=True)
+class Job(Plan):
+    """A run that was checked and can begin: a plan, the rotor (also as TOML) and its settings."""
+
+    toml: str
+    rotor: Rotor
+    settings: Settings
+
+
+def prepare(
+    rotor_file: Path | None,
+    preset: str | None,
+    sets: Sequence[str],
+    signal_file: Path | None,
+    stop: float,
+    step: float | None,
+) -> Job:
+    """Check everything that a user gave before anything is written or run."""
+    toml, rotor = load_rotor(rotor_file)
+    table = interface(rotor)
+    if not 0 < stop < float("inf"):
+        raise InputError(f"--stop {stop:g} s: must be > 0 and finite")
+    if step is not None and not 0 < step <= stop:
+        raise InputError(f"--step {step:g} s: must be > 0 and at most --stop = {stop:g} s")
+    if preset is not None:
+        if preset not in PRESETS:
+            raise InputError(f"--preset {preset}: must be one of {', '.join(PRESETS)}")
+        sets = [f"solver.preset={preset}", *sets]
+    values = parse_settings(table, sets)
+    inputs = {v.name for v in table if v.causality == "input"}
+    constants = {name: value for name, value in values.items() if name in inputs}
+    recorded = read_signals(signal_file, table) if signal_file else None
+    for name in constants:
+        if recorded is not None and name in recorded.values:
+            raise InputError(f"--set {name}: {signal_file} gives it too")
+    signals = make_signals(table, stop, constants, recorded)
+    parameters = {name: value for name, value in values.items() if name not in inputs}
+    parameters.setdefault("speed_rate", signals.first_rate)
+    everything = {v.name: v.start for v in table if not v.is_observed} | parameters
+    everything |= {name: signals.at(name, 0.0) for name in signals.values}
+    settings = choose(**chosen_settings(table, everything))
+    try:
+        build_simulation(rotor, table, everything, 0.0, lambda message: None)
+    except EquilibriumError as error:
+        raise InputError(str(error)) from error
+    step = step or _step_of(settings)
+    return Job(table, parameters, signals, stop, step, toml, rotor, settings)
+
+
+def _step_of(settings: Settings) -> float:
+    """Communication step of a run-down [s]: fine enough for pictures, but no finer than the steps
+    that an adaptive mode is to choose by itself."""
+    return {"adaptive": 0.04, "controlled": 0.004}.get(settings.mode, max(settings.h, 0.002))
+
+
+def execute(job: Job, fmu: Path | None, label: str) -> Run:
+    """Carry out a run with a progress bar: through the FMU, or directly where `fmu` is None."""
+    with Progress(
+        *Progress.get_default_columns()[:-1],
+        TimeRemainingColumn(),
+        console=_console,
+        transient=True,
+    ) as bar:
+        task = bar.add_task(label, total=job.stop)
+
+        def progress(t: float) -> None:
+            bar.update(task, completed=t)
+
+        return run_direct(job.rotor, job, progress) if fmu is None else run_fmu(fmu, job, progress)
+
+
+def fmu_in(out: Path, toml: str) -> Path:
+    """The FMU of this rotor in the folder `out`, built if it is not there or not up to date."""
+    fmu = out / FMU_NAME
+    return fmu if is_current(fmu, toml) else build(out, toml)
+
+
+def write_csv(run: Run, path: Path) -> None:
+    """Every communication point: time [s], then all that the model computes, in SI units."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["time", *run.columns])
+        for row in zip(run.t.tolist(), *(c.tolist() for c in run.columns.values()), strict=True):
+            writer.writerow([f"{value:.9g}" for value in row])
+
+
+def write_json(data: Mapping[str, object], path: Path) -> None:
+    """A JSON file, whole or not at all."""
+    unfinished = path.with_suffix(".part")
+    unfinished.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
+    unfinished.replace(path)

@@ -1,0 +1,232 @@
+"""A run, through the built FMU with FMPy or directly through the model, and what is read of it."""
+
+from __future__ import annotations
+
+import math
+import shutil
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import fmpy
+import numpy as np
+
+from ..errors import RunFailed
+from ..fmu.binding import build_simulation, load_names
+from ..fmu.variables import Variable
+from ..model.machine.rotor import Rotor
+from ..model.simulation import StepFailure
+from .signals import Signals
+
+Progress = Callable[[float], None]
+PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
+_NEAR_PEAK = 0.15  # [Hz]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run is to be: the FMU's variables, values of its parameters by name, its inputs, its
+    end [s] and its communication step [s]."""
+
+    table: Sequence[Variable]
+    parameters: Mapping[str, float]
+    signals: Signals
+    stop: float
+    step: float
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run at its communication points.
+
+    t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: `ok`,
+    `false state` or what went wrong; messages: of the solver; wall_s [s].
+    """
+
+    t: np.ndarray
+    columns: Mapping[str, np.ndarray]
+    status: str
+    messages: tuple[str, ...]
+    wall_s: float
+
+    @property
+    def hz(self) -> np.ndarray:
+        """Speed of rotation [Hz], shape (n,)."""
+        return self.columns["w"] / (2 * math.pi)
+
+
+def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
+    """Drive a built FMU with FMPy.
+
+    A run that fails is returned up to its last good communication point, with the reason.
+    """
+    recorded = [v.name for v in plan.table if v.is_observed]
+    messages: list[str] = []
+    recorder = None
+
+    def log(environment: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        if status != fmpy.fmi2.fmi2OK:
+            # the wrapper puts a line of its own before the message of an exception
+            messages.append(text.decode("utf-8", "replace").splitlines()[-1])
+
+    def step_finished(t: float, its_recorder: fmpy.simulation.Recorder) -> bool:
+        nonlocal recorder
+        recorder = its_recorder
+        progress(t)
+        return not interrupts
+
+    folder = fmpy.extract(str(fmu))
+    begun = time.perf_counter()
+    failure = None
+    interrupts: list[int] = []
+    try:
+        instance = _instantiate(fmu, folder, log)
+        with interrupts_noted() as interrupts:
+            fmpy.simulate_fmu(
+                folder,
+                fmu_instance=instance,
+                model_description=fmpy.read_model_description(folder),
+                validate=False,
+                start_time=0.0,
+                stop_time=plan.stop,
+                output_interval=plan.step,
+                start_values=dict(plan.parameters),
+                input=plan.signals.as_structured(),
+                output=recorded,
+                step_finished=step_finished,
+            )
+    except fmpy.fmi1.FMICallException as error:
+        failure = messages[-1] if messages else str(error)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    if interrupts:
+        raise KeyboardInterrupt
+    wall = time.perf_counter() - begun
+    if recorder is None:
+        empty = {name: np.zeros(0) for name in recorded}
+        return Run(np.zeros(0), empty, f"failed: {failure}", tuple(messages), wall)
+    rows = recorder.result()
+    columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
+    return Run(np.asarray(rows["time"]), columns, _status(failure, columns), tuple(messages), wall)
+
+
+@contextmanager
+def interrupts_noted() -> Iterator[list[int]]:
+    """Ctrl-C, kept for between two steps: raised inside the FMU, it would be one of its errors."""
+    interrupts: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield interrupts
+        return
+    before = signal.signal(signal.SIGINT, lambda number, frame: interrupts.append(number))
+    try:
+        yield interrupts
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> object:
+    description = fmpy.read_model_description(folder)
+    try:
+        return fmpy.instantiate_fmu(
+            folder, description, "CoSimulation", debug_logging=True, logger=log
+        )
+    except Exception as error:  # FMPy raises nothing more specific
+        raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
+
+
+def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) -> Run:
+    """The same run without an FMU: same steps, same inputs, same numbers."""
+    signals, stop = plan.signals, plan.stop
+    values = {v.name: v.start for v in plan.table if not v.is_observed}
+    values |= plan.parameters | {name: signals.at(name, 0.0) for name in signals.values}
+    messages: list[str] = []
+    begun = time.perf_counter()
+    simulation = build_simulation(rotor, plan.table, values, 0.0, messages.append)
+    loads = load_names(rotor)
+    failure = None
+    t, n = 0.0, 0
+    times, rows = [t], [simulation.observed.copy()]
+    while t < stop and not math.isclose(t, stop):
+        target = min((n + 1) * plan.step, stop)
+        forces = np.array([complex(signals.at(x, t), signals.at(y, t)) for x, y in loads])
+        try:
+            # the sum that an FMU makes of the current time and the step size
+            simulation.advance(t + (target - t), signals.at("speed", t), forces)
+        except StepFailure as error:
+            failure = str(error)
+            messages.append(failure)
+            break
+        t, n = target, n + 1
+        times.append(t)
+        rows.append(simulation.observed.copy())
+        progress(t)
+    wall = time.perf_counter() - begun
+    columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
+    return Run(np.array(times), columns, _status(failure, columns), tuple(messages), wall)
+
+
+def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
+    if failure is not None:
+        return f"failed: {failure}"
+    return "false state" if columns["solver.trapped"][-1] > 0 else "ok"
+
+
+def summary(run: Run) -> dict[str, object]:
+    """The figures of a run-down: peaks of the last disc for t > 2 s, the last bearing's psi there,
+    and what the solver did; None where a run did not come that far.
+
+    energy_residual: energy that the integrator made, relative to all that was dissipated [1].
+    """
+    c = run.columns
+    last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
+    steps = last["solver.steps"]
+    losses = sum(last[name] for name in last if name.endswith("_loss"))
+    return {
+        **_peaks(run),
+        "steps": int(steps),
+        "rejected": int(last["solver.rejected"]),
+        "newton_per_step": last["solver.newton"] / steps if steps else None,
+        "h_min": last["solver.h_min_used"],
+        "h_max": last["solver.h_max_used"],
+        "h_last": last["solver.h_last"],
+        "wall_s": run.wall_s,
+        "energy_residual": last["energy.residual"] / losses if losses else None,
+        "trapped_steps": int(last["solver.trapped"]),
+        "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
+        "status": run.status,
+        "messages": list(run.messages),
+    }
+
+
+def last_index(run: Run, part: str) -> int:
+    """Number of the last disc or bearing of a run."""
+    return sum(1 for name in run.columns if name.startswith(part) and name.endswith("].x"))
+
+
+def _peaks(run: Run) -> dict[str, object]:
+    keys = ("x_peak_um", "x_peak_hz", "y_peak_um", "y_peak_hz", "y_static_um")
+    figures: dict[str, object] = dict.fromkeys((*keys, "psi_at_x_peak_deg", "circulation_hz"))
+    c, hz = run.columns, run.hz
+    disc = f"disc[{last_index(run, 'disc')}]"
+    if len(hz):
+        figures["y_static_um"] = float(c[f"{disc}.y"][0]) * 1e6
+    late = np.flatnonzero(run.t > PEAKS_AFTER)
+    if not len(late):
+        return figures
+    for axis in "xy":
+        at = late[np.argmax(c[f"{disc}.{axis}_amp"][late])]
+        figures[f"{axis}_peak_um"] = float(c[f"{disc}.{axis}_amp"][at]) * 1e6
+        figures[f"{axis}_peak_hz"] = float(hz[at])
+    bearings = last_index(run, "bearing")
+    if bearings:
+        psi = c[f"bearing[{bearings}].psi"]
+        near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
+        figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
+        round_trip = late[psi[late] < 1.0]
+        if len(round_trip):
+            figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
+    return figures

@@ -1,0 +1,1 @@
+"""`rotor-fmu schemes`: what integrators do to an oscillation."""
