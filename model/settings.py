@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from .march.control import (
-    ADAPTIVE,
-    CONTROLLED,
-    FIXED,
+from .march.control import ADAPTIVE, CONTROLLED, FIXED, Control
+from .march.paper_control import (
     INCREMENT_NORM,
     LI_ZENG_WIBERG,
     MIXED_NORM,
     ZIENKIEWICZ_XIE,
-    Control,
 )
 from .schemes import family as schemes
 

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from .kernels.compiled import INTERPRETED_WARNING, IS_COMPILED
 from .machine.rotor import Rotor
-from .march import calls, march
-from .march.memory import new_memory
+from .march import entries, march
+from .march.block import LAYOUT, Run, new_block, set_method
+from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .step.step import Motion, new_motion, new_workspace
-from .structure.assembly import assemble
-from .structure.equilibrium import static_equilibrium
+from .step.step import Motion
+from .structure.assembly import Structure, assemble
 from .structure.reduction import reduced
+
+
+class EquilibriumError(RuntimeError):
+    """No static equilibrium was found."""
 
 
 class StepFailure(RuntimeError):
@@ -39,7 +43,8 @@ def _warn(message: str) -> None:
 class Simulation:
     """One rotor in motion.
 
-    The rotor starts at rest in its static equilibrium at time t [s], turning at `speed` [rad/s].
+    The rotor starts at rest in its static equilibrium under gravity and `loads` (complex, on the
+    ports in their order [N]) at time t [s], turning at `speed` [rad/s].
     `rate` [rad/s2] is the rate of the speed over the first interval; later ones continue the speed
     linearly from the last two values given, or, without `continues_speed`, hold the last. Given a
     `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. What
@@ -57,48 +62,53 @@ class Simulation:
         rate: float = 0.0,
         continues_speed: bool = True,
         drive_torque: float | None = None,
+        loads: np.ndarray | None = None,
         warn: Callable[[str], None] = _warn,
     ) -> None:
         self._warn = warn
         self._warn_if_interpreted()
         self.rotor = rotor
         self.settings = settings
-        self.structure = assemble(rotor)
+        structure = assemble(rotor)
         if settings.reduction:
-            self.structure = reduced(self.structure, int(settings.reduction))
-        self.names = observed_names(self.structure)
+            structure = reduced(structure, int(settings.reduction))
+        self.names = observed_names(rotor)
         self._scheme = settings.scheme()
-        self._how = tuple(self._scheme), tuple(settings.control())
         if not is_unconditionally_stable(self._scheme):
             self._warn(
                 f"{settings.method} with alpha_f = {self._scheme.alpha_f:g}, alpha_m = "
                 f"{self._scheme.alpha_m:g} is unstable: its spectral radius for fast oscillations "
                 f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
             )
-        self._loads = np.zeros(len(self.structure.load_dof), dtype=complex)
-        self._motion = new_motion(self.structure)
-        self._trial = tuple(new_motion(self.structure))
-        self._work = new_workspace(self.structure)
-        self._memory = new_memory(self.structure)
-        self._observed = np.zeros(len(self.names))
+        self._block = new_block(structure, len(self.names))
+        self._run: Run = LAYOUT.look(self._block)
+        set_method(self._run, self._scheme, settings.control())
         self._has_warned = False
 
-        q = static_equilibrium(self.structure)
-        self._motion.q[:] = q
-        self._memory.rest[:] = q[self.structure.disc_dof].imag
-        record = self._memory.record[0]
+        record = self._run.memory.record[0]
         record.t = t
         record.h = settings.h
         record.continues = continues_speed
         self._is_free = drive_torque is not None
         record.is_free = self._is_free
-        record.omega = speed
+        if loads is not None:
+            self._run.memory.loads[:] = loads
         # views of single fields: a record's attributes cost a microsecond each
-        self._time = self._memory.record["t"]
-        self._trapped = self._memory.record["trapped"]
-        self._arguments = calls.plain(self.structure, self._motion, self._memory, self._work)
+        self._time = self._run.memory.record["t"]
+        self._trapped = self._run.memory.record["trapped"]
+        self._loads = self._run.memory.loads
+        self._observed = self._run.reading.observed
+        whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
+        self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
-        calls.start(*self._arguments, drive, rate, self._loads, self._observed)
+        status = entries.start(self._block, float(speed), float(drive), float(rate))
+        if status != HELD:
+            raise EquilibriumError(self._no_rest(status))
+
+    @property
+    def structure(self) -> Structure:
+        """The machine in matrices and records (live arrays, not to be written to)."""
+        return self._run.structure
 
     @property
     def time(self) -> float:
@@ -113,7 +123,7 @@ class Simulation:
     @property
     def motion(self) -> Motion:
         """The present state (live arrays, not to be written to)."""
-        return self._motion
+        return self._run.motion
 
     @property
     def observed(self) -> np.ndarray:
@@ -143,37 +153,26 @@ class Simulation:
             if not np.isfinite(loads).all():
                 raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = calls.advance(
-            *self._arguments, *self._how, to, drive, self._loads, self._trial, self._observed
-        )
+        status = entries.advance(self._block, float(to), float(drive))
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._trapped[0] and not self._has_warned:
             self._has_warned = True
-            since = self._memory.record[0].trapped_at
+            since = self._run.memory.record[0].trapped_at
             self._warn(
                 f"false state since t = {since:.4g} s: a journal jumps from wall to "
                 "wall of its clearance every step or two, which is the integrator's doing; do not "
                 "trust this run: take the preset robust, or a smaller solver.h"
             )
 
-    def snapshot(self) -> tuple[np.ndarray, ...]:
-        """A copy of everything that `restore` needs to go on from here, bit for bit."""
-        return tuple(array.copy() for array in self._state())
+    def snapshot(self) -> np.ndarray:
+        """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
+        return self._state.copy()
 
-    def restore(self, snapshot: tuple[np.ndarray, ...]) -> None:
-        """Go back to a snapshot of this or of an equal simulation."""
-        for array, saved in zip(self._state(), snapshot, strict=True):
-            array[...] = saved
-        calls.look(*self._arguments, self._observed)
-
-    def restore_bytes(self, snapshot: Sequence[bytes]) -> None:
-        """`restore` from the bytes of a snapshot's arrays."""
-        pairs = zip(self._state(), snapshot, strict=True)
-        self.restore(tuple(np.frombuffer(b, a.dtype).reshape(a.shape) for a, b in pairs))
-
-    def _state(self) -> tuple[np.ndarray, ...]:
-        return (*self._motion, *self._memory, self._loads)
+    def restore(self, snapshot: np.ndarray | bytes) -> None:
+        """Go back to a snapshot, or to its bytes, of this or of an equal simulation."""
+        self._state[:] = np.frombuffer(snapshot, np.uint8)
+        entries.look(self._block)
 
     def _warn_if_interpreted(self) -> None:
         global _has_said_interpreted
@@ -181,8 +180,19 @@ class Simulation:
             _has_said_interpreted = True
             self._warn(INTERPRETED_WARNING)
 
+    def _no_rest(self, status: int) -> str:
+        springs, interfaces = self.structure.springs, self.structure.interfaces
+        pushing = interfaces.dof[np.abs(self.motion.force) > 0]
+        held = len({*springs.dof[springs.stiffness > 0].tolist(), *pushing.tolist()})
+        if status == NOT_HELD and held < 2:
+            return (
+                f"no static equilibrium: the rotor is held at {held} of its nodes and would tilt "
+                "under gravity; at least 2 bearings or supports are needed"
+            )
+        return "no static equilibrium under gravity and the loads at the start was found"
+
     def _failure(self, status: int) -> str:
-        record = self._memory.record[0]
+        record = self._run.memory.record[0]
         where = (
             f"t = {record.failed_at:.6g} s, speed {record.omega:.4g} rad/s, "
             f"step {record.failed_h:.3g} s"
@@ -192,10 +202,10 @@ class Simulation:
             advice = "try a smaller solver.h, or the preset robust"
         else:
             dofs, nodes = self.structure.deflections.T
-            q = np.abs(self._motion.q[dofs])
+            q = np.abs(self.motion.q[dofs])
             node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
             reason = (
-                f"the solution diverged (node {node} past {self.structure.bound:.3g} m "
+                f"the solution diverged (node {node} past {self.structure.numbers[0].bound:.3g} m "
                 "or not finite)"
             )
             advice = "try the preset robust, or a smaller solver.h"

@@ -68,13 +68,16 @@ def has_to_compile(function: Callable) -> bool:
     return not any(Path(function.stats.cache_path).glob(f"{name}*.nbi"))
 
 
-def compiled(function: Callable) -> Callable:
-    """Compile `function` with numba, cached on disk, or return it as it is without numba.
+def compiled(function: Callable, is_kept: bool = True) -> Callable:
+    """Compile `function` with numba, cached on disk if `is_kept`, or return it as it is without
+    numba. What is made anew in every process (a closure) is kept in the code of its callers alone.
 
     The arithmetic is IEEE in both cases (no fast-math), so the numbers are the same.
     """
     if numba is None:
         return function
+    if not is_kept:
+        return numba.njit(**_OPTIONS)(function)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _CODE_CACHE or before
     try:

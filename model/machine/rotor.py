@@ -1,4 +1,4 @@
-"""What a rotor is: frozen data classes in SI units, checked when they are made.
+"""What a machine is: frozen data classes in SI units, checked when they are made.
 
 Lateral motion is written in complex coordinates, z = x + i y (x horizontal, y vertical and up),
 as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4).
@@ -6,294 +6,230 @@ as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4)
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, fields, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from itertools import accumulate
+from typing import NamedTuple, TypeVar
 
-STEEL_POISSON = 0.3
+from ..parts.bearing import Bearing
+from ..parts.disc import Coupling, Disc
+from ..parts.shaft import Material, Section
+from ..parts.support import Support
+from ..protocol.part import GROUND, Interface, Mount, Part
+from ..quantities import (
+    ANY,
+    NOT_NEGATIVE,
+    Quantity,
+    QuantityError,
+    check,
+    check_all,
+    quantities,
+    quantity,
+)
 
-
-class RotorError(ValueError):
-    """A rotor that cannot exist; the message names the quantity, its value and what is allowed."""
-
-
-# What a number may be, by the field's metadata: (test, words for the message).
-_RULES = {
-    "positive": (lambda v: v > 0, "must be > 0 and finite"),
-    "not negative": (lambda v: v >= 0, "must be >= 0 and finite"),
-    "any": (lambda v: True, "must be a finite number"),
-}
-
-# The rule of every numeric field, by its name; one home for all classes below.
-_FIELD_RULES = {
-    "young": "positive",
-    "density": "positive",
-    "poisson": "not negative",
-    "z": "any",
-    "diameter": "positive",
-    "width": "positive",
-    "journal_radius": "positive",
-    "clearance": "positive",
-    "k": "positive",
-    "c": "not negative",
-    "delta_c": "positive",
-    "mu": "not negative",
-    "v_s": "positive",
-    "mass": "positive",
-    "kx": "positive",
-    "ky": "positive",
-    "cx": "not negative",
-    "cy": "not negative",
-    "e": "not negative",
-    "phase": "any",
-    "stiffness": "not negative",
-    "damping": "not negative",
-    "eta_v": "not negative",
-    "eta_h": "not negative",
-    "gravity": "not negative",
-}
-
-# Quantities of the rotor itself, and the part under which the FMU lists them.
-_OWN_QUANTITIES = {
-    "eta_v": "shaft",
-    "eta_h": "shaft",
-    "rotating_damping": "shaft",
-    "gravity": "",
-}
-
-_HUGE = 1e30  # beyond it, products of such numbers overflow
-
-_UNITS = {
-    "young": "Pa",
-    "density": "kg/m3",
-    "poisson": "",
-    "z": "m",
-    "diameter": "m",
-    "width": "m",
-    "journal_radius": "m",
-    "clearance": "m",
-    "k": "N/m",
-    "c": "N.s/m",
-    "delta_c": "m",
-    "mu": "",
-    "v_s": "m/s",
-    "mass": "kg",
-    "kx": "N/m",
-    "ky": "N/m",
-    "cx": "N.s/m",
-    "cy": "N.s/m",
-    "e": "m",
-    "phase": "rad",
-    "stiffness": "N/m",
-    "damping": "N.s/m",
-    "eta_v": "s",
-    "eta_h": "",
-    "gravity": "m/s2",
-}
+AnyPart = TypeVar("AnyPart", bound=Part)
 
 
-def check_value(shown: str, name: str, value: float) -> None:
-    """Raise `RotorError`, calling it `shown`, unless `value` may be that of the quantity `name`."""
-    rule, words = _RULES[_FIELD_RULES[name]]
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise RotorError(f"{shown} = {value!r}: must be a number")
-    is_finite = isinstance(value, int) or math.isfinite(value)
-    if is_finite and abs(value) > _HUGE:
-        raise RotorError(f"{shown}: must not exceed {_HUGE:g} in size")
-    if not is_finite or not rule(value):
-        unit = f" {_UNITS[name]}" if _UNITS[name] else ""
-        raise RotorError(f"{shown} = {value:g}{unit}: {words}")
+class Name(NamedTuple):
+    """A quantity of a machine: the kind of part, its number from 1 (0 of what a machine has one
+    of), the quantity. It is spelled at the edge and never taken apart."""
+
+    kind: str
+    index: int
+    quantity: str
+
+    def __str__(self) -> str:
+        if not self.kind:
+            return self.quantity
+        return f"{spelled(self.kind, self.index)}.{self.quantity}"
 
 
-def _check_numbers(where: str, item: object) -> None:
-    for field in fields(item):
-        if field.name in _FIELD_RULES:
-            check_value(f"{where}.{field.name}", field.name, getattr(item, field.name))
+def spelled(kind: str, index: int) -> str:
+    """A part's name: `bearing[1]`, `coupling`."""
+    return f"{kind}[{index}]" if index else kind
 
 
-@dataclass(frozen=True)
-class Material:
-    """An elastic material: Young's modulus [Pa], density [kg/m3], Poisson's ratio [1]."""
-
-    young: float
-    density: float
-    poisson: float = STEEL_POISSON
-
-    def __post_init__(self) -> None:
-        _check_numbers("material", self)
-        if self.poisson >= 0.5:
-            raise RotorError(f"material.poisson = {self.poisson:g}: must be below 0.5")
-
-    @property
-    def shear(self) -> float:
-        """Shear modulus [Pa]."""
-        return self.young / (2 * (1 + self.poisson))
-
-
-@dataclass(frozen=True)
-class Disc:
-    """A rigid solid cylinder on the shaft: node (from 1), diameter and width [m]; eccentricity of
-    its mass centre e [m] at the angle `phase` [rad] from the shaft's mark."""
-
-    node: int
-    diameter: float
-    width: float
-    e: float = 0.0
-    phase: float = 0.0
-
-    def mass(self, material: Material) -> float:
-        """Mass [kg]."""
-        return material.density * math.pi / 4 * self.diameter**2 * self.width
-
-    def polar_inertia(self, material: Material) -> float:
-        """Moment of inertia about the shaft [kg.m2]."""
-        return self.mass(material) * self.diameter**2 / 8
-
-    def diametral_inertia(self, material: Material) -> float:
-        """Moment of inertia about a diameter [kg.m2]."""
-        return self.mass(material) * (self.diameter**2 / 16 + self.width**2 / 12)
-
-
-@dataclass(frozen=True)
-class Bearing:
-    """A journal in the clearance of a housing that moves on springs and dampers (paper A, Fig. 2).
-
-    node (from 1); journal_radius, radial clearance [m]; contact stiffness k [N/m], contact damping
-    c [N.s/m] that is fully there at the penetration delta_c [m]; friction coefficient mu, smoothed
-    below the sliding speed v_s [m/s]; housing mass [kg], its springs kx, ky [N/m] and dampers
-    cx, cy [N.s/m] to ground.
-    """
-
-    node: int
-    journal_radius: float
-    clearance: float
-    k: float
-    mu: float
-    mass: float
-    kx: float
-    ky: float
-    cx: float
-    cy: float
-    c: float = 100.0
-    delta_c: float = 2e-7
-    v_s: float = 1e-3
-
-
-@dataclass(frozen=True)
-class Support:
-    """A linear isotropic spring [N/m] and damper [N.s/m] from a node to ground."""
-
-    node: int
-    stiffness: float
-    damping: float = 0.0
+# The quantities of the machine itself, and the heading under which they stand.
+_OWN = {"eta_v": "shaft", "eta_h": "shaft", "rotating_damping": "shaft", "gravity": ""}
 
 
 @dataclass(frozen=True)
 class Rotor:
-    """A shaft of circular elements with discs, one optional coupling, bearings and supports.
+    """A shaft of sections with parts on it and beside it.
 
-    nodes: positions along the shaft [m], ascending; diameters: of the elements between them [m];
-    eta_v: viscous [s] and eta_h: hysteretic [1] internal damping; rotating_damping: whether the
-    internal damping turns with the shaft (Zorzi and Nelson 1977); gravity [m/s2], downwards.
+    material: of discs, and of the sections unless they say otherwise; sections: from left to right;
+    parts: see `parts`; eta_v: viscous [s] and eta_h: hysteretic [1] internal damping;
+    rotating_damping: whether the internal damping turns with the shaft (Zorzi and Nelson 1977);
+    gravity [m/s2], downwards; start: position of the first node along the shaft [m].
 
-    Raises `RotorError` for anything that no rotor can be.
+    Raises `QuantityError` for anything that no machine can be.
     """
 
     material: Material
-    nodes: tuple[float, ...]
-    diameters: tuple[float, ...]
-    discs: tuple[Disc, ...]
-    bearings: tuple[Bearing, ...]
-    coupling: Disc | None = None
-    supports: tuple[Support, ...] = ()
-    eta_v: float = 0.0
-    eta_h: float = 0.0
+    sections: tuple[Section, ...]
+    parts: tuple[Part, ...]
+    eta_v: float = quantity(
+        "s", "viscous internal damping of the shaft", NOT_NEGATIVE, 0.0, is_parameter=True
+    )
+    eta_h: float = quantity(
+        "1", "hysteretic internal damping of the shaft", NOT_NEGATIVE, 0.0, is_parameter=True
+    )
     rotating_damping: bool = False
-    gravity: float = 9.81
+    gravity: float = quantity(
+        "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, 9.81, is_parameter=True
+    )
     name: str = "rotor"
+    start: float = quantity("m", "position of the first node", ANY, 0.0)
 
     def __post_init__(self) -> None:
         self._check_shaft()
-        for where, item in self._parts():
-            _check_numbers(where, item)
-            self._check_node(where, item.node)
-        for kind in (self.bearings, self.supports):
-            nodes = [item.node for item in kind]
-            if len(set(nodes)) != len(nodes):
-                raise RotorError(
-                    f"{type(kind[0]).__name__.lower()} nodes {nodes}: each must differ"
-                )
-        for name in ("eta_v", "eta_h"):
-            check_value(f"shaft.{name}", name, getattr(self, name))
-        check_value("gravity", "gravity", self.gravity)
+        housings: set[str] = {GROUND}
+        for where, part in self.named_parts():
+            check_all(where, part)
+            for element in part.elements(where, self.material.density):
+                if isinstance(element, Mount):
+                    if element.name in housings:
+                        raise QuantityError(f"{where}: a housing {element.name!r} is there already")
+                    housings.add(element.name)
+                else:
+                    self._check_node(where, element.node)
+        self._check_singles()
+        self._check_housings(housings)
+        for name in ("eta_v", "eta_h", "gravity"):
+            shown = str(Name(_OWN[name], 0, name))
+            check(shown, quantities(self)[name], getattr(self, name))
         if not isinstance(self.rotating_damping, bool):
-            raise RotorError(
+            raise QuantityError(
                 f"shaft.rotating_damping = {self.rotating_damping!r}: must be true or false"
             )
         if self.eta_h > 0 and not self.rotating_damping:
-            raise RotorError(
+            raise QuantityError(
                 f"shaft.eta_h = {self.eta_h:g}: must be 0 unless shaft.rotating_damping is true "
                 "(hysteretic damping has no stationary form in the time domain)"
             )
 
-    def _parts(self) -> list[tuple[str, Disc | Bearing | Support]]:
-        parts = [(f"disc[{i}]", d) for i, d in enumerate(self.discs, 1)]
-        parts += [(f"bearing[{i}]", b) for i, b in enumerate(self.bearings, 1)]
-        parts += [(f"support[{i}]", s) for i, s in enumerate(self.supports, 1)]
-        if self.coupling is not None:
-            parts.append(("coupling", self.coupling))
-        return parts
-
     def _check_shaft(self) -> None:
-        if len(self.nodes) < 2:
-            raise RotorError(f"shaft.nodes: {len(self.nodes)} given, at least 2 are needed")
-        if len(self.diameters) != len(self.nodes) - 1:
-            raise RotorError(
-                f"shaft.diameters: {len(self.diameters)} given, {len(self.nodes) - 1} needed "
-                "(one for each element between two nodes)"
-            )
-        for i, diameter in enumerate(self.diameters, 1):
-            check_value(f"shaft.element[{i}].diameter", "diameter", diameter)
-        for i, z in enumerate(self.nodes, 1):
-            check_value(f"shaft.nodes[{i}]", "z", z)
-        for i in range(1, len(self.nodes)):
-            length = self.nodes[i] - self.nodes[i - 1]
-            if length <= 0:
-                raise RotorError(
-                    f"shaft.element[{i}].length = {length:g} m: must be > 0 (nodes must ascend)"
+        if not self.sections:
+            raise QuantityError("shaft: no section given, at least 1 is needed")
+        check("shaft.nodes[1]", quantities(self)["start"], self.start)
+        for i, section in enumerate(self.sections, 1):
+            where = f"shaft.element[{i}]"
+            if not section.length > 0:
+                raise QuantityError(
+                    f"{where}.length = {section.length:g} m: must be > 0 (nodes must ascend)"
                 )
-        if not self.discs:
-            raise RotorError("discs: none given, at least 1 is needed")
-        if not self.bearings and not self.supports:
-            raise RotorError("bearings: none given, at least 1 (or a support) is needed")
+            check_all(where, section)
+            for side in ("left", "right"):
+                outer, bore = getattr(section, f"outer_{side}"), getattr(section, f"bore_{side}")
+                if bore >= outer:
+                    raise QuantityError(
+                        f"{where}.bore_{side} = {bore:g} m: must be below the outer diameter, "
+                        f"{outer:g} m"
+                    )
 
     def _check_node(self, where: str, node: int) -> None:
-        if isinstance(node, bool) or not isinstance(node, int) or not 1 <= node <= len(self.nodes):
-            raise RotorError(
-                f"{where}.node = {node!r}: must be an integer from 1 to {len(self.nodes)}"
-            )
+        highest = len(self.sections) + 1
+        if isinstance(node, bool) or not isinstance(node, int) or not 1 <= node <= highest:
+            raise QuantityError(f"{where}.node = {node!r}: must be an integer from 1 to {highest}")
+
+    def _check_singles(self) -> None:
+        for kind in {type(part) for part in self.parts if part.IS_SINGLE}:
+            if len(self.of_kind(kind)) > 1:
+                raise QuantityError(f"{kind.KIND}: {len(self.of_kind(kind))} given, 1 may be")
+
+    def _check_housings(self, housings: set[str]) -> None:
+        for where, part in self.named_parts():
+            for element in part.elements(where, self.material.density):
+                if isinstance(element, Interface) and element.housing not in housings:
+                    known = ", ".join(sorted(housings - {GROUND})) or "none"
+                    near = get_close_matches(element.housing, housings - {GROUND}, 1)
+                    hint = f"; did you mean {near[0]}?" if near else ""
+                    raise QuantityError(
+                        f"{where}.housing = {element.housing!r}: no housing of that name; there is "
+                        f"{known}{hint}"
+                    )
+
+    def indexed_parts(self) -> Iterator[tuple[tuple[str, int], Part]]:
+        """Every part with its kind and its number from 1 (0 of what a machine has one of), in the
+        order of `parts`."""
+        seen: dict[str, int] = {}
+        for part in self.parts:
+            seen[part.KIND] = seen.get(part.KIND, 0) + 1
+            yield (part.KIND, 0 if part.IS_SINGLE else seen[part.KIND]), part
+
+    def named_parts(self) -> Iterator[tuple[str, Part]]:
+        """Every part with its name, `disc[1]`, in the order of `parts`."""
+        for key, part in self.indexed_parts():
+            yield spelled(*key), part
+
+    def of_kind(self, kind: type[AnyPart]) -> tuple[AnyPart, ...]:
+        """The parts of exactly this kind, in their order."""
+        return tuple(part for part in self.parts if type(part) is kind)
+
+    @property
+    def discs(self) -> tuple[Disc, ...]:
+        """The discs."""
+        return self.of_kind(Disc)
+
+    @property
+    def coupling(self) -> Coupling | None:
+        """The coupling, if there is one."""
+        return next(iter(self.of_kind(Coupling)), None)
+
+    @property
+    def bearings(self) -> tuple[Bearing, ...]:
+        """The bearings with a housing of their own."""
+        return self.of_kind(Bearing)
+
+    @property
+    def supports(self) -> tuple[Support, ...]:
+        """The linear supports to ground."""
+        return self.of_kind(Support)
+
+    @property
+    def nodes(self) -> tuple[float, ...]:
+        """Positions of the nodes along the shaft [m]."""
+        return tuple(accumulate((s.length for s in self.sections), initial=self.start))
 
     @property
     def length(self) -> float:
         """Length of the shaft [m]."""
-        return self.nodes[-1] - self.nodes[0]
+        return sum(section.length for section in self.sections)
+
+    def with_parts(self, kind: type[Part], *parts: Part) -> Rotor:
+        """The machine with these parts in the place of all of a kind."""
+        return replace(self, parts=(*(p for p in self.parts if type(p) is not kind), *parts))
+
+    def parameters(self) -> Iterator[tuple[Name, Quantity, float]]:
+        """The quantities that an FMU takes as parameters, with what they are and their values: of
+        the parts, of the shaft, gravity."""
+        for name, part in self.indexed_parts():
+            for told_name, told in quantities(part).items():
+                if told.is_parameter:
+                    yield Name(*name, told_name), told, getattr(part, told_name)
+        for own, heading in _OWN.items():
+            if own in quantities(self):
+                yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
+
+    def with_values(self, values: Mapping[str, float | bool]) -> Rotor:
+        """The machine with some quantities replaced, all at once.
+
+        values: by their names as the FMU spells them: `bearing[1].clearance`, `shaft.eta_v`,
+        `gravity`. Raises `QuantityError` if a name is unknown or the machine impossible.
+        """
+        own = {str(Name(heading, 0, q)): q for q, heading in _OWN.items()}
+        left = dict(values)
+        changed: dict[str, float | bool] = {q: left.pop(n) for n, q in own.items() if n in left}
+        parts = []
+        for (kind, index), part in self.indexed_parts():
+            names = {str(Name(kind, index, q)): q for q in quantities(part)}
+            new = {q: left.pop(n) for n, q in names.items() if n in left}
+            parts.append(replace(part, **new) if new else part)
+        for name in left:
+            raise QuantityError(f"{name}: unknown quantity")
+        return replace(self, parts=tuple(parts), **changed)
 
     def with_value(self, name: str, value: float | bool) -> Rotor:
-        """The rotor with one quantity replaced.
-
-        name: as the FMU spells it: `bearing[1].clearance`, `disc[2].e`, `shaft.eta_v`, `gravity`.
-        Raises `RotorError` if the name is unknown or the value impossible.
-        """
-        part, _, attribute = name.rpartition(".")
-        if attribute in _OWN_QUANTITIES and part == _OWN_QUANTITIES[attribute]:
-            return replace(self, **{attribute: value})
-        kind, _, index = part.rstrip("]").partition("[")
-        items = (
-            list(getattr(self, f"{kind}s", ())) if kind in ("disc", "bearing", "support") else []
-        )
-        if index not in map(str, range(1, len(items) + 1)) or attribute not in _FIELD_RULES:
-            raise RotorError(f"{name}: unknown quantity")
-        item = items[int(index) - 1]
-        if attribute not in {field.name for field in fields(item)}:
-            raise RotorError(f"{name}: unknown quantity")
-        items[int(index) - 1] = replace(item, **{attribute: value})
-        return replace(self, **{f"{kind}s": tuple(items)})
+        """`with_values` of one."""
+        return self.with_values({name: value})

@@ -1,26 +1,26 @@
-"""Step-length control of paper A: local error indicators and limits (eqs 11 to 15)."""
+"""How the step length is chosen: the numbers of the three modes, and the one place that switches
+between them."""
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled
+from .error_control import local_error, next_length, repeated_length
+from .paper_control import error_indicator, next_step, shorter_step
 
 FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
-ZIENKIEWICZ_XIE, LI_ZENG_WIBERG = 1, 2
-INCREMENT_NORM, MIXED_NORM = 1, 2
-SAFETY = 0.9
 
 
 class Control(NamedTuple):
     """How the step length is chosen.
 
-    mode: FIXED, ADAPTIVE (paper A's) or CONTROLLED (`error_control`); h_min, h_max [s]; eps_min,
-    eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or LI_ZENG_WIBERG, with
-    beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or MIXED_NORM, atol + rtol
-    |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2 (a1 - a0) in the local
-    error of the scheme [1]; is_fitted: whether the scheme is fitted to the speed (`fitting`).
+    mode: FIXED, ADAPTIVE (`paper_control`) or CONTROLLED (`error_control`); h_min, h_max [s];
+    eps_min, eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or
+    LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
+    MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of
+    h^2 (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to
+    the speed (`fitting`).
     """
 
     mode: int
@@ -39,53 +39,35 @@ class Control(NamedTuple):
 
 
 @compiled
-def error_indicator(control, h, is_first, old, new):
-    """Relative local error of the displacements after one step [1]; fills new.jerk.
-
-    Zienkiewicz and Xie 1991 (paper A, eq. 13): (beta - 1/6) h^2 |a1 - a0|, 1/6 exactly.
-    Li, Zeng and Wiberg 1993 (eqs 11, 12): h^3 / 12 |(6 beta - 1/2) j1 - (3/2 - 6 beta) j0| with
-    j1 = 2 (a1 - a0) / h - j0, started with j0 = (a1 - a0) / h.
-    """
-    beta = control.beta_error
-    total = 0.0
-    size = 0.0
-    for i in range(len(old.q)):
-        change = new.a[i] - old.a[i]
-        before = change / h if is_first else old.jerk[i]
-        after = 2.0 * change / h - before
-        new.jerk[i] = after
-        if control.indicator == ZIENKIEWICZ_XIE:
-            local = (beta - 1.0 / 6.0) * h * h * change
-        else:
-            local = h * h * h / 12.0 * ((6.0 * beta - 0.5) * after - (1.5 - 6.0 * beta) * before)
-        total += local.real * local.real + local.imag * local.imag
-        reference = new.q[i] - old.q[i] if control.norm == INCREMENT_NORM else new.q[i]
-        size += reference.real * reference.real + reference.imag * reference.imag
-    scale = math.sqrt(size)
-    if control.norm == MIXED_NORM:
-        scale = control.atol + control.rtol * scale
-    if scale == 0.0:
-        return 0.0
-    return math.sqrt(total) / scale
+def step_error(structure, control, omega, h, is_first, old, new):
+    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated."""
+    if control.mode == ADAPTIVE:
+        return error_indicator(control, h, is_first, old, new)
+    if control.mode == CONTROLLED:
+        return local_error(structure, control, omega, h, old, new)
+    return 0.0
 
 
 @compiled
-def shorter_step(control, h, error):
-    """Length to repeat a rejected step with [s] (eq. 15, the cube root over the whole ratio).
-
-    Times 0.9: with the error taken relative to the increment, itself O(h), a rejected step would
-    otherwise creep towards eps_max and never pass.
-    """
-    return max(control.h_min, SAFETY * h * (control.eps_max / error) ** (1.0 / 3.0))
+def shorter_length(structure, control, h, error, is_solved, old, new):
+    """Length to repeat a step with [s]; is_solved: whether it is its error that was too large."""
+    if not is_solved:
+        shorter = 0.5 * h
+    elif control.mode == CONTROLLED:
+        shorter = repeated_length(structure, h, error, old, new)
+    else:
+        shorter = shorter_step(control, h, error)
+    return max(control.h_min, shorter)
 
 
 @compiled
-def next_step(control, wished, h, error):
-    """Wished length of the next step [s] (eq. 15) after a step of length h <= wished: a step that a
-    communication point cut short does not lower it."""
-    if error >= control.eps_min:
-        return wished
-    if error == 0.0:
-        return control.h_max
-    longer = h * (control.eps_min / error) ** (1.0 / 3.0)
-    return max(wished, min(control.h_max, longer))
+def wished_length(control, wished, h, error, error_before, was_rejected):
+    """Wished length of the next step [s], after one of length h that a communication point may have
+    cut shorter than was wished."""
+    if control.mode == ADAPTIVE:
+        return next_step(control, wished, h, error)
+    if control.mode == CONTROLLED:
+        longest = h if was_rejected else control.h_max
+        proposed = next_length(wished, h, error, error_before)
+        return max(control.h_min, min(longest, proposed))
+    return wished

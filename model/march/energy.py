@@ -9,24 +9,18 @@ from __future__ import annotations
 
 from ..kernels.band import form
 from ..kernels.compiled import compiled
-from ..parts.clearance_contact import contact_force
 from ..step.excitation import circulation, drive_torque, internal_torque
-
-# Powers that the ledger integrates over time, in this order.
-FLOWS = ("drive", "external", "structure", "housing", "contact", "friction")
-# Energies that the machine holds, in this order.
-STORES = ("kinetic", "elastic", "gravity", "compression")
+from ..step.laws import OWN_FLOWS, OWN_STORES, add_energy, add_losses, relative
 
 
 @compiled
-def powers(structure, spin, loads, motion, out):
-    """Fill out, shape (6,) [W], in the order of `FLOWS`; returns the drive torque [N.m].
+def powers(structure, spin, loads, motion, scratch, out):
+    """Fill out, shape (flows,) [W], in the order of `laws.FLOWS`; returns the drive torque [N.m].
 
-    Inflows: drive, external loads. Dissipations: shaft and supports, housing dampers, contact
-    damping, friction. The torque takes the accelerations of the equation of motion: those that
-    generalized-alpha carries along belong to another instant, (alpha_m - alpha_f) h away.
+    Inflows: drive, external loads. Dissipations: shaft and supports, housing dampers, what the laws
+    of the interfaces dissipate. The torque takes the accelerations of the equation of motion: those
+    that generalized-alpha carries along belong to another instant, (alpha_m - alpha_f) h away.
     """
-    contacts = structure.contacts
     n = structure.M.shape[0]
     q, v = motion.q, motion.v
     external = 0.0
@@ -38,41 +32,38 @@ def powers(structure, spin, loads, motion, out):
         kappa = circulation(structure, spin.omega)
         structural += internal * spin.omega + kappa * form(structure.K_shaft, v[:n], q[:n]).imag
     housing = 0.0
-    damping = 0.0
-    friction = 0.0
-    friction_torque = 0.0
-    for j in range(len(contacts)):
-        moving = v[n + j]
-        housing += contacts[j].cx * moving.real**2 + contacts[j].cy * moving.imag**2
-        d = q[contacts[j].dof] - q[n + j]
-        force, normal, delta, rate, sliding = contact_force(
-            contacts[j], d, v[contacts[j].dof] - moving, spin.omega
+    for h in range(len(structure.housings)):
+        moving = v[n + h]
+        damper = structure.housings[h]
+        housing += damper.cx * moving.real**2 + damper.cy * moving.imag**2
+    for i in range(len(OWN_FLOWS), len(out)):
+        out[i] = 0.0
+    braking = 0.0
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        d, d_dot = relative(interface, q), relative(interface, v)
+        own = motion.own[interface.own :]
+        braking += add_losses(
+            structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own, scratch, out
         )
-        if delta > 0.0:
-            damping += (normal - contacts[j].k * delta) * rate
-            tangential = -(force * d.conjugate()).imag / abs(d)
-            friction += tangential * sliding
-            friction_torque += contacts[j].journal_radius * tangential
-    torque = drive_torque(structure, q, v, motion.v_dot, spin, friction_torque)
+    torque = drive_torque(structure, q, v, motion.v_dot, spin, braking)
     out[0] = torque * spin.omega
     out[1] = external
     out[2] = structural
     out[3] = housing
-    out[4] = damping
-    out[5] = friction
     return torque
 
 
 @compiled
 def total_energy(structure, spin, motion, out):
-    """Energy of the machine [J]. Fills out, shape (4,) [J], in the order of `STORES`: kinetic
-    (lateral, spin and what couples them), elastic (shaft, supports, housing springs), gravity,
-    compression of the contacts."""
-    contacts = structure.contacts
+    """Energy of the machine [J]. Fills out, shape (stores,) [J], in the order of `laws.STORES`:
+    kinetic (lateral, spin and what couples them), elastic (shaft, supports, housing springs),
+    gravity, and what the laws of the interfaces store."""
     n = structure.M.shape[0]
+    numbers = structure.numbers[0]
     rotor_q, rotor_v = motion.q[:n], motion.v[:n]
     kinetic = 0.5 * form(structure.M, rotor_v, rotor_v).real
-    kinetic += 0.5 * structure.inertia * spin.omega * spin.omega
+    kinetic += 0.5 * numbers.inertia * spin.omega * spin.omega
     kinetic -= 0.5 * spin.omega * form(structure.G, rotor_q, rotor_v).imag
     elastic = 0.5 * form(structure.K, rotor_q, rotor_q).real
     gravity = 0.0
@@ -80,20 +71,24 @@ def total_energy(structure, spin, motion, out):
         gravity -= (structure.weight[i].conjugate() * rotor_q[i]).real
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        v = motion.v[structure.unbalance_dof[i]]
+        v = motion.v[structure.unbalances[i].dof]
         kinetic += spin.omega * (arm.conjugate() * v).imag
-        gravity += structure.gravity * arm.imag
-    compression = 0.0
-    for j in range(len(contacts)):
-        q, v = motion.q[n + j], motion.v[n + j]
-        kinetic += 0.5 * contacts[j].mass * (v.real * v.real + v.imag * v.imag)
-        elastic += 0.5 * (contacts[j].kx * q.real * q.real + contacts[j].ky * q.imag * q.imag)
-        gravity += contacts[j].mass * structure.gravity * q.imag
-        delta = abs(motion.q[contacts[j].dof] - q) - contacts[j].clearance
-        if delta > 0.0:
-            compression += 0.5 * contacts[j].k * delta * delta
+        gravity += numbers.gravity * arm.imag
+    for h in range(len(structure.housings)):
+        housing = structure.housings[h]
+        q, v = motion.q[n + h], motion.v[n + h]
+        kinetic += 0.5 * housing.mass * (v.real * v.real + v.imag * v.imag)
+        elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)
+        gravity += housing.mass * numbers.gravity * q.imag
     out[0] = kinetic
     out[1] = elastic
     out[2] = gravity
-    out[3] = compression
-    return kinetic + elastic + gravity + compression
+    for i in range(len(OWN_STORES), len(out)):
+        out[i] = 0.0
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        add_energy(structure.laws, interface, relative(interface, motion.q), out)
+    total = 0.0
+    for i in range(len(out)):
+        total += out[i]
+    return total

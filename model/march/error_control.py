@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled
+from ..step.laws import law_opening, relative
 
 SAFETY = 0.8
 # Of one step length to the next, at most; growing slowly costs little and calms the next impact.
@@ -39,8 +40,8 @@ def local_error(structure, control, omega, h, old, new):
         q = new.q[i]
         error += share[i] * (change.real * change.real + change.imag * change.imag)
         size += share[i] * (q.real * q.real + q.imag * q.imag)
-    radians = h * max(structure.lowest_omega, abs(omega))
-    tolerated = 0.4 * radians * control.tolerance * (structure.clearance + math.sqrt(size))
+    radians = h * max(structure.numbers[0].lowest_omega, abs(omega))
+    tolerated = 0.4 * radians * control.tolerance * (structure.numbers[0].clearance + math.sqrt(size))
     return abs(control.error_constant) * h * h * math.sqrt(error) / tolerated
 
 
@@ -62,13 +63,12 @@ def repeated_length(structure, h, error, old, new):
     That of the error, or, if it is longer, up to where a contact opens or closes: the two parts of
     such a step are smooth each, and only their joint is not.
     """
-    n = len(structure.mass_share)
     share = max(SHRINKAGE, SAFETY / math.sqrt(error))
     joint = 1.0
-    for j in range(len(structure.contacts)):
-        bearing = structure.contacts[j]
-        before = abs(old.q[bearing.dof] - old.q[n + j]) - bearing.clearance
-        after = abs(new.q[bearing.dof] - new.q[n + j]) - bearing.clearance
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        before = law_opening(structure.laws, interface, relative(interface, old.q))
+        after = law_opening(structure.laws, interface, relative(interface, new.q))
         if before * after < 0.0:
             joint = min(joint, before / (before - after))
     return h * (joint if share < joint < LATE else share)

@@ -11,9 +11,8 @@ import math
 from ..kernels.compiled import compiled
 from ..step.fitting import fitted, unfitted
 from ..step.step import accelerate, try_step
-from .control import ADAPTIVE, CONTROLLED, FIXED, error_indicator, next_step, shorter_step
+from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
 from .energy import powers, total_energy
-from .error_control import local_error, next_length, repeated_length
 from .memory import spin_at, spin_now
 from .watch import watch_amplitudes, watch_bounces
 
@@ -35,6 +34,10 @@ def _commit(h, structure, motion, trial, memory, work, spin, torque):
         motion.jerk[i] = trial.jerk[i]
     for j in range(len(motion.force)):
         motion.force[j] = trial.force[j]
+    for i in range(len(motion.own)):
+        motion.own[i] = trial.own[i]
+        motion.own_a[i] = trial.own_a[i]
+        motion.own_rate[i] = trial.own_rate[i]
     r.steps += 1
     r.h_last = h
     r.omega = spin.omega
@@ -49,7 +52,7 @@ def _commit(h, structure, motion, trial, memory, work, spin, torque):
 
 
 @compiled
-def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work):
+def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
     rate [rad/s2], or the torque on a free rotor [N.m], whose rate follows.
 
@@ -57,6 +60,7 @@ def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work
     those of the equation of motion. A jump of the speed is work that the drive does in no time.
     """
     r = memory.record[0]
+    loads = memory.loads
     before = total_energy(structure, spin_now(memory.record), motion, work.stores)
     r.t_ref = r.t
     r.theta_ref = r.theta
@@ -73,16 +77,20 @@ def begin_interval(structure, drive, rate, loads, is_start, motion, memory, work
         memory.work[0] += after - before
     for i in range(len(motion.a)):
         motion.a[i] -= motion.v_dot[i]
+    for i in range(len(motion.own)):
+        motion.own_a[i] -= motion.own_rate[i]
     for _ in range(SPIN_ITERATIONS):
         spin = spin_now(memory.record)
         accelerate(structure, spin, r.damping, loads, motion, work)
-        r.torque = powers(structure, spin, loads, motion, memory.power)
+        r.torque = powers(structure, spin, loads, motion, work.own, memory.power)
         change = _imbalance(structure, memory.record, r.torque)
         if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
             break
         r.alpha += change
     for i in range(len(motion.a)):
         motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
+    for i in range(len(motion.own)):
+        motion.own_a[i] = motion.own_rate[i] + (0.0 if is_start else motion.own_a[i])
 
 
 @compiled
@@ -90,11 +98,11 @@ def _imbalance(structure, record, torque):
     """By how much the rate of a free rotor must change [rad/s2] for its drive to be `torque`; of
     another rotor not at all."""
     r = record[0]
-    return (r.drive - torque) / structure.inertia if r.is_free == 1 else 0.0
+    return (r.drive - torque) / structure.numbers[0].inertia if r.is_free == 1 else 0.0
 
 
 @compiled
-def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
+def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, problem):
     """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
     rotor's torques balance at its end. Fills work.powers.
 
@@ -108,11 +116,13 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work):
     for correction in range(SPIN_ITERATIONS):
         if control.is_fitted:
             fit = fitted(scheme, spin.omega * h)
-        status, iterations = try_step(structure, scheme, fit, spin, h, loads, motion, trial, work)
+        status, iterations = try_step(
+            structure, scheme, fit, spin, h, loads, motion, trial, work, problem
+        )
         total += iterations
         if status != DONE:
             break
-        torque = powers(structure, spin, loads, trial, work.powers)
+        torque = powers(structure, spin, loads, trial, work.own, work.powers)
         change = _imbalance(structure, memory.record, torque)
         is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
         if r.is_free == 0 or (is_small and correction > 0):
@@ -134,48 +144,17 @@ def _rescale(record, h, motion):
         ratio = h / r.h_carried
         for i in range(len(motion.a)):
             motion.a[i] = motion.v_dot[i] + ratio * (motion.a[i] - motion.v_dot[i])
+        for i in range(len(motion.own)):
+            change = motion.own_a[i] - motion.own_rate[i]
+            motion.own_a[i] = motion.own_rate[i] + ratio * change
     r.h_carried = h
 
 
 @compiled
-def _error(structure, control, spin, h, is_first, motion, trial):
-    """Error of a trial step in the terms of the mode; above control.eps_max it is repeated."""
-    if control.mode == ADAPTIVE:
-        return error_indicator(control, h, is_first, motion, trial)
-    if control.mode == CONTROLLED:
-        return local_error(structure, control, spin.omega, h, motion, trial)
-    return 0.0
-
-
-@compiled
-def _shorter(structure, control, h, error, status, motion, trial):
-    """Length to repeat a step with [s]."""
-    if status != DONE:
-        shorter = 0.5 * h
-    elif control.mode == CONTROLLED:
-        shorter = repeated_length(structure, h, error, motion, trial)
-    else:
-        shorter = shorter_step(control, h, error)
-    return max(control.h_min, shorter)
-
-
-@compiled
-def _next(control, wished, h, error, error_before, was_rejected):
-    """Wished length of the next step [s], after one of length h that a communication point may have
-    cut shorter than was wished."""
-    if control.mode == ADAPTIVE:
-        return next_step(control, wished, h, error)
-    if control.mode == CONTROLLED:
-        longest = h if was_rejected else control.h_max
-        proposed = next_length(wished, h, error, error_before)
-        return max(control.h_min, min(longest, proposed))
-    return wished
-
-
-@compiled
-def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work):
+def _march(structure, scheme, control, t_end, motion, trial, memory, work, problem):
     """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
+    loads = memory.loads
     memory.peaks[2, :, :] = 0.0
     varies = control.mode != FIXED
     shortest = control.h_min * (1.0 + 1e-5)
@@ -189,12 +168,14 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
             status, iterations, fit, spin, torque = _turn(
-                structure, scheme, control, t, h, loads, motion, trial, memory, work
+                structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
             )
             r.newton += iterations
             error = 0.0
             if status == DONE:
-                error = _error(structure, control, spin, h, r.steps == 0, motion, trial)
+                error = step_error(
+                    structure, control, spin.omega, h, r.steps == 0, motion, trial
+                )
                 if not varies or error <= control.eps_max or h <= shortest:
                     break
             elif not varies or h <= shortest:
@@ -203,13 +184,15 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
                 return status
             r.rejected += 1
             was_rejected = True
-            wished = _shorter(structure, control, h, error, status, motion, trial)
+            wished = shorter_length(
+                structure, control, h, error, status == DONE, motion, trial
+            )
             parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
             h = (t_end - r.t) / parts
         r.t = t
         r.h_carried = h
         r.damping = fit.damping
-        r.h = _next(control, wished, h, error, r.error, was_rejected)
+        r.h = wished_length(control, wished, h, error, r.error, was_rejected)
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
@@ -221,11 +204,11 @@ def _march(structure, scheme, control, t_end, loads, motion, trial, memory, work
 
 
 @compiled
-def advance(structure, scheme, control, t_end, drive, loads, motion, trial, memory, work):
+def advance(structure, scheme, control, t_end, drive, motion, trial, memory, work, problem):
     """March to t_end [s]; returns DONE or why not.
 
     drive: the speed now [rad/s], continued linearly from the last two given, or held; of a free
-    rotor the torque [N.m], constant until t_end; loads: constant until t_end, shape (bodies,) [N].
+    rotor the torque [N.m], constant until t_end; memory.loads: constant until t_end [N].
     On failure the state is that after the last accepted step.
     """
     r = memory.record[0]
@@ -236,5 +219,5 @@ def advance(structure, scheme, control, t_end, drive, loads, motion, trial, memo
         rate = (drive - r.omega_ref) / since
     else:
         rate = r.alpha
-    begin_interval(structure, drive, rate, loads, False, motion, memory, work)
-    return _march(structure, scheme, control, t_end, loads, motion, trial, memory, work)
+    begin_interval(structure, drive, rate, False, motion, memory, work)
+    return _march(structure, scheme, control, t_end, motion, trial, memory, work, problem)

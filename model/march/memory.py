@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..kernels.compiled import compiled
 from ..step.excitation import spin_of
-from ..structure.assembly import Structure
-from .energy import FLOWS
 
 RECORD = np.dtype(
     [
@@ -45,34 +43,20 @@ RECORD = np.dtype(
 class Memory(NamedTuple):
     """What a run remembers besides the motion; every array changes in place.
 
-    record: shape (1,) of dtype `RECORD`; work, power: of `FLOWS`, shape (6,) [J], [W]; peaks: shape
-    (3, 2, discs): largest |x| and |y - y_static| [m] of the present revolution, of the one before,
-    and since the last communication point; bounce: shape (bearings, 4): direction of the last
-    contact (cos, sin), steps since then, score of crossings; rest: heights of
-    the discs at rest, shape (discs,) [m].
+    record: of dtype `RECORD`; work, power: of `laws.FLOWS` [J], [W]; peaks: largest |x| and
+    |y - y at rest| [m] of the probes in the present revolution, in the one before, and since the
+    last communication point; bounce: of each interface the direction of the last contact (cos,
+    sin), steps since then, score of crossings; rest: heights of the probes at rest [m]; loads: on
+    the ports [N].
     """
 
-    record: np.ndarray
-    work: np.ndarray
-    power: np.ndarray
-    peaks: np.ndarray
-    bounce: np.ndarray
-    rest: np.ndarray
-
-
-def new_memory(structure: Structure) -> Memory:
-    """Memory of a run that has not begun."""
-    memory = Memory(
-        record=np.zeros(1, dtype=RECORD).view(np.recarray),
-        work=np.zeros(len(FLOWS)),
-        power=np.zeros(len(FLOWS)),
-        peaks=np.zeros((3, 2, len(structure.disc_dof))),
-        bounce=np.zeros((len(structure.contacts), 4)),
-        rest=np.zeros(len(structure.disc_dof)),
-    )
-    memory.record[0].trapped_at = np.nan
-    memory.record[0].damping = 1.0
-    return memory
+    record: Annotated[np.ndarray, RECORD, "1"]
+    work: Annotated[np.ndarray, float, "flows"]
+    power: Annotated[np.ndarray, float, "flows"]
+    peaks: Annotated[np.ndarray, float, "3", "2", "probes"]
+    bounce: Annotated[np.ndarray, float, "interfaces", "4"]
+    rest: Annotated[np.ndarray, float, "probes"]
+    loads: Annotated[np.ndarray, complex, "loads"]
 
 
 @compiled

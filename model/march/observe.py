@@ -3,82 +3,140 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ..kernels.compiled import compiled
-from ..parts.clearance_contact import contact_angle, contact_force
+from ..machine.rotor import Name, Rotor, spelled
+from ..parts import LAWS
+from ..protocol.law import losses_of, stores_of
+from ..protocol.part import outputs_of
+from ..quantities import Output
 from ..step.excitation import spin_of
-from ..structure.assembly import Structure
-from .energy import FLOWS, STORES, total_energy
+from ..step.laws import law_observe, relative
+from .energy import total_energy
 
-_SHAFT = ("phi", "w", "a", "tau", "tau_load", "J")
-_DISC = ("x", "y", "x_amp", "y_amp")
-_BEARING = ("psi", "fn", "ft", "x", "y", "housing_x", "housing_y", "contact")
-_SOLVER = (
-    "h_last",
-    "steps",
-    "rejected",
-    "newton",
-    "error",
-    "h_min_used",
-    "h_max_used",
-    "trapped",
-    "trapped_at",
+SHAFT = (
+    Output("phi", "rad", "angle of rotation, integral of the speed", True, 100.0),
+    Output("w", "rad/s", "speed of rotation reached", nominal=100.0),
+    Output("a", "rad/s2", "rate of the speed", nominal=10.0),
+    Output(
+        "tau", "N.m", "torque that the drive must supply to turn the rotor at its speed", True, 0.1
+    ),
+    Output(
+        "tau_load",
+        "N.m",
+        "what friction, whirl and unbalance take of it, tau - J a: the load of a partner that "
+        "integrates the speed with the rotor's inertia J",
+        True,
+        0.1,
+    ),
+    Output(
+        "J",
+        "kg.m2",
+        "moment of inertia about the axis of rotation, eccentric masses included",
+        nominal=0.01,
+    ),
+)
+SOLVER = (
+    Output("h_last", "s", "length of the last step", nominal=1e-3),
+    Output("steps", "1", "steps taken", kind="Integer"),
+    Output("rejected", "1", "steps rejected and repeated", kind="Integer"),
+    Output("newton", "1", "iterations of the interfaces' problem", kind="Integer"),
+    Output(
+        "error",
+        "1",
+        "error of the last step over the one tolerated, or as the indicator has it",
+        nominal=0.1,
+    ),
+    Output("h_min_used", "s", "shortest step length chosen", nominal=1e-3),
+    Output("h_max_used", "s", "longest step length chosen", nominal=1e-3),
+    Output(
+        "trapped",
+        "1",
+        "steps in the false state, a journal jumping from wall to wall by the integrator's doing",
+        kind="Integer",
+    ),
+    Output(
+        "trapped_at", "s", "time at which the false state was first seen; -1: never", nominal=1.0
+    ),
+)
+_STORES = (
+    Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0),
+    Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
+    Output("gravity", "J", "potential energy of gravity", nominal=0.01),
+)
+_WORK = (
+    Output("drive_work", "J", "work of the drive since the start", nominal=100.0),
+    Output("external_work", "J", "work of the external forces since the start", nominal=1.0),
+)
+_LOSSES = (
+    Output("structure", "J", "dissipated in the shaft since the start", nominal=1.0),
+    Output("housing", "J", "dissipated in the housings' dampers", nominal=1.0),
+)
+_RESIDUAL = Output(
+    "residual", "J", "energy that the integrator made (or, negative, lost)", nominal=0.1
 )
 
 
-def observed_names(structure: Structure) -> tuple[str, ...]:
-    """Names of the observed quantities, in the order of the array that `observe` fills.
+class Observed(NamedTuple):
+    """A quantity that can be read: its name, and what it is."""
 
-    Units: displacements [m], angles [rad], forces [N], torques [N.m], inertia [kg.m2], energies
-    [J], times [s].
-    """
-    names = list(_SHAFT)
-    for i in range(1, len(structure.disc_dof) + 1):
-        names += [f"disc[{i}].{name}" for name in _DISC]
-    for j in range(1, len(structure.contacts) + 1):
-        names += [f"bearing[{j}].{name}" for name in _BEARING]
-    names += [f"solver.{name}" for name in _SOLVER]
-    names += [f"energy.{name}" for name in STORES]
-    names += [f"energy.{name}" for name in ("drive_work", "external_work")]
-    names += [f"energy.{name}_loss" for name in FLOWS[2:]]
-    return (*names, "energy.residual")
+    name: Name
+    output: Output
+
+
+def observed(rotor: Rotor) -> tuple[Observed, ...]:
+    """All that can be read of a machine's run, in the order of the array that `observe` fills:
+    shaft, parts, solver, energies."""
+    table = [Observed(Name("", 0, output.name), output) for output in SHAFT]
+    table += _of_parts(rotor)
+    table += [Observed(Name("solver", 0, output.name), output) for output in SOLVER]
+    return (*table, *(Observed(Name("energy", 0, o.name), o) for o in _ledger(rotor)))
+
+
+def observed_names(rotor: Rotor) -> tuple[str, ...]:
+    """The names of `observed`."""
+    return tuple(str(entry.name) for entry in observed(rotor))
+
+
+def _of_parts(rotor: Rotor) -> list[Observed]:
+    density = rotor.material.density
+    return [
+        Observed(Name(*key, output.name), output)
+        for key, part in rotor.indexed_parts()
+        for element in part.elements(spelled(*key), density)
+        for output in outputs_of(element)
+    ]
+
+
+def _ledger(rotor: Rotor) -> list[Output]:
+    used = [law for law in LAWS if any(part.LAW is law for part in rotor.parts)]
+    losses = [
+        Output(f"{loss.name}_loss", loss.unit, loss.text, nominal=loss.nominal)
+        for loss in (*_LOSSES, *losses_of(used))
+    ]
+    return [*_STORES, *stores_of(used), *_WORK, *losses, _RESIDUAL]
+
+
+# Places in `out` where the parts' outputs begin; and how many the solver has.
+_PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
+_OWN_STORES, _OWN_FLOWS = len(_STORES), len(_WORK) + len(_LOSSES)
 
 
 @compiled
 def observe(structure, motion, memory, work, out):
-    """Fill `out` in the order of `observed_names`."""
-    contacts = structure.contacts
-    n = structure.M.shape[0]
+    """Fill `out` in the order of `observed`."""
     r = memory.record[0]
+    inertia = structure.numbers[0].inertia
     out[0] = r.theta
     out[1] = r.omega
     out[2] = r.alpha
     out[3] = r.torque
-    out[4] = r.torque - structure.inertia * r.alpha
-    out[5] = structure.inertia
-    at = 6
-    for i in range(len(structure.disc_dof)):
-        q = motion.q[structure.disc_dof[i]]
-        out[at] = q.real
-        out[at + 1] = q.imag
-        for axis in range(2):
-            peaks = memory.peaks
-            out[at + 2 + axis] = max(peaks[0, axis, i], peaks[1, axis, i], peaks[2, axis, i])
-        at += 4
-    for j in range(len(contacts)):
-        housing = motion.q[n + j]
-        d = motion.q[contacts[j].dof] - housing
-        d_dot = motion.v[contacts[j].dof] - motion.v[n + j]
-        force, normal, _, _, _ = contact_force(contacts[j], d, d_dot, r.omega)
-        out[at] = contact_angle(d)
-        out[at + 1] = normal
-        out[at + 2] = 0.0 if normal == 0.0 else -(force * d.conjugate()).imag / abs(d)
-        out[at + 3] = d.real
-        out[at + 4] = d.imag
-        out[at + 5] = housing.real
-        out[at + 6] = housing.imag
-        out[at + 7] = 1.0 if normal > 0.0 else 0.0
-        at += 8
+    out[4] = r.torque - inertia * r.alpha
+    out[5] = inertia
+    _observe_parts(structure, motion, memory, out[_PARTS_AT:])
+    energies = _OWN_STORES + len(structure.stores) + _OWN_FLOWS + len(structure.losses) + 1
+    at = len(out) - energies - _SOLVERS
     out[at] = r.h_last
     out[at + 1] = r.steps
     out[at + 2] = r.rejected
@@ -88,16 +146,60 @@ def observe(structure, motion, memory, work, out):
     out[at + 6] = r.h_largest
     out[at + 7] = r.trapped
     out[at + 8] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
-    at += 9
+    _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
+
+
+@compiled
+def _observe_parts(structure, motion, memory, out):
+    peaks = memory.peaks
+    n = structure.M.shape[0]
+    for i in range(len(structure.probes)):
+        at = structure.probes[i].out
+        q = motion.q[structure.probes[i].dof]
+        out[at] = q.real
+        out[at + 1] = q.imag
+        for axis in range(2):
+            largest = max(peaks[0, axis, i], peaks[1, axis, i], peaks[2, axis, i])
+            out[at + 2 + axis] = largest
+    for h in range(len(structure.housings)):
+        at = structure.housings[h].out
+        out[at] = motion.q[n + h].real
+        out[at + 1] = motion.q[n + h].imag
+    omega = memory.record[0].omega
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        law_observe(
+            structure.laws,
+            interface,
+            relative(interface, motion.q),
+            relative(interface, motion.v),
+            omega,
+            omega,
+            motion.own[interface.own :],
+            out[interface.out :],
+        )
+
+
+@compiled
+def _observe_energies(structure, motion, memory, work, out):
+    r = memory.record[0]
     now = spin_of(r.omega, r.alpha, r.theta)
-    stores = work.stores
-    energy = total_energy(structure, now, motion, stores)
-    for i in range(len(stores)):
-        out[at + i] = stores[i]
-    at += len(stores)
+    residual = total_energy(structure, now, motion, work.stores) - r.energy_at_start
+    at = 0
+    for i in range(_OWN_STORES):
+        out[at + i] = work.stores[i]
+    at += _OWN_STORES
+    for i in range(len(structure.stores)):
+        out[at + i] = work.stores[_OWN_STORES + structure.stores[i]]
+    at += len(structure.stores)
     flows = memory.work
-    for i in range(len(flows)):
+    for i in range(_OWN_FLOWS):
         out[at + i] = flows[i]
-    at += len(flows)
-    losses = flows[2] + flows[3] + flows[4] + flows[5]
-    out[at] = energy - r.energy_at_start - flows[0] - flows[1] + losses
+    at += _OWN_FLOWS
+    for i in range(len(structure.losses)):
+        out[at + i] = flows[_OWN_FLOWS + structure.losses[i]]
+    at += len(structure.losses)
+    residual -= flows[0] + flows[1]
+    for i in range(2, len(flows)):
+        residual += flows[i]
+    out[at] = residual

@@ -11,29 +11,38 @@ from ..kernels.compiled import compiled
 
 
 class Spin(NamedTuple):
-    """Rotation at one instant: speed omega [rad/s], its rate alpha [rad/s2], angle theta [rad], and
-    direction exp(i theta) [1]."""
+    """Rotation at one instant: speed omega [rad/s], its rate alpha [rad/s2], angle theta [rad],
+    direction exp(i theta) [1], and the speed at which surfaces slide on each other [rad/s]."""
 
     omega: float
     alpha: float
     theta: float
     direction: complex
+    sliding: float
 
 
 @compiled
 def spin_of(omega, alpha, theta):
     """`Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
-    return Spin(omega, alpha, theta, complex(math.cos(theta), math.sin(theta)))
+    return Spin(omega, alpha, theta, complex(math.cos(theta), math.sin(theta)), omega)
+
+
+@compiled
+def resting(omega):
+    """`Spin` of a machine that is asked where it rests at a speed [rad/s]: without unbalance, and
+    without friction."""
+    return Spin(omega, 0.0, 0.0, 0.0j, 0.0)
 
 
 @compiled
 def circulation(structure, omega):
     """kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
-    kappa = structure.eta_v * omega
+    numbers = structure.numbers[0]
+    kappa = numbers.kappa_v * omega
     if omega > 0.0:
-        kappa += structure.eta_h
+        kappa += numbers.kappa_h
     elif omega < 0.0:
-        kappa -= structure.eta_h
+        kappa -= numbers.kappa_h
     return kappa
 
 
@@ -45,7 +54,7 @@ def add_applied(structure, spin, loads, f):
         f[i] += structure.weight[i]
     turning = spin.direction * complex(spin.omega * spin.omega, -spin.alpha)
     for i in range(len(structure.unbalance)):
-        f[structure.unbalance_dof[i]] += structure.unbalance[i] * turning
+        f[structure.unbalances[i].dof] += structure.unbalance[i] * turning
     for i in range(len(loads)):
         f[structure.load_dof[i]] += loads[i]
 
@@ -55,27 +64,29 @@ def internal_torque(structure, q, v, omega):
     """Torque by which the drive sustains the rotating internal damping [N.m]; 0 if it does not
     rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
     kappa = circulation(structure, omega)
-    if kappa == 0.0 and structure.eta_v == 0.0:
+    eta_v = structure.numbers[0].kappa_v
+    if kappa == 0.0 and eta_v == 0.0:
         return 0.0
     n = len(structure.weight)
     by_velocity = form(structure.K_shaft, v[:n], q[:n]).imag
     by_displacement = form(structure.K_shaft, q[:n], q[:n]).real
-    return structure.eta_v * by_velocity + kappa * by_displacement
+    return eta_v * by_velocity + kappa * by_displacement
 
 
 @compiled
 def drive_torque(structure, q, v, a, spin, friction_torque):
     """Torque that the drive must supply to keep the prescribed speed [N.m].
 
-    q, v, a: shape (n,) or longer; friction_torque: sum of R F_t over the bearings [N.m]. From
+    q, v, a: shape (n,) or longer; friction_torque: what brakes the rotor at its
+    interfaces [N.m]. From
     Lagrange's equation of the angle of rotation, gyroscopic reaction (second order in the slopes)
     included.
     """
     n = len(structure.weight)
-    torque = structure.inertia * spin.alpha + friction_torque
+    torque = structure.numbers[0].inertia * spin.alpha + friction_torque
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        torque += (arm.conjugate() * a[structure.unbalance_dof[i]]).imag
-        torque += structure.gravity * arm.real
+        torque += (arm.conjugate() * a[structure.unbalances[i].dof]).imag
+        torque += structure.numbers[0].gravity * arm.real
     torque -= 0.5 * form(structure.G, q[:n], a[:n]).imag
     return torque + internal_torque(structure, q, v, spin.omega)

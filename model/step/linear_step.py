@@ -54,3 +54,12 @@ def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
     by_balance = scheme.alpha_f * share
     for i in range(len(v_dot)):
         v_dot[i] = by_new * a[i] + by_old * a0[i] - by_balance * v_dot0[i]
+
+
+@compiled
+def balance_back(scheme, a0, v_dot0, v_dot, a):
+    """Fill a from v_dot: `balance` the other way round, with a mass of 1."""
+    share = 1.0 / (1.0 - scheme.alpha_m)
+    for i in range(len(a)):
+        known = scheme.alpha_f * v_dot0[i] - scheme.alpha_m * a0[i]
+        a[i] = share * ((1.0 - scheme.alpha_f) * v_dot[i] + known)

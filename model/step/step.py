@@ -1,74 +1,55 @@
-"""One implicit step of a rotor in clearance bearings.
+"""One implicit step of a machine.
 
-The linear part is eliminated exactly, down to the journals' relative displacements: the band matrix
-of the step is factorized anew whenever step length or speed have changed (that costs less than a
-microsecond, being a band), and what remains is the small problem of `contact_problem`.
+The linear part is eliminated exactly, down to the relative displacements at the interfaces: the
+band matrix of the step is factorized anew whenever step length or speed have changed (that costs
+less than a microsecond, being a band), and what remains is the small problem of
+`interface_problem`.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..kernels.band import add_product, factorize, solve
 from ..kernels.compiled import compiled
-from ..march.energy import FLOWS, STORES
-from ..parts.clearance_contact import contact_force
-from ..structure.assembly import Structure
-from .contact_problem import ContactProblem, new_contact_problem, solve_contacts
 from .excitation import add_applied, circulation
-from .linear_step import balance, correct, predict, weights
+from .interface_problem import InterfaceProblem, solve_interfaces
+from .laws import law_force, law_rates, relative
+from .linear_step import balance, balance_back, correct, predict, weights
 
 
 class Motion(NamedTuple):
-    """State at one instant, each of shape (n + bearings,), complex, journals' nodes first, housings
-    last: displacement q [m], velocity v [m/s]; a: the accelerations that generalized-alpha carries
-    along, v_dot: those of the equation of motion [m/s2]; jerk [m/s3] (of the Li-Zeng-Wiberg
-    indicator); force: of the contacts on the journals, shape (bearings,) [N]."""
+    """State at one instant, complex, each row of shape (n + housings + 1,), the shaft first, then the
+    housings, then ground, which does not move: displacement q [m], velocity v [m/s]; a: the
+    accelerations that generalized-alpha carries along, v_dot: those of the equation of motion
+    [m/s2]; jerk [m/s3] (of the Li-Zeng-Wiberg indicator); force: of the interfaces on their nodes
+    [N]. own: states of the laws, with the rates that are carried along and those of their law."""
 
-    q: np.ndarray
-    v: np.ndarray
-    a: np.ndarray
-    v_dot: np.ndarray
-    jerk: np.ndarray
-    force: np.ndarray
+    q: Annotated[np.ndarray, complex, "size"]
+    v: Annotated[np.ndarray, complex, "size"]
+    a: Annotated[np.ndarray, complex, "size"]
+    v_dot: Annotated[np.ndarray, complex, "size"]
+    jerk: Annotated[np.ndarray, complex, "size"]
+    force: Annotated[np.ndarray, complex, "interfaces"]
+    own: Annotated[np.ndarray, float, "own"]
+    own_a: Annotated[np.ndarray, float, "own"]
+    own_rate: Annotated[np.ndarray, float, "own"]
 
 
 class Workspace(NamedTuple):
     """Scratch of a step: nothing in it outlives the step but the factorized matrix, valid for
     `key` = (h, omega, alpha)."""
 
-    key: np.ndarray
-    factors: np.ndarray
-    columns: np.ndarray
-    scratch: np.ndarray
-    housing: np.ndarray
-    stores: np.ndarray
-    powers: np.ndarray
-    problem: ContactProblem
-
-
-def new_motion(structure: Structure) -> Motion:
-    """A motion of zeros; its rows of length n + bearings share one buffer."""
-    nb = len(structure.contacts)
-    rows = np.zeros((5, structure.M.shape[0] + nb), dtype=complex)
-    return Motion(*rows, force=np.zeros(nb, dtype=complex))
-
-
-def new_workspace(structure: Structure) -> Workspace:
-    """Scratch arrays for steps of this structure."""
-    n, nb = structure.M.shape[0], len(structure.contacts)
-    return Workspace(
-        key=np.full(3, np.nan),
-        factors=np.zeros(structure.M.shape, dtype=complex),
-        columns=np.zeros((nb, n), dtype=complex),
-        scratch=np.zeros(n, dtype=complex),
-        housing=np.zeros((nb, 2)),
-        stores=np.zeros(len(STORES)),
-        powers=np.zeros(len(FLOWS)),
-        problem=new_contact_problem(nb),
-    )
+    key: Annotated[np.ndarray, float, "3"]
+    factors: Annotated[np.ndarray, complex, "n", "width"]
+    columns: Annotated[np.ndarray, complex, "interfaces", "n"]
+    scratch: Annotated[np.ndarray, complex, "n"]
+    housing: Annotated[np.ndarray, float, "housings", "2"]
+    stores: Annotated[np.ndarray, float, "all_stores"]
+    powers: Annotated[np.ndarray, float, "flows"]
+    own: Annotated[np.ndarray, float, "most_losses"]
 
 
 @compiled
@@ -99,11 +80,11 @@ def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
 
 
 @compiled
-def _housing_forces(bearing, gravity, q, v):
+def _housing_forces(housing, gravity, q, v):
     """Springs, dampers and weight of a housing [N]."""
-    spring = by_axis(bearing.kx, bearing.ky, q)
-    damper = by_axis(bearing.cx, bearing.cy, v)
-    return spring + damper + 1j * bearing.mass * gravity
+    spring = by_axis(housing.kx, housing.ky, q)
+    damper = by_axis(housing.cx, housing.cy, v)
+    return spring + damper + 1j * housing.mass * gravity
 
 
 @compiled
@@ -116,22 +97,49 @@ def accelerate(structure, spin, damping, loads, motion, work):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
     _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
-    for j in range(len(structure.contacts)):
-        bearing = structure.contacts[j]
-        q, v = motion.q[n + j], motion.v[n + j]
-        d = motion.q[bearing.dof] - q
-        d_dot = motion.v[bearing.dof] - v
-        force = contact_force(bearing, d, d_dot, spin.omega)[0]
+    for h in range(len(structure.housings)):
+        housing = structure.housings[h]
+        q, v = motion.q[n + h], damping * motion.v[n + h]
+        motion.v_dot[n + h] = -_housing_forces(housing, structure.numbers[0].gravity, q, v)
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        d = relative(interface, motion.q)
+        d_dot = relative(interface, motion.v)
+        own = motion.own[interface.own :]
+        force = law_force(
+            structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own
+        )
         motion.force[j] = force
-        f[bearing.dof] += force
-        housing = _housing_forces(bearing, structure.gravity, q, damping * v) + force
-        motion.v_dot[n + j] = housing * (-1.0 / bearing.mass)
+        f[interface.dof] += force
+        motion.v_dot[interface.end] -= force
+    _fill_rates(structure, spin, motion)
+    for h in range(len(structure.housings)):
+        motion.v_dot[n + h] *= 1.0 / structure.housings[h].mass
+    motion.v_dot[n + len(structure.housings)] = 0.0
     solve(structure.M_factors, f)
 
 
 @compiled
-def _factor_step_matrix(structure, scheme, fit, spin, h, work):
-    """Factorize the step matrix of the accelerations; condense it to the journals and housings."""
+def _fill_rates(structure, spin, motion):
+    """Fill motion.own_rate from the laws."""
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if interface.states > 0:
+            law_rates(
+                structure.laws,
+                interface,
+                relative(interface, motion.q),
+                relative(interface, motion.v),
+                spin.omega,
+                spin.sliding,
+                motion.own[interface.own :],
+                motion.own_rate[interface.own :],
+            )
+
+
+@compiled
+def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
+    """Factorize the step matrix of the accelerations; condense it to the interfaces."""
     share = 1.0 - scheme.alpha_f
     m_factor, c_factor, k_factor = weights(scheme, h)
     m_factor *= fit.mass
@@ -149,27 +157,30 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work):
                 gyroscopic * structure.G[i, d] + circulatory * structure.K_shaft[i, d],
             )
     factorize(factors)
-    contacts = structure.contacts
-    nb = len(contacts)
-    flexibility = work.problem.flexibility
-    for j in range(nb):
+    for j in range(len(structure.housings)):
+        housing = structure.housings[j]
+        inertia = m_factor * housing.mass
+        work.housing[j, 0] = share / (inertia + c_factor * housing.cx + k_factor * housing.kx)
+        work.housing[j, 1] = share / (inertia + c_factor * housing.cy + k_factor * housing.ky)
+    interfaces = structure.interfaces
+    m = len(interfaces)
+    flexibility = problem.flexibility
+    for j in range(m):
         column = work.columns[j]
         for i in range(n):
             column[i] = 0.0
-        column[contacts[j].dof] = share
-        solve(factors, column, contacts[j].dof)
-        for i in range(nb):
-            response = column[contacts[i].dof]
+        column[interfaces[j].dof] = share
+        solve(factors, column, interfaces[j].dof)
+        wall = interfaces[j].end
+        for i in range(m):
+            response = column[interfaces[i].dof]
             flexibility[2 * i, 2 * j] = response.real
             flexibility[2 * i, 2 * j + 1] = -response.imag
             flexibility[2 * i + 1, 2 * j] = response.imag
             flexibility[2 * i + 1, 2 * j + 1] = response.real
-        bearing = contacts[j]
-        inertia = m_factor * bearing.mass
-        work.housing[j, 0] = share / (inertia + c_factor * bearing.cx + k_factor * bearing.kx)
-        work.housing[j, 1] = share / (inertia + c_factor * bearing.cy + k_factor * bearing.ky)
-        flexibility[2 * j, 2 * j] += work.housing[j, 0]
-        flexibility[2 * j + 1, 2 * j + 1] += work.housing[j, 1]
+            if interfaces[i].end == wall and wall < n + len(structure.housings):
+                flexibility[2 * i, 2 * j] += work.housing[wall - n, 0]
+                flexibility[2 * i + 1, 2 * j + 1] += work.housing[wall - n, 1]
     work.key[0] = h
     work.key[1] = spin.omega
     work.key[2] = spin.alpha
@@ -177,7 +188,7 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work):
 
 @compiled
 def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
-    """Predictions of q and v, and the accelerations that would follow without contact."""
+    """Predictions of q and v, and the accelerations that would follow without the interfaces."""
     am, af = fit.mass * scheme.alpha_m, scheme.alpha_f
     share = 1.0 - af
     n = structure.M.shape[0]
@@ -193,24 +204,36 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     add_product(structure.M, scratch, free)
     _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
-    for j in range(len(structure.contacts)):
-        bearing = structure.contacts[j]
-        at = n + j
+    for h in range(len(structure.housings)):
+        housing = structure.housings[h]
+        at = n + h
         v = fit.damping * new.v[at]
-        force = _housing_forces(bearing, structure.gravity, new.q[at], v)
-        force += (am * old.a[at] - af * old.v_dot[at]) * (bearing.mass / share)
-        new.a[at] = -by_axis(work.housing[j, 0], work.housing[j, 1], force)
+        force = _housing_forces(housing, structure.numbers[0].gravity, new.q[at], v)
+        force += (am * old.a[at] - af * old.v_dot[at]) * (housing.mass / share)
+        new.a[at] = -by_axis(work.housing[h, 0], work.housing[h, 1], force)
+    new.a[n + len(structure.housings)] = 0.0
 
 
 @compiled
-def _expect(problem, contacts, old, n, b_d):
-    """Where the journals in contact will be if they slide on at the same depth."""
-    for j in range(len(contacts)):
-        at = contacts[j].dof
+def _expect(problem, interfaces, old, b_d):
+    """Where the nodes that touch a wall will be if they slide on at the same depth."""
+    for j in range(len(interfaces)):
         problem.expected[j] = 0.0
-        if old.force[j] != 0.0:
-            ahead = problem.d0[j] + b_d * (old.a[at] - old.a[n + j])
-            problem.expected[j] = ahead * (abs(old.q[at] - old.q[n + j]) / abs(ahead))
+        if old.force[j] != 0.0 and interfaces[j].has_wall == 1:
+            ahead = problem.d0[j] + b_d * relative(interfaces[j], old.a)
+            problem.expected[j] = ahead * (abs(relative(interfaces[j], old.q)) / abs(ahead))
+
+
+@compiled
+def _predict_own(scheme, h, old, free):
+    """Fill in what is known of the laws' states at the end of a step; returns the weight of their
+    rates there. They follow the scheme as velocities do."""
+    am, af, _, gamma = scheme
+    share = h * gamma / (1.0 - am)
+    for i in range(len(free)):
+        known = af * old.own_rate[i] - am * old.own_a[i]
+        free[i] = old.own[i] + h * (1.0 - gamma) * old.own_a[i] + share * known
+    return share * (1.0 - af)
 
 
 @compiled
@@ -220,44 +243,55 @@ def _is_sane(x, bound):
 
 
 @compiled
-def try_step(structure, scheme, fit, spin, h, loads, old, new, work):
+def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     """One step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
 
-    Returns (status, Newton iterations): 0 done, 1 the contacts did not converge, 2 not finite or
+    Returns (status, Newton iterations): 0 done, 1 the interfaces did not converge, 2 not finite or
     past the bound. Whatever the status, `old` is untouched.
     """
     n = structure.M.shape[0]
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
-        _factor_step_matrix(structure, scheme, fit, spin, h, work)
+        _factor_step_matrix(structure, scheme, fit, spin, h, work, problem)
     _free_response(structure, scheme, fit, spin, h, loads, old, new, work)
 
-    contacts, problem = structure.contacts, work.problem
+    interfaces = structure.interfaces
     is_finite = True
-    for j in range(len(contacts)):
-        at = contacts[j].dof
-        problem.d0[j] = new.q[at] - new.q[n + j]
-        problem.d0_dot[j] = new.v[at] - new.v[n + j]
-        problem.w_free[j] = new.a[at] - new.a[n + j]
+    for j in range(len(interfaces)):
+        problem.d0[j] = relative(interfaces[j], new.q)
+        problem.d0_dot[j] = relative(interfaces[j], new.v)
+        problem.w_free[j] = relative(interfaces[j], new.a)
         is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return 2, 0
     b_d, b_v = scheme.beta * h * h, scheme.gamma * h
-    _expect(problem, contacts, old, n, b_d)
-    is_converged, iterations = solve_contacts(problem, contacts, spin.omega, b_d, b_v)
+    b_own = _predict_own(scheme, h, old, problem.free)
+    for i in range(len(problem.own)):
+        problem.own[i] = problem.free[i]
+    _expect(problem, interfaces, old, b_d)
+    is_converged, iterations = solve_interfaces(
+        problem, structure.laws, interfaces, spin.omega, spin.sliding, b_d, b_v, b_own
+    )
     if not is_converged:
         return 1, iterations
 
-    for j in range(len(contacts)):
+    for j in range(len(interfaces)):
         force = problem.force[j]
         new.force[j] = force
         if force != 0.0:
             for i in range(n):
                 new.a[i] += work.columns[j, i] * force
-            new.a[n + j] -= by_axis(work.housing[j, 0], work.housing[j, 1], force)
+            wall = interfaces[j].end
+            if wall < n + len(structure.housings):
+                new.a[wall] -= by_axis(work.housing[wall - n, 0], work.housing[wall - n, 1], force)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
-        if not _is_sane(new.q[structure.deflections[i, 0]], structure.bound):
+        if not _is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return 2, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
+    if len(problem.own) > 0:
+        for i in range(len(problem.own)):
+            new.own[i] = problem.own[i]
+        _fill_rates(structure, spin, new)
+        balance_back(scheme, old.own_a, old.own_rate, new.own_rate, new.own_a)
     return 0, iterations

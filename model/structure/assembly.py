@@ -1,10 +1,10 @@
-"""`Rotor` -> `Structure`: the band matrices and the local data of bearings, unbalances and loads.
+"""`Rotor` -> `Structure`: band matrices, and the records of all that acts between them and outside.
 
 The rotor's equation in complex coordinates q (deflection and slope at each node, x + i y):
 
     M q'' + (C - i Omega G) q' + (K - i kappa K_s - i/2 Omega' G) q = f(t) + B F
 
-with F the bearings' forces on the journals. The housings are oscillators of their own,
+with F the interfaces' forces on the nodes. The housings are oscillators of their own,
 m z'' + c z' + k z = f - F, with different springs and dampers in x and y. -i/2 Omega' G is the
 transient stiffness of the gyroscopic terms, without which the energy of a rotor whose speed
 changes does not close.
@@ -13,37 +13,55 @@ changes does not close.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from ..kernels.band import factorize, to_band
 from ..machine.rotor import Rotor
-from . import beam
+from ..parts import LAWS
+from ..parts.housing import HousingQuantities
+from ..protocol.law import losses_of, stores_of
+from ..protocol.part import (
+    GROUND,
+    Body,
+    Element,
+    Interface,
+    Mount,
+    Port,
+    Probe,
+    Spring,
+    Unbalance,
+    outputs_of,
+)
+from ..quantities import quantities
+from .beam import shaft_element
+from .parameters import prepare
 
 HALF_BANDWIDTH = 3
 
 
-# One record a bearing: the journal's dof, and the quantities of `rotor.Bearing` by their names.
-CONTACT = np.dtype(
-    [("dof", "i8")]
-    + [
-        (name, "f8")
-        for name in (
-            "journal_radius",
-            "clearance",
-            "k",
-            "c",
-            "delta_c",
-            "mu",
-            "v_s",
-            "mass",
-            "kx",
-            "ky",
-            "cx",
-            "cy",
-        )
-    ]
+def _record(integers: str, numbers: str) -> np.dtype:
+    return np.dtype([(n, "i8") for n in integers.split()] + [(n, "f8") for n in numbers.split()])
+
+
+SPRING = _record("dof", "stiffness damping")
+UNBALANCE = _record("dof", "mass spinning_mass e phase")
+PROBE = _record("dof out", "")
+HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
+# `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
+# the states of the law begin.
+INTERFACE = _record("law row dof end own states out has_wall", "length")
+# What a machine has one of. Given: eta_v [s], eta_h [1], whether the internal damping turns,
+# gravity [m/s2]; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: of the elastic
+# modes, nodes with interfaces pinned [rad/s]; bound: displacement that no machine reaches, size: a
+# length of the machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia
+# with the eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega
+# kappa_v + sign(Omega) kappa_h; clearance: the smallest [m].
+NUMBERS = _record(
+    "rotating_damping",
+    "eta_v eta_h gravity own_inertia lowest_omega bound size inertia kappa_v kappa_h clearance",
 )
 
 
@@ -51,105 +69,194 @@ class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
     M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft alone;
-    each in band storage, shape (n, 4); M_factors: M's, from `band.factorize`.
-    eta_v: rotating viscous damping [s] and eta_h: rotating hysteretic coefficient [1], 0 where the
-    internal damping does not rotate: kappa = Omega eta_v + sign(Omega) eta_h.
-    mass_share: of the deflections' lumped masses in the rotor's, shape (n,) [1]; lowest_omega: of
-    the elastic modes, journals pinned [rad/s]; clearance: the smallest, or, without bearings, 1e-4
-    of the length [m].
-    weight: gravity's force on the rotor, shape (n,) [N, N.m]; gravity [m/s2].
-    deflections: dof and node number, from 1, of every deflection, shape (k, 2).
-    disc_dof: deflections of the discs; load_dof: of the discs and, last, of the coupling, where
-    external forces act.
-    unbalance_dof, unbalance: deflections and m e exp(i phase) [kg.m] of the unbalances.
-    support_dof: deflections on springs to ground.
-    inertia: polar moment of inertia about the axis of rotation [kg.m2].
-    bound: displacement that no rotor reaches [m].
-    contacts: the bearings, shape (bearings,) of dtype `CONTACT`.
+    each in band storage, shape (n, width); M_factors: M's, from `band.factorize`.
+    mass_share: of the deflections' lumped masses in the rotor's [1]; mass_sum: force of a unit
+    acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
+    deflections: dof and node number, from 1, of every deflection.
+    load_dof: where external forces act; probes: where displacements are observed.
+    unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
+    housings; interfaces: between nodes and housings; laws: the records of each law.
+    stores, losses: which entries of the ledger the machine has, as places in it.
+    numbers: see `NUMBERS`.
     """
 
-    M: np.ndarray
-    C: np.ndarray
-    K: np.ndarray
-    G: np.ndarray
-    K_shaft: np.ndarray
-    M_factors: np.ndarray
-    eta_v: float
-    eta_h: float
-    mass_share: np.ndarray
-    lowest_omega: float
-    clearance: float
-    weight: np.ndarray
-    gravity: float
-    deflections: np.ndarray
-    disc_dof: np.ndarray
-    load_dof: np.ndarray
-    unbalance_dof: np.ndarray
-    unbalance: np.ndarray
-    support_dof: np.ndarray
-    inertia: float
-    bound: float
-    contacts: np.ndarray
+    M: Annotated[np.ndarray, float, "n", "width"]
+    C: Annotated[np.ndarray, float, "n", "width"]
+    K: Annotated[np.ndarray, float, "n", "width"]
+    G: Annotated[np.ndarray, float, "n", "width"]
+    K_shaft: Annotated[np.ndarray, float, "n", "width"]
+    M_factors: Annotated[np.ndarray, float, "n", "width"]
+    mass_share: Annotated[np.ndarray, float, "n"]
+    mass_sum: Annotated[np.ndarray, float, "n"]
+    weight: Annotated[np.ndarray, complex, "n"]
+    deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
+    load_dof: Annotated[np.ndarray, np.int64, "loads"]
+    probes: Annotated[np.ndarray, PROBE, "probes"]
+    unbalances: Annotated[np.ndarray, UNBALANCE, "unbalances"]
+    unbalance: Annotated[np.ndarray, complex, "unbalances"]
+    springs: Annotated[np.ndarray, SPRING, "springs"]
+    housings: Annotated[np.ndarray, HOUSING, "housings"]
+    interfaces: Annotated[np.ndarray, INTERFACE, "interfaces"]
+    laws: Annotated[tuple[np.ndarray, ...], "one a law"]
+    stores: Annotated[np.ndarray, np.int64, "stores"]
+    losses: Annotated[np.ndarray, np.int64, "losses"]
+    numbers: Annotated[np.ndarray, NUMBERS, "1"]
+
+
+def sizes_of(structure: Structure) -> dict[str, int]:
+    """The numbers on which the extents of arrays depend; `size`: of a motion, ground included."""
+    n, width = structure.M.shape
+    housings, interfaces = len(structure.housings), len(structure.interfaces)
+    return {
+        "n": n,
+        "width": width,
+        "housings": housings,
+        "size": n + housings + 1,
+        "deflections": len(structure.deflections),
+        "loads": len(structure.load_dof),
+        "probes": len(structure.probes),
+        "unbalances": len(structure.unbalances),
+        "springs": len(structure.springs),
+        "interfaces": interfaces,
+        "own": int(structure.interfaces.states.sum()),
+        "stores": len(structure.stores),
+        "losses": len(structure.losses),
+        **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=True)},
+    }
 
 
 def assemble(rotor: Rotor) -> Structure:
-    """The matrices of a rotor (Nelson 1980; Zorzi and Nelson 1977)."""
-    material = rotor.material
+    """The matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
     n = 2 * len(rotor.nodes)
-    M, G, K_shaft, K_support, C_support = (np.zeros((n, n)) for _ in range(5))
+    M, G, K_shaft = (np.zeros((n, n)) for _ in range(3))
     inertia = 0.0
-    for i, diameter in enumerate(rotor.diameters):
-        length = rotor.nodes[i + 1] - rotor.nodes[i]
+    for i, section in enumerate(rotor.sections):
         at = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
-        tilting = beam.rotary_mass(material, length, diameter)
-        M[at] += beam.translational_mass(material, length, diameter) + tilting
-        G[at] += 2 * tilting
-        K_shaft[at] += beam.stiffness(material, length, diameter)
-        inertia += material.density * math.pi / 32 * diameter**4 * length
-    bodies = list(rotor.discs) + ([rotor.coupling] if rotor.coupling else [])
-    for disc in bodies:
-        dof = 2 * (disc.node - 1)
-        mass = disc.mass(material)
-        M[dof, dof] += mass
-        M[dof + 1, dof + 1] += disc.diametral_inertia(material)
-        G[dof + 1, dof + 1] += disc.polar_inertia(material)
-        inertia += disc.polar_inertia(material) + mass * disc.e**2
-    for support in rotor.supports:
-        dof = 2 * (support.node - 1)
-        K_support[dof, dof] += support.stiffness
-        C_support[dof, dof] += support.damping
+        element = shaft_element(section)
+        M[at] += element.translation + element.tilting
+        G[at] += 2 * element.tilting
+        K_shaft[at] += element.stiffness
+        inertia += section.polar_inertia
+    elements = list(machine_elements(rotor))
+    for _, body in _of(Body, elements):
+        dof = _dof(body)
+        M[dof, dof] += body.mass
+        M[dof + 1, dof + 1] += body.diametral
+        G[dof + 1, dof + 1] += body.polar
+        inertia += body.polar
+    springs = _rows(
+        SPRING,
+        [(_dof(s), s.stiffness, s.damping) for _, s in _of(Spring, elements)],
+    )
+    K_springs = np.zeros((n, n))
+    np.add.at(K_springs, (springs.dof, springs.dof), springs.stiffness)
     M_factors = to_band(M, HALF_BANDWIDTH)
     factorize(M_factors)
-    hysteresis = math.sqrt(1 + rotor.eta_h**2)
-    body_dof = np.array([2 * (d.node - 1) for d in bodies], dtype=np.int64)
-    return Structure(
+    outputs = _places(elements)
+    housings, interfaces, laws = _mechanism(n, elements, outputs)
+    used = [law for law, rows in zip(LAWS, laws, strict=True) if len(rows)]
+    numbers = np.zeros(1, NUMBERS).view(np.recarray)
+    numbers[0].rotating_damping = rotor.rotating_damping
+    numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
+    numbers[0].gravity = rotor.gravity
+    numbers[0].own_inertia = inertia
+    numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_springs, interfaces.dof)
+    numbers[0].bound, numbers[0].size = 0.1 * rotor.length, 1e-4 * rotor.length
+    unbalances = [u for _, u in _of(Unbalance, elements)]
+    structure = Structure(
         M=to_band(M, HALF_BANDWIDTH),
-        C=to_band(rotor.eta_v * K_shaft + C_support, HALF_BANDWIDTH),
-        K=to_band((1 + rotor.eta_h) / hysteresis * K_shaft + K_support, HALF_BANDWIDTH),
+        C=np.zeros((n, HALF_BANDWIDTH + 1)),
+        K=np.zeros((n, HALF_BANDWIDTH + 1)),
         G=to_band(G, HALF_BANDWIDTH),
         K_shaft=to_band(K_shaft, HALF_BANDWIDTH),
         M_factors=M_factors,
-        eta_v=rotor.eta_v if rotor.rotating_damping else 0.0,
-        eta_h=rotor.eta_h / hysteresis if rotor.rotating_damping else 0.0,
         mass_share=_mass_share(M),
-        lowest_omega=_lowest_omega(
-            M, K_shaft + K_support, [2 * (b.node - 1) for b in rotor.bearings]
-        ),
-        clearance=min((b.clearance for b in rotor.bearings), default=1e-4 * rotor.length),
-        weight=-1j * rotor.gravity * M[:, ::2].sum(axis=1),
-        gravity=rotor.gravity,
+        mass_sum=M[:, ::2].sum(axis=1),
+        weight=np.zeros(n, dtype=complex),
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
-        disc_dof=body_dof[: len(rotor.discs)].copy(),
-        load_dof=body_dof,
-        unbalance_dof=body_dof,
-        unbalance=np.array(
-            [d.mass(material) * d.e * complex(math.cos(d.phase), math.sin(d.phase)) for d in bodies]
-        ),
-        support_dof=np.array([2 * (s.node - 1) for s in rotor.supports], dtype=np.int64),
-        inertia=inertia,
-        bound=0.1 * rotor.length,
-        contacts=_contacts(rotor),
+        load_dof=np.array([_dof(p) for _, p in _of(Port, elements)], dtype=np.int64),
+        probes=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Probe, elements)]),
+        unbalances=_rows(UNBALANCE, [(_dof(u), *u[1:]) for u in unbalances]),
+        unbalance=np.zeros(len(unbalances), dtype=complex),
+        springs=springs,
+        housings=housings,
+        interfaces=interfaces,
+        laws=laws,
+        stores=_entries(stores_of(LAWS), stores_of(used)),
+        losses=_entries(losses_of(LAWS), losses_of(used)),
+        numbers=numbers,
     )
+    prepare(structure)
+    return structure
+
+
+def machine_elements(rotor: Rotor) -> list[Element]:
+    """The elements of all parts, in the order of the parts."""
+    density = rotor.material.density
+    return [e for where, part in rotor.named_parts() for e in part.elements(where, density)]
+
+
+def _of(kind: type, elements: list[Element]) -> list[tuple[int, Any]]:
+    """The elements of a kind, with their places among all."""
+    return [(i, element) for i, element in enumerate(elements) if isinstance(element, kind)]
+
+
+def _places(elements: list[Element]) -> list[int]:
+    """Where each element's outputs begin among those of all parts."""
+    counts = [len(outputs_of(element)) for element in elements]
+    return [0, *np.cumsum(counts).tolist()]
+
+
+def _dof(element: Any) -> int:
+    """The deflection where an element acts."""
+    return 2 * (element.node - 1)
+
+
+def _rows(dtype: np.dtype, rows: list[tuple]) -> np.recarray:
+    return np.array(rows, dtype=dtype).view(np.recarray)
+
+
+def _mechanism(
+    n: int, elements: list[Element], outputs: list[int]
+) -> tuple[np.recarray, np.recarray, tuple[np.recarray, ...]]:
+    """Housings, interfaces, and the records of each law; n: the shaft's dofs."""
+    mounts = _of(Mount, elements)
+    places = {mount.name: n + h for h, (_, mount) in enumerate(mounts)} | {GROUND: n + len(mounts)}
+    housings = [(outputs[i], *_numbers(HousingQuantities, m.source)) for i, m in mounts]
+    rows: list[list[tuple]] = [[] for _ in LAWS]
+    interfaces = []
+    own = 0
+    for i, element in _of(Interface, elements):
+        code = LAWS.index(element.law)
+        states = len(element.law.states)
+        interfaces.append(
+            (
+                code,
+                len(rows[code]),
+                _dof(element),
+                places[element.housing],
+                own,
+                states,
+                outputs[i],
+                element.law.has_wall,
+                0.0,
+            )
+        )
+        rows[code].append(_numbers(element.law.kind, element.source))
+        own += states
+    laws = tuple(_rows(law.dtype, of) for law, of in zip(LAWS, rows, strict=True))
+    return _rows(HOUSING, housings), _rows(INTERFACE, interfaces), laws
+
+
+def _numbers(kind: type, source: Any) -> tuple[float, ...]:
+    return tuple(getattr(source, name) for name in quantities(kind))
+
+
+def _entries(every: tuple, used: tuple) -> np.ndarray:
+    """Places in the ledger of the entries that a machine has."""
+    names = [entry.name for entry in used]
+    found = [i for i, entry in enumerate(every) if entry.name in names]
+    return np.array(found, dtype=np.int64)
 
 
 def _mass_share(M: np.ndarray) -> np.ndarray:
@@ -158,7 +265,7 @@ def _mass_share(M: np.ndarray) -> np.ndarray:
     return lumped / lumped.sum()
 
 
-def _lowest_omega(M: np.ndarray, K: np.ndarray, pinned: list[int]) -> float:
+def _lowest_omega(M: np.ndarray, K: np.ndarray, pinned: np.ndarray) -> float:
     free = np.setdiff1d(np.arange(len(M)), pinned)
     inverse = np.linalg.inv(np.linalg.cholesky(M[np.ix_(free, free)]))
     squares = np.linalg.eigvalsh(inverse @ K[np.ix_(free, free)] @ inverse.T)
@@ -166,10 +273,11 @@ def _lowest_omega(M: np.ndarray, K: np.ndarray, pinned: list[int]) -> float:
     return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
 
 
-def _contacts(rotor: Rotor) -> np.recarray:
-    contacts = np.zeros(len(rotor.bearings), dtype=CONTACT).view(np.recarray)
-    for contact, bearing in zip(contacts, rotor.bearings, strict=True):
-        contact.dof = 2 * (bearing.node - 1)
-        for name in CONTACT.names[1:]:
-            contact[name] = getattr(bearing, name)
-    return contacts
+def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
+    """The members that name dofs, with each dof at its new place."""
+    changed: dict[str, np.ndarray] = {"load_dof": place(structure.load_dof)}
+    for name in ("probes", "unbalances", "springs", "interfaces"):
+        records = getattr(structure, name).copy()
+        records.dof = place(records.dof)
+        changed[name] = records
+    return changed

@@ -1,77 +1,96 @@
-"""Timoshenko shaft element in one plane (Nelson 1980).
+"""Timoshenko shaft element of a circular section that may taper and be hollow, in one plane.
 
-Degrees of freedom of an element: deflection and slope at its first, then at its second node. A
-circular shaft has the same matrices in both planes, so with complex coordinates
-z = x + i y one real 4x4 matrix serves both.
+Degrees of freedom: deflection w and slope psi at its left, then at its right node. A circular shaft
+has the same matrices in both planes, so with complex coordinates z = x + i y one real 4x4 matrix
+serves both. The shape functions are those of a uniform element with the section's mean shear ratio
+(Nelson 1980); the integrals over them take the section as it changes, exactly.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from ..machine.rotor import Material
+from ..parts.shaft import Section
+
+# Points at which polynomials of degree 9 are integrated exactly: shape functions squared, of
+# degree 6, times an area, or of degree 4 times a moment of area of degree 4.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
-def shear_coefficient(poisson: float) -> float:
-    """Cowper's shear coefficient of a solid circular section [1] (Cowper 1966)."""
-    return 6 * (1 + poisson) / (7 + 6 * poisson)
+class Element(NamedTuple):
+    """Matrices of a shaft element, each of shape (4, 4): mass of the translation, mass of the
+    sections' tilting [kg, kg.m, kg.m2], stiffness [N/m, N, N.m].
 
-
-def _section(diameter: float) -> tuple[float, float]:
-    return math.pi / 4 * diameter**2, math.pi / 64 * diameter**4
-
-
-def _shear_ratio(material: Material, length: float, diameter: float) -> float:
-    area, inertia = _section(diameter)
-    kappa = shear_coefficient(material.poisson)
-    return 12 * material.young * inertia / (kappa * material.shear * area * length**2)
-
-
-def stiffness(material: Material, length: float, diameter: float) -> np.ndarray:
-    """Stiffness matrix, shape (4, 4) [N/m, N, N.m]; length and diameter [m] (Nelson 1980)."""
-    phi = _shear_ratio(material, length, diameter)
-    _, inertia = _section(diameter)
-    n = length
-    a, b = (4 + phi) * n**2, (2 - phi) * n**2
-    shape = np.array(
-        [
-            [12, 6 * n, -12, 6 * n],
-            [6 * n, a, -6 * n, b],
-            [-12, -6 * n, 12, -6 * n],
-            [6 * n, b, -6 * n, a],
-        ]
-    )
-    return material.young * inertia / (n**3 * (1 + phi)) * shape
-
-
-def translational_mass(material: Material, length: float, diameter: float) -> np.ndarray:
-    """Mass matrix of the translation, shape (4, 4) [kg, kg.m, kg.m2] (Nelson 1980)."""
-    phi = _shear_ratio(material, length, diameter)
-    area, _ = _section(diameter)
-    n = length
-    a = 13 / 35 + 7 * phi / 10 + phi**2 / 3
-    b = (11 / 210 + 11 * phi / 120 + phi**2 / 24) * n
-    c = 9 / 70 + 3 * phi / 10 + phi**2 / 6
-    d = (13 / 420 + 3 * phi / 40 + phi**2 / 24) * n
-    e = (1 / 105 + phi / 60 + phi**2 / 120) * n**2
-    f = (1 / 140 + phi / 60 + phi**2 / 120) * n**2
-    shape = np.array([[a, b, c, -d], [b, e, d, -f], [c, d, a, -b], [-d, -f, -b, e]])
-    return material.density * area * n / (1 + phi) ** 2 * shape
-
-
-def rotary_mass(material: Material, length: float, diameter: float) -> np.ndarray:
-    """Mass matrix of the sections' tilting, shape (4, 4) [kg, kg.m, kg.m2] (Nelson 1980).
-
-    The gyroscopic matrix of a shaft element is twice this one, a circular section's polar inertia
-    being twice its diametral one.
+    The gyroscopic matrix is twice that of the tilting, a circular section's polar inertia being
+    twice its diametral one.
     """
-    phi = _shear_ratio(material, length, diameter)
-    _, inertia = _section(diameter)
-    n = length
-    b = (1 / 10 - phi / 2) * n
-    e = (2 / 15 + phi / 6 + phi**2 / 3) * n**2
-    f = (1 / 30 + phi / 6 - phi**2 / 6) * n**2
-    shape = np.array([[1.2, b, -1.2, b], [b, e, -b, -f], [-1.2, -b, 1.2, -b], [b, -f, -b, e]])
-    return material.density * inertia / (n * (1 + phi) ** 2) * shape
+
+    translation: np.ndarray
+    tilting: np.ndarray
+    stiffness: np.ndarray
+
+
+def shear_coefficient(poisson: float, ratio: float = 0.0) -> float:
+    """Cowper's shear coefficient of a circular section [1]; ratio: bore over diameter (Cowper
+    1966)."""
+    ring = (1 + ratio**2) ** 2
+    return 6 * (1 + poisson) * ring / ((7 + 6 * poisson) * ring + (20 + 12 * poisson) * ratio**2)
+
+
+def _area_and_moment(outer: np.ndarray, bore: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Area [m2] and second moment of area [m4] of sections."""
+    return math.pi / 4 * (outer**2 - bore**2), math.pi / 64 * (outer**4 - bore**4)
+
+
+def shaft_element(section: Section) -> Element:
+    """The matrices of the shaft between two nodes (Nelson 1980)."""
+    material, length = section.material, section.length
+    x = (1 + _POINTS) / 2
+    weight = _WEIGHTS / 2 * length
+    outer = section.outer_left + x * (section.outer_right - section.outer_left)
+    bore = section.bore_left + x * (section.bore_right - section.bore_left)
+    area, moment = _area_and_moment(outer, bore)
+    shear = _shear_stiffness(section)
+    phi = 12 * material.young * (weight @ moment) / (shear * (weight @ area) * length**2)
+    one = np.ones_like(x)
+    deflection = np.array(
+        [
+            1 - 3 * x**2 + 2 * x**3 + phi * (1 - x),
+            length * (x - 2 * x**2 + x**3 + phi / 2 * (x - x**2)),
+            3 * x**2 - 2 * x**3 + phi * x,
+            length * (-(x**2) + x**3 - phi / 2 * (x - x**2)),
+        ]
+    ) / (1 + phi)
+    slope = np.array(
+        [
+            6 / length * (x**2 - x),
+            1 - 4 * x + 3 * x**2 + phi * (1 - x),
+            6 / length * (x - x**2),
+            3 * x**2 - 2 * x + phi * x,
+        ]
+    ) / (1 + phi)
+    curvature = np.array(
+        [6 / length * (2 * x - 1), 6 * x - 4 - phi, 6 / length * (1 - 2 * x), 6 * x - 2 + phi]
+    ) / ((1 + phi) * length)
+    # deflection' - slope, the same along the element
+    strain = np.outer([-1 / length, -0.5, 1 / length, -0.5], one) * phi / (1 + phi)
+
+    def integral(factor: np.ndarray, shape: np.ndarray) -> np.ndarray:
+        return (shape * (factor * weight)) @ shape.T
+
+    return Element(
+        translation=integral(material.density * area, deflection),
+        tilting=integral(material.density * moment, slope),
+        stiffness=integral(material.young * moment, curvature)
+        + integral(shear * area, strain),
+    )
+
+
+def _shear_stiffness(section: Section) -> float:
+    """kappa G [Pa] of the section's middle."""
+    outer = section.outer_left + section.outer_right
+    ratio = (section.bore_left + section.bore_right) / outer
+    return shear_coefficient(section.material.poisson, ratio) * section.material.shear

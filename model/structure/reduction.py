@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
-from .assembly import Structure
+from .assembly import Structure, moved
 
 _MATRICES = ("M", "C", "K", "G", "K_shaft")
 
@@ -21,7 +21,8 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     modes: how many fixed-interface modes; all there are where there are fewer.
     """
     n = len(structure.weight)
-    acted_on = (structure.contacts.dof, structure.load_dof, structure.support_dof)
+    acted_on = [structure.load_dof]
+    acted_on += [getattr(structure, of).dof for of in ("interfaces", "springs", "unbalances", "probes")]
     kept = np.unique(np.concatenate(acted_on))
     rest = np.setdiff1d(np.arange(n), kept)
     M, K = to_dense(structure.M), to_dense(structure.K_shaft)
@@ -42,31 +43,29 @@ def reduced(structure: Structure, modes: int) -> Structure:
     Exact with all modes; with few, for motions slower than the first mode left out.
     """
     kept, T = component_modes(structure, modes)
-    size = T.shape[1]
+    n, size = T.shape
     dense = {name: T.T @ to_dense(getattr(structure, name)) @ T for name in _MATRICES}
     bands = {name: to_band(matrix, size - 1) for name, matrix in dense.items()}
     M_factors = bands["M"].copy()
     factorize(M_factors)
     place = {dof: i for i, dof in enumerate(kept.tolist())}
 
-    def moved(dofs: np.ndarray) -> np.ndarray:
+    def place_of(dofs: np.ndarray) -> np.ndarray:
         return np.array([place[dof] for dof in dofs.tolist()], dtype=np.int64)
 
-    contacts = structure.contacts.copy()
-    contacts.dof = moved(structure.contacts.dof)
+    at = moved(structure, place_of)
+    # housings and ground stand behind the dofs
+    at["interfaces"].end += size - n
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
-    deflections[:, 0] = moved(deflections[:, 0])
+    deflections[:, 0] = place_of(deflections[:, 0])
     share = np.zeros(size)
     share[: len(kept)] = np.maximum(dense["M"][: len(kept), : len(kept)].sum(axis=1), 0.0)
     return structure._replace(
         **bands,
+        **at,
         M_factors=M_factors,
         mass_share=share / share.sum(),
+        mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
         deflections=deflections,
-        disc_dof=moved(structure.disc_dof),
-        load_dof=moved(structure.load_dof),
-        unbalance_dof=moved(structure.unbalance_dof),
-        support_dof=moved(structure.support_dof),
-        contacts=contacts,
     )

@@ -1,21 +1,21 @@
-"""The small nonlinear problem that is left of a step: the contact forces of all bearings at once.
+"""The small nonlinear problem that is left of a step: the forces of all interfaces at once.
 
     w = w_free + W F(d, d'),   d = d0 + b_d w,   d' = d0' + b_v w
 
-w: relative accelerations of journal and housing [m/s2], one complex number a bearing; W:
+w: relative accelerations of node and housing [m/s2], one complex number an interface; W:
 flexibility of the step [1/kg]; d0, d0': predicted displacement and velocity; b_d = beta h^2,
-b_v = gamma h.
+b_v = gamma h; own states of the laws: own = free + b_own * rate.
 Accelerations, not displacements, are the unknowns: with displacements very short steps lose digits.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ..kernels.compiled import compiled
-from ..parts.clearance_contact import contact_tangent
+from .laws import law_opening, law_tangent
 
 EXPECTED, OPEN, WALL = 0, 1, 2
 # Attempts, one after another: where Newton starts, its relaxation, its iterations. The first does
@@ -28,34 +28,30 @@ ATTEMPTS = (
     (WALL, 0.3, 800),
     (EXPECTED, 0.1, 1500),
 )
-# Of the clearance, on Newton's last correction of a displacement. The forces take part in it, so
-# what they lack of the contact law is of second order in it.
+# Of an interface's length, on Newton's last correction of a displacement. The forces take part in
+# it, so what they lack of their law is of second order in it.
 TOLERANCE = 1e-8
 
 
-class ContactProblem(NamedTuple):
-    """Arrays of the problem for m bearings: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N], and
-    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); flexibility W [1/kg], shape
-    (2 m, 2 m), of (x, y) pairs; scratch."""
+class InterfaceProblem(NamedTuple):
+    """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N], and
+    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, own: the laws' own
+    states, predicted and found; flexibility W [1/kg], shape (2 m, 2 m), of (x, y) pairs;
+    scratch."""
 
-    d0: np.ndarray
-    d0_dot: np.ndarray
-    w_free: np.ndarray
-    w: np.ndarray
-    force: np.ndarray
-    expected: np.ndarray
-    p: np.ndarray
-    q: np.ndarray
-    flexibility: np.ndarray
-    jacobian: np.ndarray
-    correction: np.ndarray
-
-
-def new_contact_problem(m: int) -> ContactProblem:
-    """A problem of m bearings, filled with zeros."""
-    vectors = [np.zeros(m, dtype=complex) for _ in range(8)]
-    matrices = [np.zeros((2 * m, 2 * m)) for _ in range(2)]
-    return ContactProblem(*vectors, *matrices, np.zeros(2 * m))
+    d0: Annotated[np.ndarray, complex, "interfaces"]
+    d0_dot: Annotated[np.ndarray, complex, "interfaces"]
+    w_free: Annotated[np.ndarray, complex, "interfaces"]
+    w: Annotated[np.ndarray, complex, "interfaces"]
+    force: Annotated[np.ndarray, complex, "interfaces"]
+    expected: Annotated[np.ndarray, complex, "interfaces"]
+    p: Annotated[np.ndarray, complex, "interfaces"]
+    q: Annotated[np.ndarray, complex, "interfaces"]
+    free: Annotated[np.ndarray, float, "own"]
+    own: Annotated[np.ndarray, float, "own"]
+    flexibility: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
+    jacobian: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
+    correction: Annotated[np.ndarray, float, "2 * interfaces"]
 
 
 @compiled
@@ -90,10 +86,10 @@ def solve_dense(a, x):
 
 
 @compiled
-def _linearize(problem, bearings, omega, b_d, b_v):
+def _linearize(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
     """Forces and tangents at problem.w, Newton's correction of w; False if its matrix is
     singular."""
-    m = len(bearings)
+    m = len(interfaces)
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
     is_open = True
     for j in range(m):
@@ -104,19 +100,22 @@ def _linearize(problem, bearings, omega, b_d, b_v):
         problem.force[j] = 0.0
         problem.p[j] = 0.0
         problem.q[j] = 0.0
-        if d.real * d.real + d.imag * d.imag > bearings[j].clearance ** 2:
+        if law_opening(laws, interfaces[j], d) < 0.0:
             is_open = False
-    if is_open:
+    if is_open and len(problem.own) == 0:
         return True
     jacobian[:, :] = 0.0
     for i in range(2 * m):
         jacobian[i, i] = 1.0
     for j in range(m):
-        bearing = bearings[j]
+        interface = interfaces[j]
         d = problem.d0[j] + b_d * problem.w[j]
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
-        force, p, q = contact_tangent(bearing, d, d_dot, omega, b_d, b_v)
-        if force == 0.0:
+        free, own = problem.free[interface.own :], problem.own[interface.own :]
+        force, p, q = law_tangent(
+            laws, interface, d, d_dot, speed, spin, b_d, b_v, b_own, free, own
+        )
+        if force == 0.0 and p == 0.0 and q == 0.0:
             continue
         problem.force[j] = force
         problem.p[j] = p
@@ -133,43 +132,44 @@ def _linearize(problem, bearings, omega, b_d, b_v):
 
 
 @compiled
-def _start(problem, bearings, place, b_d):
-    """Where Newton starts: from the expected displacements, from open contacts, from the wall."""
-    for j in range(len(bearings)):
+def _start(problem, laws, interfaces, place, b_d):
+    """Where Newton starts: from the expected displacements, from no forces, from the walls."""
+    for j in range(len(interfaces)):
         w = problem.w_free[j]
         if place == EXPECTED:
             if problem.expected[j] != 0.0:
                 w = (problem.expected[j] - problem.d0[j]) / b_d
-        elif place == WALL:
+        elif place == WALL and interfaces[j].has_wall == 1:
             free = problem.d0[j] + b_d * w
-            if abs(free) > bearings[j].clearance:
-                w = (free * (bearings[j].clearance / abs(free)) - problem.d0[j]) / b_d
+            opening = law_opening(laws, interfaces[j], free)
+            if opening < 0.0:
+                w = (free * (1.0 + opening / abs(free)) - problem.d0[j]) / b_d
         problem.w[j] = w
 
 
 @compiled
-def solve_contacts(problem, bearings, omega, b_d, b_v):
-    """Solve for problem.w and problem.force; returns (converged, iterations).
+def solve_interfaces(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
+    """Solve for problem.w, problem.force and problem.own; returns (converged, iterations).
 
-    bearings: records, shape (m,); omega [rad/s]; last_force: of the last step, shape (m,) [N].
-    Plain Newton from the last forces cycles between open and closed in some coarse steps;
+    interfaces: records, shape (m,); speed: of the machine, spin: of surfaces that slide [rad/s].
+    Plain Newton from where it slid before cycles between open and closed in some coarse steps;
     `ATTEMPTS` lists what is then done. `iterations` counts those of all attempts.
     """
     iterations = 0
     for place, relax, limit in ATTEMPTS:
-        _start(problem, bearings, place, b_d)
+        _start(problem, laws, interfaces, place, b_d)
         for _ in range(limit):
             iterations += 1
-            if not _linearize(problem, bearings, omega, b_d, b_v):
+            if not _linearize(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
                 break
             is_converged = True
-            for j in range(len(bearings)):
+            for j in range(len(interfaces)):
                 change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
                 problem.w[j] += relax * change
                 problem.force[j] += relax * (
                     problem.p[j] * change + problem.q[j] * change.conjugate()
                 )
-                if not b_d * abs(change) <= TOLERANCE * bearings[j].clearance:
+                if not b_d * abs(change) <= TOLERANCE * interfaces[j].length:
                     is_converged = False
             if is_converged:
                 return True, iterations

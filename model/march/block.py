@@ -1,0 +1,96 @@
+"""The block of memory of a run: which named tuples lie in it, and its layout."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..kernels.block import Group, Layout
+from ..parts import LAWS
+from ..schemes.family import Scheme
+from ..step.interface_problem import InterfaceProblem
+from ..step.laws import FLOWS, MOST_LOSSES, STORES
+from ..step.step import Motion, Workspace
+from ..structure.assembly import Structure, sizes_of
+from .control import Control
+from .memory import Memory
+
+_INTEGERS = ("mode", "indicator", "norm", "is_fitted")
+METHOD = np.dtype(
+    [(n, "f8") for n in Scheme._fields]
+    + [(n, "i8" if n in _INTEGERS else "f8") for n in Control._fields]
+)
+
+
+class Method(NamedTuple):
+    """The integrator and its step control: one record of the numbers of `Scheme` and `Control`."""
+
+    numbers: Annotated[np.ndarray, METHOD, "1"]
+
+
+class Reading(NamedTuple):
+    """What can be read, in the order of `observe.observed`."""
+
+    observed: Annotated[np.ndarray, float, "outputs"]
+
+
+class Run(NamedTuple):
+    """All of a run. `motion` and `memory` are its state; what stands before them belongs to the
+    machine, what stands behind is made anew by every call."""
+
+    structure: Structure
+    method: Method
+    motion: Motion
+    memory: Memory
+    trial: Motion
+    work: Workspace
+    problem: InterfaceProblem
+    reading: Reading
+
+
+_SIZES = (
+    "n width housings size deflections loads probes unbalances springs interfaces own stores losses "
+    "all_stores flows most_losses outputs"
+).split() + [f"rows_{law.name}" for law in LAWS]
+_LAWS = [(law.dtype, (f"rows_{law.name}",)) for law in LAWS]
+LAYOUT = Layout(
+    Run,
+    [
+        Group("structure", Structure, {"laws": _LAWS}),
+        Group("method", Method, {}),
+        Group("motion", Motion, {}),
+        Group("memory", Memory, {}),
+        Group("trial", Motion, {}),
+        Group("work", Workspace, {}),
+        Group("problem", InterfaceProblem, {}),
+        Group("reading", Reading, {}),
+    ],
+    _SIZES,
+)
+
+
+def new_block(structure: Structure, outputs: int) -> np.ndarray:
+    """A block for runs of a machine, its structure copied in; outputs: how many can be read."""
+    sizes = sizes_of(structure) | {
+        "all_stores": len(STORES),
+        "flows": len(FLOWS),
+        "most_losses": MOST_LOSSES,
+        "outputs": outputs,
+    }
+    block = LAYOUT.new(sizes)
+    run = LAYOUT.look(block)
+    for mine, given in zip(run.structure, structure, strict=True):
+        pairs = zip(mine, given, strict=True) if isinstance(given, tuple) else [(mine, given)]
+        for target, source in pairs:
+            target[...] = source
+    run.memory.record[0].trapped_at = np.nan
+    run.memory.record[0].damping = 1.0
+    run.work.key[:] = np.nan
+    return block
+
+
+def set_method(run: Run, scheme: Scheme, control: Control) -> None:
+    """Write the integrator and its step control into a run."""
+    for name, value in (*scheme._asdict().items(), *control._asdict().items()):
+        run.method.numbers[0][name] = value

@@ -1,0 +1,90 @@
+"""The compiled functions that are called from outside, each of a run's block alone."""
+
+from __future__ import annotations
+
+from ..kernels.compiled import compiled
+from ..schemes.family import Scheme
+from ..structure.parameters import prepare
+from . import march
+from .block import LAYOUT
+from .control import Control
+from .equilibrium import HELD, find_equilibrium
+from .observe import observe
+
+_view = LAYOUT.view
+
+
+@compiled
+def _scheme(numbers):
+    return Scheme(numbers.alpha_m, numbers.alpha_f, numbers.beta, numbers.gamma)
+
+
+@compiled
+def _control(numbers):
+    return Control(
+        numbers.mode,
+        numbers.h_min,
+        numbers.h_max,
+        numbers.eps_min,
+        numbers.eps_max,
+        numbers.indicator,
+        numbers.beta_error,
+        numbers.norm,
+        numbers.atol,
+        numbers.rtol,
+        numbers.tolerance,
+        numbers.error_constant,
+        numbers.is_fitted != 0,
+    )
+
+
+@compiled
+def start(block, speed, drive, rate):
+    """Take up the parameters, find the rest under the loads that are set, and begin a run there.
+
+    speed [rad/s]; drive: the speed, or a free rotor's torque [N.m]; rate [rad/s2]. Returns HELD or
+    why there is no equilibrium.
+    """
+    run = _view(block)
+    prepare(run.structure)
+    r = run.memory.record[0]
+    r.omega = speed
+    status = find_equilibrium(
+        run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
+    )
+    if status != HELD:
+        return status
+    for i in range(len(run.structure.probes)):
+        run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof].imag
+    march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    return HELD
+
+
+@compiled
+def advance(block, t_end, drive):
+    """`march.advance` under the loads that are set; returns its status."""
+    run = _view(block)
+    numbers = run.method.numbers[0]
+    status = march.advance(
+        run.structure,
+        _scheme(numbers),
+        _control(numbers),
+        t_end,
+        drive,
+        run.motion,
+        run.trial,
+        run.memory,
+        run.work,
+        run.problem,
+    )
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    return status
+
+
+@compiled
+def look(block):
+    """`observe` alone; what depends on the state but is not in it is made anew."""
+    run = _view(block)
+    run.work.key[0] = -1.0
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)

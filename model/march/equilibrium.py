@@ -1,0 +1,67 @@
+"""Static equilibrium under gravity and loads: how a run starts.
+
+The same implicit step finds it, with a scheme that forgets velocities: with beta = 1 and no other
+parameter a step of length tau solves (M / tau^2 + K) (q1 - q0) = f - K q0 + B F(q1), a step of
+pseudo-transient continuation (Kelley and Keyes 1998). Its mass holds what is not yet held, a
+journal in the air of its clearance, and is gone where the motion ends. Surfaces do not slide
+meanwhile, so that there is no friction.
+"""
+
+from __future__ import annotations
+
+from ..kernels.compiled import compiled
+from ..schemes.family import Scheme
+from ..step.excitation import resting
+from ..step.fitting import unfitted
+from ..step.step import try_step
+
+HELD, NOT_HELD, NOT_FOUND = 0, 1, 2
+_ITERATIONS = 200
+_FIRST = 10.0  # radians of the lowest mode that a step takes
+_GROWTH, _LONGEST = 3.0, 1e6
+_FAST = 0.1  # of one change to the next: what is slower takes longer steps
+_SMALL = 1e-14  # a change that is rounding, of the largest displacement
+_FALLS = 12  # steps that fail
+_STEADY = 1e-9  # a change that no longer shrinks and is below this is rounding too
+
+
+@compiled
+def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
+    """Fill motion.q with the displacements at rest at the speed omega [rad/s] under memory.loads,
+    starting from those that are there; returns HELD or why not."""
+    scheme = Scheme(0.0, 0.0, 1.0, 0.0)
+    spin, fit = resting(omega), unfitted()
+    lowest = structure.numbers[0].lowest_omega
+    radians = _FIRST
+    before = 0.0
+    falls = 0
+    status = NOT_FOUND
+    for _ in range(_ITERATIONS):
+        tau = radians / lowest
+        done, _ = try_step(
+            structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
+        )
+        if done != 0:
+            # past the bound again and again: nothing holds it
+            falls += 1
+            if falls > _FALLS:
+                status = NOT_HELD if done == 2 else NOT_FOUND
+                break
+            radians /= _GROWTH
+            continue
+        change = 0.0
+        size = 0.0
+        for i in range(len(motion.q)):
+            change = max(change, abs(trial.q[i] - motion.q[i]))
+            size = max(size, abs(trial.q[i]))
+            motion.q[i] = trial.q[i]
+        for j in range(len(motion.force)):
+            motion.force[j] = trial.force[j]
+        if change <= _SMALL * size or (change <= _STEADY * size and change >= 0.5 * before):
+            status = HELD
+            break
+        if before > 0.0 and change > _FAST * before:
+            radians = min(_GROWTH * radians, _LONGEST)
+        before = change
+    work.key[0] = -1.0
+    return status

@@ -1,0 +1,33 @@
+"""Paper A's bearing: a journal in the clearance of a housing of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..protocol.law import Law
+from ..protocol.part import Element, Interface, Mount, Part, Shape
+from .clearance_contact import CLEARANCE_CONTACT, ContactQuantities
+from .housing import HousingQuantities
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing(HousingQuantities, ContactQuantities, Part):
+    """A journal in the clearance of a housing that moves on springs and dampers (paper A, Fig. 2);
+    node from 1."""
+
+    KIND: ClassVar[str] = "bearing"
+    TEXT: ClassVar[str] = "a journal in the clearance of a housing of its own"
+    LAW: ClassVar[Law] = CLEARANCE_CONTACT
+
+    node: int
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """A housing, and the contact with it."""
+        yield Interface(self.node, CLEARANCE_CONTACT, self, where)
+        yield Mount(where, self)
+
+    def outline(self) -> Iterator[Shape]:
+        """A housing about the journal."""
+        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, "housing")

@@ -1,0 +1,74 @@
+"""Rigid solid cylinders on the shaft: discs, and the coupling at its end."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..protocol.part import Body, Element, Part, Port, Probe, Shape, Unbalance
+from ..quantities import ANY, NOT_NEGATIVE, quantity
+
+
+@dataclass(frozen=True)
+class Disc(Part):
+    """A rigid solid cylinder on the shaft: node (from 1), diameter and width [m]; eccentricity of
+    its mass centre e [m] at the angle `phase` [rad] from the shaft's mark."""
+
+    KIND: ClassVar[str] = "disc"
+    TEXT: ClassVar[str] = "a rigid solid cylinder on the shaft, of the machine's material"
+
+    node: int
+    diameter: float = quantity("m", "diameter")
+    width: float = quantity("m", "width along the shaft")
+    e: float = quantity(
+        "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
+    )
+    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_parameter=True)
+
+    def mass(self, density: float) -> float:
+        """Mass [kg]; density [kg/m3]."""
+        return density * math.pi / 4 * self.diameter**2 * self.width
+
+    def polar_inertia(self, density: float) -> float:
+        """Moment of inertia about the shaft [kg.m2]; density [kg/m3]."""
+        return self.mass(density) * self.diameter**2 / 8
+
+    def diametral_inertia(self, density: float) -> float:
+        """Moment of inertia about a diameter [kg.m2]; density [kg/m3]."""
+        return self.mass(density) * (self.diameter**2 / 16 + self.width**2 / 12)
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """A body with its unbalance, loaded and observed."""
+        mass = self.mass(density)
+        yield Body(
+            self.node, mass, self.diametral_inertia(density), self.polar_inertia(density)
+        )
+        yield Unbalance(self.node, mass, mass, self.e, self.phase)
+        yield Port(self.node, where.replace("[", " ").rstrip("]"))
+        yield Probe(self.node)
+
+    def outline(self) -> Iterator[Shape]:
+        """A block about the shaft."""
+        yield Shape(-self.width / 2, self.width, 0.0, self.diameter / 2, "body")
+
+
+@dataclass(frozen=True)
+class Coupling(Disc):
+    """A coupling as a rigid solid cylinder: a disc that an external force can load."""
+
+    KIND: ClassVar[str] = "coupling"
+    TEXT: ClassVar[str] = "a coupling as a rigid solid cylinder"
+    IS_SINGLE: ClassVar[bool] = True
+
+    e: float = quantity("m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0)
+    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0)
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """A disc's, but for what is observed."""
+        for element in super().elements(where, density):
+            if isinstance(element, Port):
+                yield Port(self.node, "the coupling")
+            elif not isinstance(element, Probe):
+                yield element

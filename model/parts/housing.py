@@ -1,0 +1,48 @@
+"""A bearing housing: a mass on springs and dampers to ground that interfaces push."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..protocol.part import Element, Mount, Part
+from ..quantities import NOT_NEGATIVE, QuantityError, quantity
+
+
+@dataclass(frozen=True, kw_only=True)
+class HousingQuantities:
+    """What a housing is: mass [kg], springs [N/m] and dampers [N.s/m] to ground in x and y."""
+
+    kx: float = quantity(
+        "N/m", "horizontal stiffness of the housing's springs", is_parameter=True
+    )
+    ky: float = quantity("N/m", "vertical stiffness of the housing's springs", is_parameter=True)
+    cx: float = quantity(
+        "N.s/m", "horizontal damping of the housing", NOT_NEGATIVE, is_parameter=True
+    )
+    cy: float = quantity(
+        "N.s/m", "vertical damping of the housing", NOT_NEGATIVE, is_parameter=True
+    )
+    mass: float = quantity("kg", "mass of the housing", is_parameter=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Housing(HousingQuantities, Part):
+    """A housing of its own, which any number of interfaces may name.
+
+    Raises `QuantityError` without a name.
+    """
+
+    KIND: ClassVar[str] = "housing"
+    TEXT: ClassVar[str] = "a mass on springs and dampers to ground, on which bearings may sit"
+
+    name: str
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name:
+            raise QuantityError(f"housing.name = {self.name!r}: must be a word")
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """One mount."""
+        yield Mount(self.name, self)

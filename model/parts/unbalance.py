@@ -1,0 +1,27 @@
+"""An unbalance at a node (ISO 21940-2: U = m e, here with its angle)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..protocol import part as of
+from ..quantities import ANY, NOT_NEGATIVE, quantity
+
+
+@dataclass(frozen=True)
+class Unbalance(of.Part):
+    """An unbalance `amount` [kg.m] at the angle `phase` [rad] from the shaft's mark; its small mass
+    adds to no inertia."""
+
+    KIND: ClassVar[str] = "unbalance"
+    TEXT: ClassVar[str] = "an unbalance at a node"
+
+    node: int
+    amount: float = quantity("kg.m", "unbalance", NOT_NEGATIVE, is_parameter=True)
+    phase: float = quantity("rad", "angle of the unbalance", ANY, 0.0, is_parameter=True)
+
+    def elements(self, where: str, density: float) -> Iterator[of.Element]:
+        """One unbalance."""
+        yield of.Unbalance(self.node, 1.0, 0.0, self.amount, self.phase)

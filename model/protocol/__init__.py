@@ -1,0 +1,1 @@
+"""What a part of a machine has to say of itself, and what assembly and kernels take of it."""

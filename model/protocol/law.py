@@ -1,0 +1,130 @@
+"""A force law between a node and a housing, and the calls of a machine's laws in compiled code.
+
+With the node's displacement relative to the housing d = u + i v [m] and its velocity d', a law is a
+handful of compiled functions of a record `part` with the quantities of the part, by their names:
+
+    force(part, d, d_dot, speed, spin, own)                                         -> F
+    tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)             -> F, p, q
+    energy(part, d)                                                                 -> E
+    dissipate(part, d, d_dot, speed, spin, own, out)                                -> torque
+    opening(part, d)                                                                -> distance
+    length(part)                                                                    -> scale
+    rates(part, d, d_dot, speed, spin, own, out)
+    observe(part, d, d_dot, speed, spin, own, out)
+
+F: complex force on the node [N], the housing gets -F. speed: the machine's [rad/s], on which
+coefficients may depend; spin: at which the surfaces slide [rad/s], 0 where equilibrium is sought,
+which has no friction. tangent: dF for by_d dF/dd + by_v dF/dd', as the pair of the real-linear map
+z -> p z + q conj(z). energy: stored [J]. dissipate: fills `out` with the powers dissipated [W], in the
+order of `Law.losses`; returns the torque that brakes the rotor [N.m]. opening: how far d is from
+where the force begins [m], negative where it acts. length: displacement that matters [m], 0 for
+that of the machine; of a law with a wall the wall's radius.
+
+A law may have states of its own, `own`, shape (len(Law.states),): rates fills in their rates. Over
+a step they are implicit, own = free + by_own * rate: `tangent` finds them, fills `own`, and lets
+them take part in p and q.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..kernels.compiled import compiled
+from ..quantities import Output, quantities
+
+
+@compiled
+def no_length(part):
+    """The length of a law without one of its own."""
+    return 0.0
+
+
+@compiled
+def always_acts(part, d):
+    """The opening of a law without a wall."""
+    return -1.0
+
+
+@compiled
+def no_rates(part, d, d_dot, speed, spin, own, out):
+    """The rates of a law without states."""
+    return
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law: its compiled functions, and what it keeps in the ledger.
+
+    name: of its records; kind: the data class whose quantities the records hold; store: the name of
+    the energy that it stores, with its text; losses: names and texts of what it dissipates; states:
+    start values of its own states; has_wall: whether the force begins at a wall, the circle of
+    radius `length` about the housing.
+    """
+
+    name: str
+    kind: type
+    force: Callable[..., Any]
+    tangent: Callable[..., Any]
+    energy: Callable[..., Any]
+    dissipate: Callable[..., Any]
+    observe: Callable[..., Any]
+    outputs: tuple[Output, ...]
+    store: Output
+    losses: tuple[Output, ...]
+    opening: Callable[..., Any] = always_acts
+    length: Callable[..., Any] = no_length
+    rates: Callable[..., Any] = no_rates
+    states: tuple[float, ...] = ()
+    has_wall: bool = False
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of a record: the quantities of the part, by their names."""
+        return np.dtype([(name, "f8") for name in quantities(self.kind)])
+
+
+def unique(entries: Sequence[Output]) -> tuple[Output, ...]:
+    """The entries of the ledger without those of an earlier one's name."""
+    return tuple({entry.name: entry for entry in reversed(entries)}.values())[::-1]
+
+
+def stores_of(laws: Sequence[Law]) -> tuple[Output, ...]:
+    """Energies that the laws store, each once."""
+    return unique([law.store for law in laws])
+
+
+def losses_of(laws: Sequence[Law]) -> tuple[Output, ...]:
+    """Powers that the laws dissipate, each once."""
+    return unique([loss for law in laws for loss in law.losses])
+
+
+def _link(code: int, function: Callable, rest: Callable | None) -> Callable:
+    """Calls `function` for interfaces of the law `code`, `rest` for the others."""
+    if rest is None:
+
+        def call(laws, interface, *arguments):
+            return function(laws[code][interface.row], *arguments)
+    else:
+
+        def call(laws, interface, *arguments):
+            if interface.law == code:
+                return function(laws[code][interface.row], *arguments)
+            return rest(laws, interface, *arguments)
+
+    return compiled(call, is_kept=False)
+
+
+def dispatcher(functions: Sequence[Callable]) -> Callable:
+    """One compiled function `call(laws, interface, ...)` of a function a law.
+
+    laws: the records of each law, in the order of `functions`; interface: a record whose `law` is
+    the place in that order and whose `row` is that of the law's record.
+    """
+    call = None
+    for code in reversed(range(len(functions))):
+        call = _link(code, functions[code], call)
+    return call

@@ -1,0 +1,136 @@
+"""What a part is: a frozen data class that says which elements of the machine it is made of.
+
+The few elements below are all that assembly knows. A new kind of part combines them, and brings a
+`Law` of its own where a force is neither linear nor constant.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+from ..quantities import Output
+
+if TYPE_CHECKING:
+    from .law import Law
+
+GROUND = ""  # the name of the housing that does not move
+
+
+class Body(NamedTuple):
+    """A rigid body on the shaft: mass [kg], diametral and polar moment of inertia [kg.m2]."""
+
+    node: int
+    mass: float
+    diametral: float
+    polar: float
+
+
+class Spring(NamedTuple):
+    """An isotropic linear spring [N/m] and damper [N.s/m] from a node to ground."""
+
+    node: int
+    stiffness: float
+    damping: float
+
+
+class Unbalance(NamedTuple):
+    """A rotating unbalance `mass` times `e` [kg.m] at the angle `phase` of a part's quantities.
+
+    spinning_mass [kg] turns on the circle of radius e and adds to the inertia about the axis.
+    """
+
+    node: int
+    mass: float
+    spinning_mass: float
+    e: float
+    phase: float
+
+
+class Port(NamedTuple):
+    """A node where an external force acts, with what it is called in a text."""
+
+    node: int
+    where: str
+
+
+class Probe(NamedTuple):
+    """A node whose displacement and amplitude are observed."""
+
+    node: int
+
+
+class Mount(NamedTuple):
+    """A housing called `name`, with the numbers of `source` (`parts.housing`)."""
+
+    name: str
+    source: Any
+
+
+class Interface(NamedTuple):
+    """A node against a housing, or against `GROUND`: a law with the numbers of `source`."""
+
+    node: int
+    law: Law
+    source: Any
+    housing: str = GROUND
+
+
+Element = Body | Spring | Unbalance | Port | Probe | Mount | Interface
+
+
+PROBE_OUTPUTS = (
+    Output("x", "m", "displacement to the right", True, 1e-4),
+    Output("y", "m", "displacement upwards, at rest below 0 by the sag", True, 1e-4),
+    Output("x_amp", "m", "largest abs(x) over the last revolution", nominal=1e-4),
+    Output("y_amp", "m", "largest abs(y - y at rest) over the last revolution", nominal=1e-4),
+)
+MOUNT_OUTPUTS = (
+    Output("housing_x", "m", "displacement of the housing to the right", nominal=1e-4),
+    Output("housing_y", "m", "displacement of the housing upwards", nominal=1e-6),
+)
+
+
+def outputs_of(element: Element) -> tuple[Output, ...]:
+    """What is observed of an element."""
+    if isinstance(element, Probe):
+        return PROBE_OUTPUTS
+    if isinstance(element, Mount):
+        return MOUNT_OUTPUTS
+    return element.law.outputs if isinstance(element, Interface) else ()
+
+
+@dataclass(frozen=True)
+class Part(ABC):
+    """A part of a machine. Subclasses declare their quantities as fields.
+
+    KIND: its table in a machine file and its name in the FMU; TEXT: what it is, in a line;
+    IS_SINGLE: whether a machine has one at most; LAW: of its interfaces, if it has any.
+    """
+
+    KIND: ClassVar[str]
+    TEXT: ClassVar[str]
+    IS_SINGLE: ClassVar[bool] = False
+    LAW: ClassVar[Law | None] = None
+
+    @abstractmethod
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """What the part called `where` puts into the machine; density: of the machine's material
+        [kg/m3]."""
+
+    def outline(self) -> Iterator[Shape]:
+        """How the part is drawn, z measured from its node."""
+        yield from ()
+
+
+class Shape(NamedTuple):
+    """A block of a drawing: its left end and width along the shaft, its radii [m], its role: `body`,
+    `housing` or `spring`."""
+
+    left: float
+    width: float
+    inner: float
+    outer: float
+    role: str

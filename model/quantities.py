@@ -1,0 +1,93 @@
+"""Quantities: unit, rule and text of a number, declared where the number is.
+
+A data class declares its numbers by `quantity(...)`; whatever else must know of them (the reader of
+TOML, checks, records for the kernels, the FMU's variables, documents) is made from that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any
+
+
+class QuantityError(ValueError):
+    """A number that cannot be; the message names the quantity, its value and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a number may be, and the words that say so."""
+
+    allows: Callable[[float], bool]
+    words: str
+
+
+POSITIVE = Rule(lambda v: v > 0, "must be > 0 and finite")
+NOT_NEGATIVE = Rule(lambda v: v >= 0, "must be >= 0 and finite")
+ANY = Rule(lambda v: True, "must be a finite number")
+_HUGE = 1e30  # beyond it, products of such numbers overflow
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number that a user gives: unit ("1" where it has none), what it is, what it may be, and
+    whether an FMU takes it as a parameter."""
+
+    unit: str
+    text: str
+    rule: Rule = POSITIVE
+    is_parameter: bool = False
+
+
+@dataclass(frozen=True)
+class Output:
+    """A number that a model computes: its name within its part, unit, what it is.
+
+    kind: Real, Integer or Boolean; is_output: whether it is among the few that every run records;
+    nominal: its usual size [unit], of a Real.
+    """
+
+    name: str
+    unit: str
+    text: str
+    is_output: bool = False
+    nominal: float | None = None
+    kind: str = "Real"
+
+
+def quantity(
+    unit: str,
+    text: str,
+    rule: Rule = POSITIVE,
+    default: Any = MISSING,
+    *,
+    is_parameter: bool = False,
+) -> Any:
+    """A field of a data class that is a `Quantity`."""
+    told = Quantity(unit, text, rule, is_parameter)
+    return field(default=default, metadata={"quantity": told})
+
+
+def quantities(kind: Any) -> Mapping[str, Quantity]:
+    """The quantities of a data class (or of an instance) by their names, in their order."""
+    return {f.name: f.metadata["quantity"] for f in fields(kind) if "quantity" in f.metadata}
+
+
+def check(shown: str, told: Quantity, value: Any) -> None:
+    """Raise `QuantityError`, calling it `shown`, unless `value` may be that of the quantity."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise QuantityError(f"{shown} = {value!r}: must be a number")
+    is_finite = isinstance(value, int) or math.isfinite(value)
+    if is_finite and abs(value) > _HUGE:
+        raise QuantityError(f"{shown}: must not exceed {_HUGE:g} in size")
+    if not is_finite or not told.rule.allows(value):
+        unit = "" if told.unit == "1" else f" {told.unit}"
+        raise QuantityError(f"{shown} = {value:g}{unit}: {told.rule.words}")
+
+
+def check_all(where: str, item: Any) -> None:
+    """`check` every quantity of a data class's instance, called `where`."""
+    for name, told in quantities(item).items():
+        check(f"{where}.{name}", told, getattr(item, name))

@@ -1,0 +1,56 @@
+"""The laws of all kinds of interfaces, each call one compiled function of (laws, interface, ...);
+see `protocol.law`. `interface` is a record of `assembly.INTERFACE`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..kernels.compiled import compiled
+from ..parts import LAWS
+from ..protocol.law import Law, dispatcher, losses_of, stores_of
+
+# What the ledger has of the machine itself; behind these come the laws' own.
+OWN_STORES = ("kinetic", "elastic", "gravity")
+OWN_FLOWS = ("drive", "external", "structure", "housing")
+STORES = (*OWN_STORES, *(store.name for store in stores_of(LAWS)))
+FLOWS = (*OWN_FLOWS, *(loss.name for loss in losses_of(LAWS)))
+MOST_LOSSES = max(len(law.losses) for law in LAWS)
+
+
+def _storing(law: Law) -> Callable:
+    """Adds a law's energy to its place among `STORES`."""
+    energy, place = law.energy, STORES.index(law.store.name)
+
+    def add(part, d, out):
+        out[place] += energy(part, d)
+
+    return compiled(add, is_kept=False)
+
+
+def _dissipating(law: Law) -> Callable:
+    """Adds what a law dissipates to its places among `FLOWS`; returns the braking torque."""
+    dissipate, count = law.dissipate, len(law.losses)
+    places = tuple(FLOWS.index(loss.name) for loss in law.losses)
+
+    def add(part, d, d_dot, speed, spin, own, scratch, out):
+        torque = dissipate(part, d, d_dot, speed, spin, own, scratch)
+        for i in range(count):
+            out[places[i]] += scratch[i]
+        return torque
+
+    return compiled(add, is_kept=False)
+
+
+law_force = dispatcher([law.force for law in LAWS])
+law_tangent = dispatcher([law.tangent for law in LAWS])
+law_opening = dispatcher([law.opening for law in LAWS])
+law_rates = dispatcher([law.rates for law in LAWS])
+law_observe = dispatcher([law.observe for law in LAWS])
+add_energy = dispatcher([_storing(law) for law in LAWS])
+add_losses = dispatcher([_dissipating(law) for law in LAWS])
+
+
+@compiled
+def relative(interface, z):
+    """Of a node relative to its housing or to ground, z of shape (size,)."""
+    return z[interface.dof] - z[interface.end]

@@ -1,0 +1,54 @@
+"""What follows from the numbers that a user may change once a machine is assembled: damping,
+stiffness, weight, unbalance, inertia, the lengths that matter. Compiled, on the structure alone."""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.compiled import compiled
+from ..parts import LAWS
+from ..protocol.law import dispatcher
+
+_length_of = dispatcher([law.length for law in LAWS])
+
+
+@compiled
+def prepare(structure):
+    """Fill in all of a structure that depends on parameters."""
+    numbers = structure.numbers[0]
+    _prepare_shaft(structure, numbers)
+    inertia = numbers.own_inertia
+    for i in range(len(structure.unbalances)):
+        u = structure.unbalances[i]
+        structure.unbalance[i] = u.mass * u.e * complex(math.cos(u.phase), math.sin(u.phase))
+        inertia += u.spinning_mass * u.e * u.e
+    numbers.inertia = inertia
+    smallest = math.inf
+    for j in range(len(structure.interfaces)):
+        length = _length_of(structure.laws, structure.interfaces[j])
+        structure.interfaces[j].length = length
+        if length > 0.0:
+            smallest = min(smallest, length)
+    numbers.clearance = smallest if smallest < math.inf else numbers.size
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].length == 0.0:
+            structure.interfaces[j].length = numbers.clearance
+
+
+@compiled
+def _prepare_shaft(structure, numbers):
+    """Damping, stiffness and weight."""
+    hysteresis = math.sqrt(1.0 + numbers.eta_h * numbers.eta_h)
+    share = (1.0 + numbers.eta_h) / hysteresis
+    n, width = structure.M.shape
+    for i in range(n):
+        for d in range(width):
+            structure.C[i, d] = numbers.eta_v * structure.K_shaft[i, d]
+            structure.K[i, d] = share * structure.K_shaft[i, d]
+        structure.weight[i] = complex(0.0, -numbers.gravity * structure.mass_sum[i])
+    for i in range(len(structure.springs)):
+        spring = structure.springs[i]
+        structure.K[spring.dof, 0] += spring.stiffness
+        structure.C[spring.dof, 0] += spring.damping
+    numbers.kappa_v = numbers.eta_v if numbers.rotating_damping == 1 else 0.0
+    numbers.kappa_h = numbers.eta_h / hysteresis if numbers.rotating_damping == 1 else 0.0
