@@ -32,13 +32,14 @@ _HUGE = 1e30  # beyond it, products of such numbers overflow
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that a user gives: unit ("1" where it has none), what it is, what it may be, and
-    whether an FMU takes it as a parameter."""
+    """A number that a user gives: unit ("1" where it has none), what it is, what it may be, whether
+    an FMU takes it as a parameter, and whether it is no number but true or false."""
 
     unit: str
     text: str
     rule: Rule = POSITIVE
     is_parameter: bool = False
+    is_switch: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,12 @@ def quantity(
     return field(default=default, metadata={"quantity": told})
 
 
+def switch(text: str, default: Any = MISSING, *, is_parameter: bool = False) -> Any:
+    """A field of a data class that is true or false."""
+    told = Quantity("1", text, ANY, is_parameter, is_switch=True)
+    return field(default=default, metadata={"quantity": told})
+
+
 def quantities(kind: Any) -> Mapping[str, Quantity]:
     """The quantities of a data class (or of an instance) by their names, in their order."""
     return {f.name: f.metadata["quantity"] for f in fields(kind) if "quantity" in f.metadata}
@@ -77,6 +84,10 @@ def quantities(kind: Any) -> Mapping[str, Quantity]:
 
 def check(shown: str, told: Quantity, value: Any) -> None:
     """Raise `QuantityError`, calling it `shown`, unless `value` may be that of the quantity."""
+    if told.is_switch:
+        if not isinstance(value, bool):
+            raise QuantityError(f"{shown} = {value!r}: must be true or false")
+        return
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise QuantityError(f"{shown} = {value!r}: must be a number")
     is_finite = isinstance(value, int) or math.isfinite(value)

@@ -9,10 +9,10 @@ from pathlib import Path
 import typer
 
 from .model.impact.stepping.failures import ImpactError
-from .model.machine.rotor import RotorError
+from .model.quantities import QuantityError
 from .model.schemes.family import SchemeError
 from .model.settings import SettingsError
-from .model.structure.equilibrium import EquilibriumError
+from .model.simulation import EquilibriumError
 from .runs.signals import SignalError
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
@@ -29,7 +29,7 @@ class RunFailed(RuntimeError):
 _BAD_INPUTS = (
     InputError,
     SignalError,
-    RotorError,
+    QuantityError,
     SettingsError,
     SchemeError,
     EquilibriumError,

@@ -26,6 +26,7 @@ from ..quantities import (
     check_all,
     quantities,
     quantity,
+    switch,
 )
 
 AnyPart = TypeVar("AnyPart", bound=Part)
@@ -75,7 +76,11 @@ class Rotor:
     eta_h: float = quantity(
         "1", "hysteretic internal damping of the shaft", NOT_NEGATIVE, 0.0, is_parameter=True
     )
-    rotating_damping: bool = False
+    rotating_damping: bool = switch(
+        "whether the internal damping turns with the shaft (Zorzi and Nelson)",
+        False,
+        is_parameter=True,
+    )
     gravity: float = quantity(
         "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, 9.81, is_parameter=True
     )
@@ -96,13 +101,9 @@ class Rotor:
                     self._check_node(where, element.node)
         self._check_singles()
         self._check_housings(housings)
-        for name in ("eta_v", "eta_h", "gravity"):
-            shown = str(Name(_OWN[name], 0, name))
+        for name, heading in _OWN.items():
+            shown = str(Name(heading, 0, name))
             check(shown, quantities(self)[name], getattr(self, name))
-        if not isinstance(self.rotating_damping, bool):
-            raise QuantityError(
-                f"shaft.rotating_damping = {self.rotating_damping!r}: must be true or false"
-            )
         if self.eta_h > 0 and not self.rotating_damping:
             raise QuantityError(
                 f"shaft.eta_h = {self.eta_h:g}: must be 0 unless shaft.rotating_damping is true "
@@ -209,8 +210,7 @@ class Rotor:
                 if told.is_parameter:
                     yield Name(*name, told_name), told, getattr(part, told_name)
         for own, heading in _OWN.items():
-            if own in quantities(self):
-                yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
+            yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 
     def with_values(self, values: Mapping[str, float | bool]) -> Rotor:
         """The machine with some quantities replaced, all at once.

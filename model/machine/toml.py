@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import MISSING, Field, fields
 from difflib import get_close_matches
 from importlib.resources import files
+from itertools import pairwise
 from typing import Any
 
 from ..parts import PARTS
@@ -46,9 +47,6 @@ def parse_rotor(text: str) -> Rotor:
     material = _make(Material, "material", data["material"])
     shaft = _table("shaft", data["shaft"])
     _refuse_unknown("shaft", shaft, _SHAFT_KEYS)
-    rotating = shaft.get("rotating_damping", False)
-    if not isinstance(rotating, bool):
-        raise QuantityError(f"shaft.rotating_damping = {rotating!r}: must be true or false")
     name = data.get("name", "rotor")
     if not isinstance(name, str):
         raise QuantityError(f"name = {name!r}: must be a string")
@@ -59,7 +57,7 @@ def parse_rotor(text: str) -> Rotor:
         parts=tuple(part for kind in PARTS for part in _parts(kind, data)),
         eta_v=_number(shaft.get("eta_v", 0.0)),
         eta_h=_number(shaft.get("eta_h", 0.0)),
-        rotating_damping=rotating,
+        rotating_damping=shaft.get("rotating_damping", False),
         gravity=_number(data.get("gravity", 9.81)),
         name=name,
         start=start,
@@ -83,7 +81,7 @@ def _sections(shaft: dict[str, Any], material: Material) -> tuple[float, tuple[S
         check(f"shaft.nodes[{i}]", quantities(Rotor)["start"], z)
     for i, diameter in enumerate(diameters, 1):
         check(f"shaft.element[{i}].diameter", quantities(Section)["outer_left"], diameter)
-    ends = zip(nodes[:-1], nodes[1:], strict=True)
+    ends = pairwise(nodes)
     sections = tuple(
         Section.cylinder(float(right - left), float(diameter), material)
         for (left, right), diameter in zip(ends, diameters, strict=True)
@@ -99,9 +97,7 @@ def _parts(kind: type[Part], data: dict[str, Any]) -> list[Part]:
     if kind.IS_SINGLE:
         return [_make(kind, kind.KIND, given)]
     if not isinstance(given, list):
-        raise QuantityError(
-            f"{kind.KIND} = {given!r}: must be a list of tables, [[{kind.KIND}]]"
-        )
+        raise QuantityError(f"{kind.KIND} = {given!r}: must be a list of tables, [[{kind.KIND}]]")
     return [_make(kind, f"{kind.KIND}[{i}]", item) for i, item in enumerate(given, 1)]
 
 

@@ -50,9 +50,10 @@ class Run(NamedTuple):
 
 
 _SIZES = (
-    "n width housings size deflections loads probes unbalances springs interfaces own stores losses "
-    "all_stores flows most_losses outputs"
-).split() + [f"rows_{law.name}" for law in LAWS]
+    *("n", "width", "housings", "size", "deflections", "loads", "probes", "unbalances", "springs"),
+    *("interfaces", "own", "stores", "losses", "all_stores", "flows", "most_losses", "outputs"),
+    *(f"rows_{law.name}" for law in LAWS),
+)
 _LAWS = [(law.dtype, (f"rows_{law.name}",)) for law in LAWS]
 LAYOUT = Layout(
     Run,

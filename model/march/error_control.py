@@ -41,7 +41,9 @@ def local_error(structure, control, omega, h, old, new):
         error += share[i] * (change.real * change.real + change.imag * change.imag)
         size += share[i] * (q.real * q.real + q.imag * q.imag)
     radians = h * max(structure.numbers[0].lowest_omega, abs(omega))
-    tolerated = 0.4 * radians * control.tolerance * (structure.numbers[0].clearance + math.sqrt(size))
+    tolerated = (
+        0.4 * radians * control.tolerance * (structure.numbers[0].clearance + math.sqrt(size))
+    )
     return abs(control.error_constant) * h * h * math.sqrt(error) / tolerated
 
 

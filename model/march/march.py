@@ -173,9 +173,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             r.newton += iterations
             error = 0.0
             if status == DONE:
-                error = step_error(
-                    structure, control, spin.omega, h, r.steps == 0, motion, trial
-                )
+                error = step_error(structure, control, spin.omega, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max or h <= shortest:
                     break
             elif not varies or h <= shortest:
@@ -184,9 +182,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
                 return status
             r.rejected += 1
             was_rejected = True
-            wished = shorter_length(
-                structure, control, h, error, status == DONE, motion, trial
-            )
+            wished = shorter_length(structure, control, h, error, status == DONE, motion, trial)
             parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
             h = (t_end - r.t) / parts
         r.t = t

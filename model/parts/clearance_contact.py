@@ -20,7 +20,7 @@ from typing import ClassVar
 
 from ..kernels.compiled import compiled
 from ..protocol.law import Law
-from ..protocol.part import GROUND, Element, Interface, Part
+from ..protocol.part import GROUND, Element, Interface, Part, Shape
 from ..quantities import NOT_NEGATIVE, Output, quantity
 
 
@@ -35,7 +35,7 @@ class ContactQuantities:
     mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_parameter=True)
     k: float = quantity("N/m", "contact stiffness", is_parameter=True)
     c: float = quantity("N.s/m", "contact damping", NOT_NEGATIVE, 100.0, is_parameter=True)
-    delta_c: float = quantity("m", "penetration at which the contact damping is whole", default=2e-7)
+    delta_c: float = quantity("m", "penetration at which its damping is whole", default=2e-7)
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
 
 
@@ -88,9 +88,7 @@ def _tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
     t_aa = by_d * -n_a + by_v * -c
     t_ab = by_d * (mu * n * s_t / r - n_b)
     t_ba = by_d * (-mu * s_t * n_a) + by_v * (-mu * s_t * c)
-    t_bb = by_d * (-mu * s_t * n_b + mu * n * slope * w_n / r - n / r) + by_v * (
-        -mu * n * slope
-    )
+    t_bb = by_d * (-mu * s_t * n_b + mu * n * slope * w_n / r - n / r) + by_v * (-mu * n * slope)
     # rotated back: e (T (conj(e) z)), a real 2x2 matrix written as p z + q conj(z)
     p = 0.5 * complex(t_aa + t_bb, t_ba - t_ab)
     q = 0.5 * complex(t_aa - t_bb, t_ba + t_ab)
@@ -191,7 +189,7 @@ class ClearanceContact(ContactQuantities, Part):
     does not move."""
 
     KIND: ClassVar[str] = "contact"
-    TEXT: ClassVar[str] = "a journal in the clearance of a housing, or of a stator that does not move"
+    TEXT: ClassVar[str] = "a journal in the clearance of a housing or of a fixed stator"
 
     LAW: ClassVar[Law] = CLEARANCE_CONTACT
 
@@ -201,3 +199,7 @@ class ClearanceContact(ContactQuantities, Part):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""
         yield Interface(self.node, CLEARANCE_CONTACT, self, self.housing)
+
+    def outline(self) -> Iterator[Shape]:
+        """A stator about the journal."""
+        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, "housing")

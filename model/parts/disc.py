@@ -42,9 +42,7 @@ class Disc(Part):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """A body with its unbalance, loaded and observed."""
         mass = self.mass(density)
-        yield Body(
-            self.node, mass, self.diametral_inertia(density), self.polar_inertia(density)
-        )
+        yield Body(self.node, mass, self.diametral_inertia(density), self.polar_inertia(density))
         yield Unbalance(self.node, mass, mass, self.e, self.phase)
         yield Port(self.node, where.replace("[", " ").rstrip("]"))
         yield Probe(self.node)

@@ -14,9 +14,7 @@ from ..quantities import NOT_NEGATIVE, QuantityError, quantity
 class HousingQuantities:
     """What a housing is: mass [kg], springs [N/m] and dampers [N.s/m] to ground in x and y."""
 
-    kx: float = quantity(
-        "N/m", "horizontal stiffness of the housing's springs", is_parameter=True
-    )
+    kx: float = quantity("N/m", "horizontal stiffness of the housing's springs", is_parameter=True)
     ky: float = quantity("N/m", "vertical stiffness of the housing's springs", is_parameter=True)
     cx: float = quantity(
         "N.s/m", "horizontal damping of the housing", NOT_NEGATIVE, is_parameter=True

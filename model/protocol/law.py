@@ -15,10 +15,10 @@ handful of compiled functions of a record `part` with the quantities of the part
 F: complex force on the node [N], the housing gets -F. speed: the machine's [rad/s], on which
 coefficients may depend; spin: at which the surfaces slide [rad/s], 0 where equilibrium is sought,
 which has no friction. tangent: dF for by_d dF/dd + by_v dF/dd', as the pair of the real-linear map
-z -> p z + q conj(z). energy: stored [J]. dissipate: fills `out` with the powers dissipated [W], in the
-order of `Law.losses`; returns the torque that brakes the rotor [N.m]. opening: how far d is from
-where the force begins [m], negative where it acts. length: displacement that matters [m], 0 for
-that of the machine; of a law with a wall the wall's radius.
+z -> p z + q conj(z). energy: stored [J]. dissipate: fills `out` with the powers dissipated [W], in
+the order of `Law.losses`; returns the torque that brakes the rotor [N.m]. opening: how far d is
+from where the force begins [m], negative where it acts. length: displacement that matters [m], 0
+for that of the machine; of a law with a wall the wall's radius.
 
 A law may have states of its own, `own`, shape (len(Law.states),): rates fills in their rates. Over
 a step they are implicit, own = free + by_own * rate: `tangent` finds them, fills `own`, and lets

@@ -126,8 +126,8 @@ class Part(ABC):
 
 
 class Shape(NamedTuple):
-    """A block of a drawing: its left end and width along the shaft, its radii [m], its role: `body`,
-    `housing` or `spring`."""
+    """A block of a drawing: its left end and width along the shaft, its radii [m], and its role,
+    `body`, `housing` or `spring`."""
 
     left: float
     width: float

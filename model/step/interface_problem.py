@@ -34,10 +34,9 @@ TOLERANCE = 1e-8
 
 
 class InterfaceProblem(NamedTuple):
-    """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N], and
-    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, own: the laws' own
-    states, predicted and found; flexibility W [1/kg], shape (2 m, 2 m), of (x, y) pairs;
-    scratch."""
+    """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N],
+    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, own: states of the
+    laws, predicted and found; flexibility W [1/kg], shape (2 m, 2 m), of (x, y) pairs; scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
     d0_dot: Annotated[np.ndarray, complex, "interfaces"]

@@ -15,14 +15,14 @@ import numpy as np
 from ..kernels.band import add_product, factorize, solve
 from ..kernels.compiled import compiled
 from .excitation import add_applied, circulation
-from .interface_problem import InterfaceProblem, solve_interfaces
+from .interface_problem import solve_interfaces
 from .laws import law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
 
 
 class Motion(NamedTuple):
-    """State at one instant, complex, each row of shape (n + housings + 1,), the shaft first, then the
-    housings, then ground, which does not move: displacement q [m], velocity v [m/s]; a: the
+    """State at one instant: rows of the shaft's dofs, then the housings, then ground, which stays,
+    each complex of shape (n + housings + 1,): displacement q [m], velocity v [m/s]; a: the
     accelerations that generalized-alpha carries along, v_dot: those of the equation of motion
     [m/s2]; jerk [m/s3] (of the Li-Zeng-Wiberg indicator); force: of the interfaces on their nodes
     [N]. own: states of the laws, with the rates that are carried along and those of their law."""
@@ -106,9 +106,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
         d = relative(interface, motion.q)
         d_dot = relative(interface, motion.v)
         own = motion.own[interface.own :]
-        force = law_force(
-            structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own
-        )
+        force = law_force(structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own)
         motion.force[j] = force
         f[interface.dof] += force
         motion.v_dot[interface.end] -= force

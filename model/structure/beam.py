@@ -84,8 +84,7 @@ def shaft_element(section: Section) -> Element:
     return Element(
         translation=integral(material.density * area, deflection),
         tilting=integral(material.density * moment, slope),
-        stiffness=integral(material.young * moment, curvature)
-        + integral(shear * area, strain),
+        stiffness=integral(material.young * moment, curvature) + integral(shear * area, strain),
     )
 
 

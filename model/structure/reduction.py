@@ -22,7 +22,9 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     """
     n = len(structure.weight)
     acted_on = [structure.load_dof]
-    acted_on += [getattr(structure, of).dof for of in ("interfaces", "springs", "unbalances", "probes")]
+    acted_on += [
+        getattr(structure, of).dof for of in ("interfaces", "springs", "unbalances", "probes")
+    ]
     kept = np.unique(np.concatenate(acted_on))
     rest = np.setdiff1d(np.arange(n), kept)
     M, K = to_dense(structure.M), to_dense(structure.K_shaft)

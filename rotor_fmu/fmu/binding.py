@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from ..model.machine.rotor import Rotor
 from ..model.settings import choose
 from ..model.simulation import Simulation
+from .interface import ports
 from .variables import Variable
 
 SOLVER = "solver."
-# Parameters of the run itself, neither the rotor's nor the solver's.
-_OF_THE_RUN = ("speed_rate", "speed_continuation", "w_start")
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
     """Names of the inputs (x, y) of the external forces, in the order of `Structure.load_dof`."""
-    bodies = [f"disc[{i}]" for i in range(1, len(rotor.discs) + 1)]
-    if rotor.coupling is not None:
-        bodies.append("coupling")
-    return tuple((f"{body}.fx", f"{body}.fy") for body in bodies)
+    return tuple((f"{name}.fx", f"{name}.fy") for name, _ in ports(rotor))
 
 
 def chosen_settings(
@@ -42,13 +40,10 @@ def chosen_settings(
 
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
-    """The rotor with those of its parameters that differ from their start values."""
-    for variable in table:
-        name = variable.name
-        is_the_rotors = variable.causality == "parameter" and not name.startswith(SOLVER)
-        if is_the_rotors and name not in _OF_THE_RUN and values[name] != variable.start:
-            rotor = rotor.with_value(name, values[name])
-    return rotor
+    """The rotor with those of its parameters that differ from their start values, all at once."""
+    starts = {variable.name: variable.start for variable in table}
+    names = [str(name) for name, _, _ in rotor.parameters()]
+    return rotor.with_values({n: values[n] for n in names if values[n] != starts[n]})
 
 
 def build_simulation(
@@ -61,8 +56,9 @@ def build_simulation(
 ) -> Simulation:
     """The simulation that an FMU with these values of its inputs and parameters stands for.
 
-    start_time [s]; tolerance: the experiment's [1], which a value of the FMU's own overrides.
-    Raises `RotorError`, `SettingsError` and `EquilibriumError`.
+    start_time [s], where the rotor rests under the loads among the values; tolerance: the
+    experiment's [1], which a value of the FMU's own overrides. Raises `QuantityError`,
+    `SettingsError` and `EquilibriumError`.
     """
     if "tau_drive" in values:
         drive = {"speed": values["w_start"], "drive_torque": values["tau_drive"]}
@@ -76,4 +72,5 @@ def build_simulation(
     settings = chosen_settings(table, values)
     if tolerance is not None:
         settings.setdefault("tolerance", tolerance)
-    return Simulation(changed, choose(**settings), t=start_time, warn=warn, **drive)
+    loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
+    return Simulation(changed, choose(**settings), t=start_time, loads=loads, warn=warn, **drive)

@@ -3,10 +3,11 @@ documents are made."""
 
 from __future__ import annotations
 
-from ..model.machine.rotor import Rotor
-from ..model.march.observe import observed_names
+from ..model.machine.rotor import Name, Rotor
+from ..model.march.observe import observed
+from ..model.protocol.part import Port
+from ..model.quantities import ANY, Quantity
 from ..model.settings import DEFAULT_PRESET, FITTED, INDICATORS, METHODS, MODES, NORMS, PRESETS
-from ..model.structure.assembly import assemble
 from .variables import Variable
 
 AS_PRESET = "as the preset"
@@ -16,7 +17,7 @@ _MOST_MODES = 10_000
 
 def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
     """All variables of a rotor's FMU: inputs, parameters, then what the model computes in the order
-    of `observed_names`.
+    of `observe.observed`.
 
     is_free: a torque drives the rotor, and its speed is a state; otherwise the speed is prescribed.
     """
@@ -24,19 +25,6 @@ def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
 
 
 def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
-    def load(name: str, axis: str, where: str) -> Variable:
-        """An external force on a body along an axis [N]."""
-        direction = "to the right (+x)" if axis == "x" else "upwards (+y)"
-        return Variable(
-            f"{name}.f{axis}",
-            "Real",
-            "input",
-            f"external force on {where}, {direction}",
-            "N",
-            0.0,
-            nominal=10.0,
-        )
-
     drive = Variable(
         "speed",
         "Real",
@@ -57,25 +45,40 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
             0.0,
             nominal=0.1,
         )
-    table = [drive]
-    for i, disc in enumerate(rotor.discs, 1):
-        where = f"disc {i} at z = {rotor.nodes[disc.node - 1]:g} m"
-        table += [load(f"disc[{i}]", axis, where) for axis in "xy"]
-    if rotor.coupling is not None:
-        where = f"the coupling at z = {rotor.nodes[rotor.coupling.node - 1]:g} m"
-        table += [load("coupling", axis, where) for axis in "xy"]
-    return table
+    return [drive, *(load for port in ports(rotor) for load in _loads(rotor, *port))]
+
+
+def ports(rotor: Rotor) -> list[tuple[str, Port]]:
+    """Where external forces act, with their parts' names, in the order of `Structure.load_dof`."""
+    density = rotor.material.density
+    return [
+        (where, element)
+        for where, part in rotor.named_parts()
+        for element in part.elements(where, density)
+        if isinstance(element, Port)
+    ]
+
+
+def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
+    """External forces on a port along both axes [N]."""
+    where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
+    return [
+        Variable(
+            f"{name}.f{axis}",
+            "Real",
+            "input",
+            f"external force on {where}, {direction}",
+            "N",
+            0.0,
+            nominal=10.0,
+        )
+        for axis, direction in (("x", "to the right (+x)"), ("y", "upwards (+y)"))
+    ]
 
 
 def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
-    def real(name: str, unit: str, start: float, text: str, low: float | None = 0.0) -> Variable:
-        nominal = abs(start) or 1.0
-        return Variable(
-            name, "Real", "parameter", text, unit, float(start), low=low, nominal=nominal
-        )
-
     prescribed = [
-        real(
+        _real(
             "speed_rate",
             "rad/s2",
             0.0,
@@ -94,44 +97,28 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
             choices=("linear", "hold"),
         ),
     ]
-    free = [real("w_start", "rad/s", 400.0, "speed of rotation at the start", low=None)]
-    table = free if is_free else prescribed
-    for j, b in enumerate(rotor.bearings, 1):
-        table += [
-            real(f"bearing[{j}].{name}", unit, getattr(b, name), f"bearing {j}: {text}")
-            for name, unit, text in (
-                ("clearance", "m", "radial clearance"),
-                ("mu", "1", "coefficient of friction"),
-                ("k", "N/m", "contact stiffness"),
-                ("c", "N.s/m", "contact damping"),
-                ("kx", "N/m", "horizontal stiffness of the housing's springs"),
-                ("ky", "N/m", "vertical stiffness of the housing's springs"),
-                ("cx", "N.s/m", "horizontal damping of the housing"),
-                ("cy", "N.s/m", "vertical damping of the housing"),
-                ("mass", "kg", "mass of the housing"),
-            )
-        ]
-    for i, disc in enumerate(rotor.discs, 1):
-        table += [
-            real(f"disc[{i}].e", "m", disc.e, f"disc {i}: eccentricity of the centre of mass"),
-            real(
-                f"disc[{i}].phase", "rad", disc.phase, f"disc {i}: angle of the eccentricity", None
-            ),
-        ]
+    free = [_real("w_start", "rad/s", 400.0, "speed of rotation at the start", low=None)]
     return [
-        *table,
-        real("shaft.eta_v", "s", rotor.eta_v, "viscous internal damping of the shaft"),
-        real("shaft.eta_h", "1", rotor.eta_h, "hysteretic internal damping of the shaft"),
-        Variable(
-            "shaft.rotating_damping",
-            "Boolean",
-            "parameter",
-            "whether the internal damping turns with the shaft (Zorzi and Nelson)",
-            start=rotor.rotating_damping,
-        ),
-        real("gravity", "m/s2", rotor.gravity, "gravity, downwards (-y)"),
+        *(free if is_free else prescribed),
+        *(_parameter(*parameter) for parameter in rotor.parameters()),
         *_solver_parameters(),
     ]
+
+
+def _parameter(name: Name, told: Quantity, value: float | bool) -> Variable:
+    text = f"{_part_of(name)}{told.text}"
+    if told.is_switch:
+        return Variable(str(name), "Boolean", "parameter", text, start=value)
+    return _real(str(name), told.unit, float(value), text, None if told.rule is ANY else 0.0)
+
+
+def _part_of(name: Name) -> str:
+    return f"{name.kind} {name.index}: " if name.index else ""
+
+
+def _real(name: str, unit: str, start: float, text: str, low: float | None) -> Variable:
+    nominal = abs(start) or 1.0
+    return Variable(name, "Real", "parameter", text, unit, start, low=low, nominal=nominal)
 
 
 def _solver_parameters() -> list[Variable]:
@@ -198,124 +185,22 @@ def _solver_parameters() -> list[Variable]:
     ]
 
 
-# What the model computes, by the last part of the name: kind, causality, unit, nominal, text.
-_TEXTS = {
-    "phi": ("Real", "output", "rad", 100.0, "angle of rotation, integral of the speed"),
-    "w": ("Real", "local", "rad/s", 100.0, "speed of rotation reached"),
-    "a": ("Real", "local", "rad/s2", 10.0, "rate of the speed"),
-    "tau": (
-        "Real",
-        "output",
-        "N.m",
-        0.1,
-        "torque that the drive must supply to turn the rotor at its speed",
-    ),
-    "tau_load": (
-        "Real",
-        "output",
-        "N.m",
-        0.1,
-        "what friction, whirl and unbalance take of it, tau - J a: the load of a partner that "
-        "integrates the speed with the rotor's inertia J",
-    ),
-    "J": (
-        "Real",
-        "local",
-        "kg.m2",
-        0.01,
-        "moment of inertia about the axis of rotation, eccentric masses included",
-    ),
-    "disc.x": ("Real", "output", "m", 1e-4, "displacement to the right"),
-    "disc.y": ("Real", "output", "m", 1e-4, "displacement upwards, at rest below 0 by the sag"),
-    "disc.x_amp": ("Real", "local", "m", 1e-4, "largest abs(x) over the last revolution"),
-    "disc.y_amp": (
-        "Real",
-        "local",
-        "m",
-        1e-4,
-        "largest abs(y - y at rest) over the last revolution",
-    ),
-    "bearing.psi": (
-        "Real",
-        "output",
-        "rad",
-        1.0,
-        "contact angle, 0 to the right, 3 pi / 2 at the bottom",
-    ),
-    "bearing.fn": ("Real", "output", "N", 10.0, "normal contact force"),
-    "bearing.ft": ("Real", "local", "N", 1.0, "friction force that brakes the rotor"),
-    "bearing.x": ("Real", "local", "m", 1e-4, "journal relative to the housing, to the right"),
-    "bearing.y": ("Real", "local", "m", 1e-4, "journal relative to the housing, upwards"),
-    "bearing.housing_x": ("Real", "local", "m", 1e-4, "displacement of the housing to the right"),
-    "bearing.housing_y": ("Real", "local", "m", 1e-6, "displacement of the housing upwards"),
-    "bearing.contact": ("Boolean", "output", "1", None, "whether journal and housing touch"),
-    "solver.h_last": ("Real", "local", "s", 1e-3, "length of the last step"),
-    "solver.steps": ("Integer", "local", "1", None, "steps taken"),
-    "solver.rejected": ("Integer", "local", "1", None, "steps rejected and repeated"),
-    "solver.newton": ("Integer", "local", "1", None, "iterations of the contact problem"),
-    "solver.error": (
-        "Real",
-        "local",
-        "1",
-        0.1,
-        "error of the last step over the one tolerated, or as the indicator has it",
-    ),
-    "solver.h_min_used": ("Real", "local", "s", 1e-3, "shortest step length chosen"),
-    "solver.h_max_used": ("Real", "local", "s", 1e-3, "longest step length chosen"),
-    "solver.trapped": (
-        "Integer",
-        "local",
-        "1",
-        None,
-        "steps in the false state, a journal jumping from wall to wall by the integrator's doing",
-    ),
-    "solver.trapped_at": (
-        "Real",
-        "local",
-        "s",
-        1.0,
-        "time at which the false state was first seen; -1: never",
-    ),
-    "energy.kinetic": ("Real", "local", "J", 100.0, "kinetic energy, rotation included"),
-    "energy.elastic": ("Real", "local", "J", 0.01, "elastic energy of shaft and housing springs"),
-    "energy.gravity": ("Real", "local", "J", 0.01, "potential energy of gravity"),
-    "energy.compression": ("Real", "local", "J", 1e-6, "elastic energy of the contacts"),
-    "energy.drive_work": ("Real", "local", "J", 100.0, "work of the drive since the start"),
-    "energy.external_work": (
-        "Real",
-        "local",
-        "J",
-        1.0,
-        "work of the external forces since the start",
-    ),
-    "energy.structure_loss": ("Real", "local", "J", 1.0, "dissipated in the shaft since the start"),
-    "energy.housing_loss": ("Real", "local", "J", 1.0, "dissipated in the housings' dampers"),
-    "energy.contact_loss": ("Real", "local", "J", 0.1, "dissipated by the contacts' damping"),
-    "energy.friction_loss": ("Real", "local", "J", 100.0, "dissipated by friction"),
-    "energy.residual": (
-        "Real",
-        "local",
-        "J",
-        0.1,
-        "energy that the integrator made (or, negative, lost)",
-    ),
-}
-
-
 # Outputs only where they are states or follow from an input.
 _OUTPUTS_IF_FREE = ("w", "a")
 
 
 def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
     table = []
-    for name in observed_names(assemble(rotor)):
-        part, _, quantity = name.rpartition(".")
-        kind_of_part, _, index = part.rstrip("]").partition("[")
-        kind, causality, unit, nominal, text = _TEXTS[
-            f"{kind_of_part}.{quantity}" if part else name
-        ]
-        if is_free and name in _OUTPUTS_IF_FREE:
-            causality = "output"
-        where = f"{kind_of_part} {index}: " if index else ""
-        table.append(Variable(name, kind, causality, where + text, unit, nominal=nominal))
+    for name, output in observed(rotor):
+        is_output = output.is_output or (is_free and str(name) in _OUTPUTS_IF_FREE)
+        table.append(
+            Variable(
+                str(name),
+                output.kind,
+                "output" if is_output else "local",
+                f"{_part_of(name)}{output.text}",
+                output.unit,
+                nominal=output.nominal,
+            )
+        )
     return table

@@ -25,12 +25,12 @@ from pythonfmu.enums import Fmi2Status
 
 from ..about import RELEASED, __version__
 from ..model.kernels.compiled import has_to_compile
-from ..model.machine.rotor import Rotor, RotorError
+from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
-from ..model.march import calls
+from ..model.march import entries
+from ..model.quantities import QuantityError
 from ..model.settings import Settings, SettingsError
-from ..model.simulation import Simulation, StepFailure
-from ..model.structure.equilibrium import EquilibriumError
+from ..model.simulation import EquilibriumError, Simulation, StepFailure
 from .binding import build_simulation, load_names
 from .description import complete, guid
 from .interface import interface
@@ -54,7 +54,7 @@ class FmuError(RuntimeError):
 
 
 # Errors whose message says all; of any other the kind is named too.
-_PLAIN = (FmuError, RotorError, SettingsError, EquilibriumError, StepFailure, StateError)
+_PLAIN = (FmuError, QuantityError, SettingsError, EquilibriumError, StepFailure, StateError)
 INTERRUPTED = "interrupted by the user"
 COMPILING = "compiling the solver, once on this machine: about half a minute"
 
@@ -233,7 +233,7 @@ class RotorBearing(Fmi2Slave):
             "is_built": simulation is not None,
             "failure": self._failure,
         }
-        return pack(str(self.guid), about, simulation.snapshot() if simulation else ())
+        return pack(str(self.guid), about, [simulation.snapshot()] if simulation else ())
 
     def _set_fmu_state(self, state: bytes) -> None:
         self._guard(self._restore, state)
@@ -265,7 +265,7 @@ class RotorBearing(Fmi2Slave):
             return
         if self._simulation is None or not is_same:
             self._simulation = self._build()
-        self._simulation.restore_bytes(chunks)
+        self._simulation.restore(chunks[0])
 
     # --- values ------------------------------------------------------------------------------
 
@@ -328,7 +328,7 @@ class RotorBearing(Fmi2Slave):
         self._is_stale = False
 
     def _build(self) -> Simulation:
-        if COMPILING not in _said and has_to_compile(calls.advance):
+        if COMPILING not in _said and has_to_compile(entries.advance):
             _said.add(COMPILING)
             self.log(self._say("note", COMPILING), Fmi2Status.ok)
         values = dict(zip(self._face.index, self._values, strict=True))

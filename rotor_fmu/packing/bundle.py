@@ -32,7 +32,7 @@ def build(out: Path, rotor_toml: str | None = None, is_free: bool = False) -> Pa
     """Build `RotorBearing.fmu`, or `RotorBearingFree.fmu` where a torque is to drive the rotor, in
     the folder `out` and return its path.
 
-    rotor_toml: TOML text of the rotor, by default the paper's rig. Raises `RotorError` for an
+    rotor_toml: TOML text of the rotor, by default the paper's rig. Raises `QuantityError` for an
     impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
     """
     toml = rig_toml() if rotor_toml is None else rotor_toml

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import io
 from collections.abc import Sequence
 from importlib.metadata import distribution
 from importlib.resources import files
@@ -11,13 +10,10 @@ from pathlib import Path
 from string import Template
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
-
 from ..about import __version__
 from ..fmu.variables import Variable
-from ..model.machine.rotor import Disc, Rotor
+from ..model.machine.rotor import Rotor
+from .machine_picture import machine_picture
 from .related_files import related_files
 from .variable_table import rows
 
@@ -43,7 +39,7 @@ _DRIVES = {
 
 def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, bytes]:
     """Files of the FMU called `name`, by their path in it."""
-    picture = model_picture(rotor)
+    picture = machine_picture(rotor)
     related = related_files(rotor, name)
     pages = files(__package__).joinpath("pages")
     return {
@@ -119,40 +115,3 @@ def _member(terminal: Element, member: str, variable: str) -> None:
         variableName=variable,
         variableKind="signal",
     )
-
-
-def model_picture(rotor: Rotor) -> bytes:
-    """The rotor to scale as a PNG, for the importing tool's icon."""
-    figure = Figure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    axes.set_axis_off()
-    axes.set_aspect("equal")
-
-    def block(left: float, width: float, height: float, color: str, line: str = "black") -> None:
-        axes.add_patch(
-            Rectangle((left, -height / 2), width, height, facecolor=color, edgecolor=line, lw=1.0)
-        )
-
-    for i, diameter in enumerate(rotor.diameters):
-        block(rotor.nodes[i], rotor.nodes[i + 1] - rotor.nodes[i], diameter, "#bbbbbb")
-    bodies: list[Disc] = [*rotor.discs, *([rotor.coupling] if rotor.coupling else [])]
-    for body in bodies:
-        block(rotor.nodes[body.node - 1] - body.width / 2, body.width, body.diameter, "#56b4e9")
-    tallest = max(body.diameter for body in bodies)
-    for bearing in rotor.bearings:
-        z, width = rotor.nodes[bearing.node - 1], 0.06 * rotor.length
-        for side in (1, -1):
-            low = side * (bearing.journal_radius + 0.01 * rotor.length)
-            height = side * 0.12 * tallest
-            axes.add_patch(
-                Rectangle(
-                    (z - width / 2, low), width, height, facecolor="#e69f00", edgecolor="black"
-                )
-            )
-        axes.plot([z, z], [-0.5 * tallest, -0.24 * tallest], color="black", lw=1.0, ls=(0, (2, 1)))
-        axes.plot([z - width, z + width], [-0.5 * tallest] * 2, color="black", lw=2.0)
-    axes.autoscale_view()
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", metadata={"Software": None})
-    return buffer.getvalue()

@@ -16,10 +16,11 @@ from ..errors import InputError, read_text
 from ..fmu.binding import build_simulation, chosen_settings
 from ..fmu.interface import interface
 from ..fmu.variables import Variable
-from ..model.machine.rotor import Rotor, RotorError
+from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
+from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings, choose
-from ..model.structure.equilibrium import EquilibriumError
+from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
 from .run_down import Plan, Run, run_direct, run_fmu
 from .signals import make_signals, read_signals
@@ -32,7 +33,7 @@ def load_rotor(path: Path | None) -> tuple[str, Rotor]:
     text = rig_toml() if path is None else read_text("--rotor", path)
     try:
         return text, parse_rotor(text)
-    except RotorError as error:
+    except QuantityError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error
 
 

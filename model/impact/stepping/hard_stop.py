@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...kernels.compiled import compiled
-from ...step.contact_problem import solve_dense
+from ...step.interface_problem import solve_dense
 from .contacts import Contacts
 from .round_stop import hold_on_circle, push_inside
 from .stepper import FreeStep
