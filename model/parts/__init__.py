@@ -1,4 +1,4 @@
-"""One file a part. A new kind of part is a file here and its name in `PARTS`."""
+"""One file a part. A new kind of part is a file here and the line that imports it."""
 
 from ..protocol.law import Law
 from ..protocol.part import Part
@@ -10,16 +10,12 @@ from .port import Port
 from .support import Support
 from .unbalance import Unbalance
 
-PARTS: tuple[type[Part], ...] = (
-    Bearing,
-    Disc,
-    Coupling,
-    Support,
-    Housing,
-    ClearanceContact,
-    Unbalance,
-    Port,
-)
-
+_KINDS = [
+    kind
+    for kind in list(vars().values())
+    if isinstance(kind, type) and issubclass(kind, Part) and kind is not Part
+]
+# Every kind of part that is imported above, in that order, those of which a machine has one last.
+PARTS: tuple[type[Part], ...] = tuple(sorted(_KINDS, key=lambda kind: kind.IS_SINGLE))
 # The force laws of these parts, each once; a law's place here is its code in the kernels.
 LAWS: tuple[Law, ...] = tuple({part.LAW.name: part.LAW for part in PARTS if part.LAW}.values())

@@ -6,7 +6,7 @@ import uuid
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from .variables import UNITS, Variable
+from .variables import Variable, unit
 
 _ORDER = (
     "CoSimulation",
@@ -42,10 +42,10 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
 def _describe(element: Element, variable: Variable) -> None:
     value = element[0]
     if variable.kind == "Real":
-        unit = UNITS[variable.unit]
-        value.set("unit", unit.name)
-        if unit.display:
-            value.set("displayUnit", unit.display[0])
+        shown = unit(variable.unit)
+        value.set("unit", shown.name)
+        if shown.display:
+            value.set("displayUnit", shown.display[0])
         if variable.nominal is not None:
             value.set("nominal", repr(variable.nominal))
     if variable.kind != "Boolean":
@@ -55,15 +55,12 @@ def _describe(element: Element, variable: Variable) -> None:
 
 
 def _unit_definitions(table: Sequence[Variable]) -> Element:
-    used = {v.unit for v in table if v.kind == "Real"}
     definitions = Element("UnitDefinitions")
-    for unit in UNITS.values():
-        if unit.name not in used:
-            continue
-        node = SubElement(definitions, "Unit", name=unit.name)
-        SubElement(node, "BaseUnit", {base: str(exponent) for base, exponent in unit.base.items()})
-        if unit.display:
-            name, factor = unit.display
+    for used in map(unit, dict.fromkeys(v.unit for v in table if v.kind == "Real")):
+        node = SubElement(definitions, "Unit", name=used.name)
+        SubElement(node, "BaseUnit", {base: str(exponent) for base, exponent in used.base.items()})
+        if used.display:
+            name, factor = used.display
             SubElement(node, "DisplayUnit", name=name, factor=repr(factor))
     return definitions
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 
 
 @dataclass(frozen=True)
@@ -15,35 +16,42 @@ class Unit:
     display: tuple[str, float] | None = None
 
 
-UNITS = {
-    unit.name: unit
-    for unit in (
-        Unit("m", {"m": 1}, ("um", 1e6)),
-        Unit("rad", {"rad": 1}, ("deg", 180 / math.pi)),
-        Unit("rad/s", {"rad": 1, "s": -1}, ("rpm", 30 / math.pi)),
-        Unit("rad/s2", {"rad": 1, "s": -2}),
-        Unit("s", {"s": 1}),
-        Unit("kg", {"kg": 1}),
-        Unit("N", {"kg": 1, "m": 1, "s": -2}),
-        Unit("N.m", {"kg": 1, "m": 2, "s": -2}),
-        Unit("N.m/rad", {"kg": 1, "m": 2, "s": -2, "rad": -1}),
-        Unit("N.m.s/rad", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
-        Unit("kg.m2", {"kg": 1, "m": 2}),
-        Unit("N/m", {"kg": 1, "s": -2}),
-        Unit("N.s/m", {"kg": 1, "s": -1}),
-        Unit("J", {"kg": 1, "m": 2, "s": -2}),
-        Unit("m/s2", {"m": 1, "s": -2}),
-        Unit("1", {}),
-    )
+_BASE = {"kg": {"kg": 1}, "m": {"m": 1}, "s": {"s": 1}, "rad": {"rad": 1}, "A": {"A": 1}, "1": {}}
+_DERIVED = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
 }
+_SHOWN = {
+    "m": ("um", 1e6),
+    "rad": ("deg", 180 / math.pi),
+    "rad/s": ("rpm", 30 / math.pi),
+}
+
+
+@cache
+def unit(name: str) -> Unit:
+    """The unit that is spelled so: SI units with exponents, `.` between factors, one `/` before
+    those that divide: `N.m.s/rad`, `kg/m3`. Raises `KeyError` for another name."""
+    known = _BASE | _DERIVED
+    base: dict[str, int] = {}
+    for side, factors in zip((1, -1), name.split("/"), strict=False):
+        for factor in factors.split("."):
+            word = factor if factor == "1" else factor.rstrip("0123456789")
+            power = side * int(factor[len(word) :] or 1)
+            for of, exponent in known[word].items():
+                base[of] = base.get(of, 0) + power * exponent
+    ordered = {of: base[of] for of in _BASE if base.get(of)}
+    return Unit(name, ordered, _SHOWN.get(name))
 
 
 @dataclass(frozen=True)
 class Variable:
     """One variable of the FMU.
 
-    kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a key of
-    `UNITS` (Reals); choices: the names of an Integer's values, from 0; unset: the start value of a
+    kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a name that
+    `unit` reads (Reals); choices: the names of an Integer's values, from 0; unset: the start value of a
     solver parameter that leaves it to the preset.
     """
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from ..fmu.variables import UNITS, Variable
+from ..fmu.variables import Variable, unit
 
 _HEAD = ("variable", "causality", "unit", "start", "what it is")
 
@@ -34,7 +34,7 @@ def markdown(table: Sequence[Variable]) -> str:
 def _unit(variable: Variable) -> str:
     if variable.kind != "Real":
         return variable.kind
-    display = UNITS[variable.unit].display
+    display = unit(variable.unit).display
     return f"{variable.unit} ({display[0]})" if display else variable.unit
 
 

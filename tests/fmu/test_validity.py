@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig, rig_toml
 
 from rotor_fmu.fmu.interface import interface
-from rotor_fmu.fmu.variables import UNITS
+from rotor_fmu.fmu.variables import unit
 from rotor_fmu.packing.bundle import build, is_current
 
 
@@ -55,7 +55,7 @@ def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):
     assert {v.unit for v in description.modelVariables if v.unit} <= set(defined)
     shown = {name: u.displayUnits[0].name for name, u in defined.items() if u.displayUnits}
     assert shown == {"m": "um", "rad": "deg", "rad/s": "rpm"}
-    assert defined["rad/s"].displayUnits[0].factor == pytest.approx(UNITS["rad/s"].display[1])
+    assert defined["rad/s"].displayUnits[0].factor == pytest.approx(unit("rad/s").display[1])
     torque = defined["N.m"].baseUnit
     assert (torque.kg, torque.m, torque.s) == (1, 2, -2)
 

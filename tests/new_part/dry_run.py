@@ -1,0 +1,79 @@
+"""What `test_new_part` runs in a copy of the package that knows one part more."""
+
+import json
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.cubic_spring import CUBIC
+from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.packing.bundle import build
+
+TOML = Path(sys.argv[1]).read_text()
+OUT = Path(sys.argv[2])
+SPEED, DURATION = 180.0, 0.02
+
+
+def refusal(text):
+    try:
+        parse_rotor(text)
+    except QuantityError as error:
+        return str(error)
+    return ""
+
+
+def run(steps):
+    """Displacement at the end [m], residual of the ledger and what was dissipated [J]."""
+    settings = choose("robust", method="newmark", h=DURATION / steps)
+    sim = Simulation(parse_rotor(TOML), settings, speed=SPEED, warn=lambda message: None)
+    sim.advance(DURATION, SPEED)
+    x = sim.read("disc[1].x") + 1j * sim.read("disc[1].y")
+    losses = [sim.read(f"energy.{name}_loss") for name in ("structure", "housing", "cubic")]
+    return x, sim.read("energy.residual"), sum(losses), sim.read("energy.cubic")
+
+
+def derivative(record, d, d_dot, dz, by_d, by_v, size=1e-9):
+    """Central difference of the force along by_d dz, by_v dz."""
+    ends = [
+        CUBIC.force(record, d + side * size * by_d * dz, d_dot + side * size * by_v * dz, 0, 0, ())
+        for side in (1, -1)
+    ]
+    return (ends[0] - ends[1]) / (2 * size)
+
+
+record = np.array([(4e12, 25.0)], CUBIC.dtype).view(np.recarray)[0]
+d, d_dot, dz = 3e-4 - 2e-4j, 0.1 + 0.3j, 0.6 + 0.8j
+_, p, q = CUBIC.tangent(record, d, d_dot, 0.0, 0.0, 1.0, 0.02, 0.0, (), ())
+linear = derivative(record, d, d_dot, dz, 1.0, 0.02)
+runs = [run(steps) for steps in (40, 80, 160)]
+table = {v.name: [v.causality, v.unit, v.text] for v in interface(parse_rotor(TOML))}
+fmu = build(OUT, TOML)
+folder = fmpy.extract(str(fmu), unzipdir=str(OUT / "unzipped"))
+result = fmpy.simulate_fmu(
+    str(fmu),
+    stop_time=0.008,
+    output_interval=0.004,
+    start_values={"speed": SPEED, "cubic_spring[1].drag": 50.0},
+    output=["cubic_spring[1].pull", "energy.cubic"],
+)
+seen = {
+    "tangent": abs(p * dz + q * dz.conjugate() - linear) / abs(linear),
+    "x": [abs(b[0] - a[0]) for a, b in pairwise(runs)],
+    "residual": [abs(r[1]) for r in runs],
+    "loss": runs[-1][2],
+    "stored": runs[-1][3],
+    "table": table,
+    "misspelt": refusal(TOML.replace("cubic = ", "cubik = ")),
+    "impossible": refusal(TOML.replace("4e12", "-4e12")),
+    "page": (Path(folder) / "documentation" / "index.html").read_text(),
+    "pull": result["cubic_spring[1].pull"].tolist(),
+    "energy": result["energy.cubic"].tolist(),
+}
+print(json.dumps(seen))

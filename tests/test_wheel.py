@@ -1,0 +1,81 @@
+"""The wheel holds all of the project under one name, and runs wherever it is unpacked."""
+
+import os
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def folders(root, name):
+    """Packages below a folder of the repository that is installed as `name`."""
+    inits = [file.parent.relative_to(root) for file in root.rglob("__init__.py")]
+    return {".".join((name, *folder.parts)) for folder in inits}
+
+
+def test_every_folder_of_modules_is_packed():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
+    there = folders(ROOT / "rotor_fmu", "rotor_fmu") | folders(ROOT / "model", "rotor_fmu.model")
+    assert set(settings["packages"]) == there | {"rotor_fmu.examples"}
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel, unpacked where nothing else of the project is."""
+    folder = tmp_path_factory.mktemp("wheel")
+    source = folder / "source"
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for name in listed.stdout.split("\0"):
+        if name and (ROOT / name).is_file() and not name.startswith(("docs/", "tests/")):
+            target = source / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes((ROOT / name).read_bytes())
+    command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    done = subprocess.run(
+        [*command, "--wheel-dir", folder, source], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    (built,) = folder.glob("*.whl")
+    unpacked = folder / "unpacked"
+    zipfile.ZipFile(built).extractall(unpacked)
+    return unpacked
+
+
+def test_it_has_one_name_at_the_top(wheel):
+    names = {entry.name for entry in wheel.iterdir() if not entry.name.endswith(".dist-info")}
+    assert names == {"rotor_fmu"}
+
+
+def test_a_model_of_the_users_beside_a_script_is_not_met(wheel, tmp_path):
+    (tmp_path / "model.py").write_text("GAIN = 7.0\n")
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import model, rotor_fmu, rotor_fmu.cli\n"
+        "from pathlib import Path\n"
+        "from rotor_fmu.model.machine.toml import rig\n"
+        "from rotor_fmu.packing.bundle import build\n"
+        "assert model.GAIN == 7.0\n"
+        "assert Path(rotor_fmu.__file__).parents[1] == Path(r'" + str(wheel) + "')\n"
+        "print(len(rig().bearings), build(Path('fmu')).name)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, script],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(wheel)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == ["2", "RotorBearing.fmu"]
