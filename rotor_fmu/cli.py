@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from . import figures
 from .drive_train.command import drive_train
 from .errors import RunFailed, run, writable_folder
 from .fmu.interface import interface
@@ -17,6 +16,7 @@ from .model.settings import PRESETS
 from .packing.bundle import build
 from .packing.variable_table import markdown
 from .packing.warm import warm
+from .runs.figures import write_run_down
 from .runs.host_env import host_environment
 from .runs.job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
 from .runs.reproduce import reproduce
@@ -70,7 +70,7 @@ def run_down(
     result = execute(job, fmu, f"run-down, {name}")
     report = summary(result)
     write_csv(result, out / "run_down.csv")
-    figures.write_run_down(result, report, name, job.settings.mode == "adaptive", out)
+    write_run_down(result, report, name, job.settings.mode == "adaptive", out)
     write_json(report, out / "summary.json")
     for key, value in report.items():
         if key != "messages":

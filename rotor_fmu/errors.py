@@ -13,7 +13,6 @@ from .model.quantities import QuantityError
 from .model.schemes.family import SchemeError
 from .model.settings import SettingsError
 from .model.simulation import EquilibriumError
-from .runs.signals import SignalError
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -28,7 +27,6 @@ class RunFailed(RuntimeError):
 
 _BAD_INPUTS = (
     InputError,
-    SignalError,
     QuantityError,
     SettingsError,
     SchemeError,

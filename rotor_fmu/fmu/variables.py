@@ -51,8 +51,8 @@ class Variable:
     """One variable of the FMU.
 
     kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a name that
-    `unit` reads (Reals); choices: the names of an Integer's values, from 0; unset: the start value of a
-    solver parameter that leaves it to the preset.
+    `unit` reads (Reals); choices: the names of an Integer's values, from 0; unset: the start value
+    of a solver parameter that leaves it to the preset.
     """
 
     name: str

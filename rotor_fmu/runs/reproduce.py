@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from .. import figures
+from ..figures import save
 from ..model.machine.toml import rig_toml
 from ..packing.bundle import package_name
+from . import figures
 from .job import Job, execute, fmu_in, prepare, write_json
 from .run_down import Run, summary
 
@@ -204,7 +205,7 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
             "Converged run: orbit at the horizontal peak",
         ),
     }
-    return [figures.save(figure, out / f"{name}.png") for name, figure in pictures.items()]
+    return [save(figure, out / f"{name}.png") for name, figure in pictures.items()]
 
 
 def table(results: list[Result]) -> str:

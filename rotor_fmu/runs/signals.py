@@ -11,16 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import InputError
 from ..fmu.variables import Variable
 
 # Paper A's run-down: 400 - 10 t rad/s, over 40 s.
 RUN_DOWN_SPEED = 400.0
 RUN_DOWN_RATE = -10.0
 RUN_DOWN_STOP = 40.0
-
-
-class SignalError(ValueError):
-    """Signals that cannot be used; names the file, the row, the value and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +84,7 @@ def make_signals(
 def read_signals(path: Path, table: Sequence[Variable]) -> Signals:
     """Read a CSV file: a header `time` [s] and names of inputs (SI units), then rows of numbers.
 
-    Raises `SignalError` in one line for an unknown column, a gap, a value that is not a finite
+    Raises `InputError` in one line for an unknown column, a gap, a value that is not a finite
     number, or a time that does not increase.
     """
     inputs = [variable.name for variable in table if variable.causality == "input"]
@@ -95,26 +92,26 @@ def read_signals(path: Path, table: Sequence[Variable]) -> Signals:
         with path.open(newline="", encoding="utf-8-sig") as file:
             rows = [row for row in csv.reader(file) if row]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise SignalError(f"{path}: cannot be read: {error}") from error
+        raise InputError(f"{path}: cannot be read: {error}") from error
     if not rows:
-        raise SignalError(f"{path}: is empty; a header line with `time` is needed")
+        raise InputError(f"{path}: is empty; a header line with `time` is needed")
     header = [name.strip() for name in rows[0]]
     for name in header:
         if name != "time" and name not in inputs:
-            raise SignalError(
+            raise InputError(
                 f"{path}: column {name!r} is unknown; known are time, {', '.join(inputs)}"
             )
         if header.count(name) > 1:
-            raise SignalError(f"{path}: column {name!r} is given twice")
+            raise InputError(f"{path}: column {name!r} is given twice")
     if "time" not in header:
-        raise SignalError(f"{path}: column 'time' is missing")
+        raise InputError(f"{path}: column 'time' is missing")
     if len(rows) < 2:
-        raise SignalError(f"{path}: has no rows after its header")
+        raise InputError(f"{path}: has no rows after its header")
     data = np.array([_numbers(path, line, row, header) for line, row in enumerate(rows[1:], 2)])
     t = data[:, header.index("time")]
     for line, (before, after) in enumerate(pairwise(t), 3):
         if not after > before:
-            raise SignalError(
+            raise InputError(
                 f"{path}, line {line}: time = {after:g} s after {before:g} s: must increase"
             )
     return Signals(t, {name: data[:, i] for i, name in enumerate(header) if name != "time"})
@@ -122,7 +119,7 @@ def read_signals(path: Path, table: Sequence[Variable]) -> Signals:
 
 def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:
     if len(row) != len(header):
-        raise SignalError(f"{path}, line {line}: {len(row)} values, {len(header)} are needed")
+        raise InputError(f"{path}, line {line}: {len(row)} values, {len(header)} are needed")
     numbers = []
     for name, text in zip(header, row, strict=True):
         try:
@@ -131,6 +128,6 @@ def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[f
             number = math.nan
         if not math.isfinite(number):
             shown = text.strip() or "(nothing)"
-            raise SignalError(f"{path}, line {line}: {name} = {shown}: must be a finite number")
+            raise InputError(f"{path}, line {line}: {name} = {shown}: must be a finite number")
         numbers.append(number)
     return numbers
