@@ -84,3 +84,11 @@ def compiled(function: Callable, is_kept: bool = True) -> Callable:
         return numba.njit(cache=True, **_OPTIONS)(function)
     finally:
         numba.config.CACHE_DIR = before
+
+
+def inlined(function: Callable) -> Callable:
+    """`compiled`, for a large function with one caller or two: its body becomes part of theirs
+    before anything is compiled, so that it is not compiled for itself as well."""
+    if numba is None:
+        return function
+    return numba.njit(inline="always", **_OPTIONS)(function)

@@ -9,7 +9,7 @@ meanwhile, so that there is no friction.
 
 from __future__ import annotations
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import inlined
 from ..schemes.family import Scheme
 from ..step.excitation import resting
 from ..step.fitting import unfitted
@@ -25,7 +25,7 @@ _FALLS = 12  # steps that fail
 _STEADY = 1e-9  # a change that no longer shrinks and is below this is rounding too
 
 
-@compiled
+@inlined
 def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
     """Fill motion.q with the displacements at rest at the speed omega [rad/s] under memory.loads,
     starting from those that are there; returns HELD or why not."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import compiled, inlined
 from ..step.fitting import fitted, unfitted
 from ..step.step import accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
@@ -22,7 +22,7 @@ DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 
 
-@compiled
+@inlined
 def _commit(h, structure, motion, trial, memory, work, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
@@ -101,7 +101,7 @@ def _imbalance(structure, record, torque):
     return (r.drive - torque) / structure.numbers[0].inertia if r.is_free == 1 else 0.0
 
 
-@compiled
+@inlined
 def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, problem):
     """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
     rotor's torques balance at its end. Fills work.powers.
@@ -150,7 +150,7 @@ def _rescale(record, h, motion):
     r.h_carried = h
 
 
-@compiled
+@inlined
 def _march(structure, scheme, control, t_end, motion, trial, memory, work, problem):
     """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
@@ -199,7 +199,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
     return DONE
 
 
-@compiled
+@inlined
 def advance(structure, scheme, control, t_end, drive, motion, trial, memory, work, problem):
     """March to t_end [s]; returns DONE or why not.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import compiled, inlined
 from ..machine.rotor import Name, Rotor, spelled
 from ..parts import LAWS
 from ..protocol.law import losses_of, stores_of
@@ -149,7 +149,7 @@ def observe(structure, motion, memory, work, out):
     _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
 
 
-@compiled
+@inlined
 def _observe_parts(structure, motion, memory, out):
     peaks = memory.peaks
     n = structure.M.shape[0]
@@ -180,7 +180,7 @@ def _observe_parts(structure, motion, memory, out):
         )
 
 
-@compiled
+@inlined
 def _observe_energies(structure, motion, memory, work, out):
     r = memory.record[0]
     now = spin_of(r.omega, r.alpha, r.theta)
