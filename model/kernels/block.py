@@ -136,7 +136,7 @@ class Layout:
         lines.append(f"    return run({', '.join(group.name for group in self.groups)})")
         exec("def view(block):\n" + "\n".join(lines), scope)
         view: Callable[[Any], Any] = scope["view"]
-        return compiled(view, is_kept=False) if is_compiled else view
+        return compiled(view, to_keep=False) if is_compiled else view
 
 
 def _padded(size: int) -> int:

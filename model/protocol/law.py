@@ -115,7 +115,7 @@ def _link(code: int, function: Callable, rest: Callable | None) -> Callable:
                 return function(laws[code][interface.row], *arguments)
             return rest(laws, interface, *arguments)
 
-    return compiled(call, is_kept=False)
+    return compiled(call, to_keep=False)
 
 
 def dispatcher(functions: Sequence[Callable]) -> Callable:

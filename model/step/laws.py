@@ -24,7 +24,7 @@ def _storing(law: Law) -> Callable:
     def add(part, d, out):
         out[place] += energy(part, d)
 
-    return compiled(add, is_kept=False)
+    return compiled(add, to_keep=False)
 
 
 def _dissipating(law: Law) -> Callable:
@@ -38,7 +38,7 @@ def _dissipating(law: Law) -> Callable:
             out[places[i]] += scratch[i]
         return torque
 
-    return compiled(add, is_kept=False)
+    return compiled(add, to_keep=False)
 
 
 law_force = dispatcher([law.force for law in LAWS])

@@ -1,17 +1,16 @@
-"""The script that an FMU's wrapper runs: makes the FMU's package importable, and imports the slave.
+"""The script that an FMU's wrapper runs: imports the FMU's package, and the slave from it.
 
 In the FMU this file is called <package>_entry.py, or <package>_free_entry.py where a torque drives
-the rotor. The package, whose name follows its content, is
-imported from a copy in the user's cache: so the compiled code of its first run is found again, two
-builds in one process do not meet, and the extraction folder may be deleted.
+the rotor. The package is imported from where it lies and from nowhere else, all of it at once, so
+that the extraction folder may be deleted. Its name follows its content: two builds in one process
+do not meet.
 """
 
 import ctypes
 import importlib
-import runpy
-import shutil
+import importlib.util
+import os
 import sys
-import tempfile
 from pathlib import Path
 
 # For each instance the wrapper runs this script and then drops a reference to the module's globals
@@ -31,28 +30,23 @@ RESOURCES = Path(__file__).resolve().parent
 PACKAGE = Path(__file__).stem.removesuffix("_entry").removesuffix("_free")
 
 
-def _installed(package: Path) -> Path:
-    """Folder to import from: the user's copy of `package`, or where it lies if none can be made."""
-    cache = runpy.run_path(str(package / "model" / "kernels" / "user_cache.py"))["user_cache"]()
-    folder = cache / "packages" / package.name
-    sources = [path for path in package.rglob("*") if path.suffix in (".py", ".toml")]
-    copies = {source: folder / package.name / source.relative_to(package) for source in sources}
-    if all(c.is_file() and c.read_bytes() == s.read_bytes() for s, c in copies.items()):
-        return folder
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        fresh = Path(tempfile.mkdtemp(dir=folder.parent))
-        shutil.copytree(package, fresh / package.name, ignore=shutil.ignore_patterns("__pycache__"))
-        shutil.rmtree(folder, ignore_errors=True)
-        fresh.rename(folder)
-    except OSError:
-        # another process was first, or nothing can be written here
-        if not all(c.is_file() and c.read_bytes() == s.read_bytes() for s, c in copies.items()):
-            return package.parent
-    return folder
+SLAVE = f"{PACKAGE}.fmu.slave"
 
 
-if PACKAGE not in sys.modules:
+def _import_package(folder: Path) -> None:
+    """Import the package in `folder` without a look at `sys.path`, and tell it where the user wants
+    compiled code to be kept."""
+    spec = importlib.util.spec_from_file_location(
+        PACKAGE, folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
+    sys.modules[PACKAGE] = package = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(package)
+    cache = os.environ.get("ROTOR_FMU_CACHE")
+    if cache:
+        importlib.import_module(f"{PACKAGE}.model.kernels.user_cache").keep_in(Path(cache))
+
+
+if SLAVE not in sys.modules:
     for needed in ("numpy", "scipy"):
         try:
             importlib.import_module(needed)
@@ -63,10 +57,14 @@ if PACKAGE not in sys.modules:
             ).replace("%", " percent")
             print(f"RotorBearing: error: {message}", file=sys.stderr, flush=True)
             raise Missing(message) from error
-    sys.path.insert(0, str(_installed(RESOURCES / PACKAGE)))
-    try:
-        importlib.import_module(f"{PACKAGE}.fmu.slave")
-    finally:
-        sys.path.pop(0)
+    # a package that is there without its slave was imported from a folder that is gone
+    if PACKAGE not in sys.modules or not Path(sys.modules[PACKAGE].__file__).is_file():
+        _import_package(RESOURCES / PACKAGE)
 
-RotorBearing = sys.modules[f"{PACKAGE}.fmu.slave"].RotorBearing
+# The wrapper puts the resources on the search path for each instance anew. Of the folders with this
+# script one is left, which pythonfmu takes away when it builds.
+here = Path(__file__).parent
+others = [entry for entry in sys.path if not Path(entry, Path(__file__).name).is_file()]
+sys.path[:] = [str(here), *(entry for entry in others if entry != str(here))]
+
+RotorBearing = importlib.import_module(SLAVE).RotorBearing
