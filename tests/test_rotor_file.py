@@ -3,9 +3,12 @@
 import math
 import random
 import re
+from dataclasses import replace
 
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
+from rotor_fmu.model.parts.disc import Disc
+from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.quantities import QuantityError
 
 TEXT = rig_toml()
@@ -36,10 +39,10 @@ def test_the_rig_is_that_of_the_paper():
     for bearing in rotor.bearings:
         assert (bearing.kx, bearing.ky, bearing.mu, bearing.mass) == (5e5, 4.5e8, 0.05, 0.2)
     # a steel cylinder of 120 mm by 20 mm
-    assert rotor.discs[0].mass(rotor.material.density) == pytest.approx(7800 * math.pi * 0.06**2 * 0.02)
-    assert rotor.discs[0].polar_inertia(rotor.material.density) == pytest.approx(
-        rotor.discs[0].mass(rotor.material.density) * 0.06**2 / 2
-    )
+    mass = rotor.discs[0].mass(rotor.material.density)
+    assert mass == pytest.approx(7800 * math.pi * 0.06**2 * 0.02)
+    inertia = rotor.discs[0].polar_inertia(rotor.material.density)
+    assert inertia == pytest.approx(mass * 0.06**2 / 2)
     assert not rotor.rotating_damping
 
 
@@ -51,7 +54,11 @@ WRONG = [
     (r"clearance = 50e-6", "", ["bearing[1].clearance is missing"]),
     (r"width = 0.029", "", ["coupling.width is missing"]),
     (r"\[material\]\nyoung.*\ndensity.*\npoisson.*", "", ["[material] is missing"]),
-    (r"clearance = 50e-6", "clearence = 50e-6", ["bearing[1].clearence: unknown key; did you mean clearance?"]),
+    (
+        r"clearance = 50e-6",
+        "clearence = 50e-6",
+        ["clearence: unknown key; did you mean clearance?"],
+    ),
     (r"eta_v", "eta_V", ["shaft.eta_V: unknown key; did you mean eta_v?"]),
     (r"gravity", "grav", ["grav: unknown key; did you mean gravity?"]),
     (r"\[coupling\]", "[clutch]", ["clutch: unknown key", "coupling"]),
@@ -128,7 +135,7 @@ WRONG_PARTS = [
     ("[[port]]\nnode = 9", ["port[1].node = 9", "from 1 to 8"]),
     ("[[unbalance]]\nnode = 2\namount = -1e-4", ["unbalance[1].amount = -0.0001 kg.m", ">= 0"]),
     (
-        "[[contact]]\nnode = 5\nhousing = \"bearing[3]\"\njournal_radius = 1e-2\n"
+        '[[contact]]\nnode = 5\nhousing = "bearing[3]"\njournal_radius = 1e-2\n'
         "clearance = 1e-4\nk = 1e8\nmu = 0.1",
         ["contact[1].housing = 'bearing[3]'", "bearing[1], bearing[2]", "did you mean bearing["],
     ),
@@ -141,6 +148,14 @@ def test_a_wrong_part_is_refused_in_one_line_that_names_it(part, named):
     assert "\n" not in message
     for words in named:
         assert words in message
+
+
+def test_parts_are_replaced_where_they_stand_so_that_the_others_keep_their_order():
+    still = [replace(disc, e=0.0) for disc in rig().discs]
+    kinds = [type(part) for part in rig().parts]
+    assert [type(part) for part in rig().with_parts(Disc, *still).parts] == kinds
+    assert rig().with_parts(Disc, *still).discs == tuple(still)
+    assert rig().with_parts(Support, Support(5, 1e5)).parts[:-1] == rig().parts
 
 
 def test_any_number_of_parts_may_stand_at_one_node():
