@@ -68,7 +68,7 @@ def test_the_bearings_carry_the_weight_also(case):
     middle = replace(FIRST, node=node, clearance=clearance)
     rotor = RIG.with_parts(Bearing, FIRST, middle, LAST)
     up = reactions(rotor)
-    assert up.sum() == pytest.approx(total_weight(rotor), rel=1e-9)
+    assert up.sum() == pytest.approx(total_weight(rotor), rel=1e-8)
     if case == "with a bearing amid that carries nothing":
         np.testing.assert_allclose(up[[0, 2]], reactions(RIG), rtol=1e-7)
         assert up[1] == 0
@@ -110,7 +110,7 @@ def test_the_rest_does_not_depend_on_how_finely_the_shaft_is_divided(parts):
     np.testing.assert_allclose(found, expected, rtol=1e-7)
 
 
-SOFT = {"clearance": 1e-6, "k": 1e4, "ky": 1e3}
+SOFT = {"clearance": 1e-6, "k": 1e4, "ky": 2e3}  # by 17 mm, half of what a machine reaches
 
 
 @pytest.mark.parametrize("name", SOFT)
