@@ -19,6 +19,7 @@ import numba
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.dense import clearance_contacts
 
 from tests.dense import dense_matrices
 
@@ -81,31 +82,35 @@ class Equations:
 
 
 def real_state(q: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """(q, v) in real coordinates of complex displacements and velocities, rotor then housings."""
+    """(q, v) in real coordinates of a motion's complex displacements and velocities: rotor then
+    housings, without ground."""
+    q, v = q[:-1], v[:-1]
     return np.concatenate([q.real, q.imag, v.real, v.imag])
 
 
 def equations(rotor: Rotor, speed: float, rate: float, theta: float = 0.0) -> Equations:
     """The equations of a rotor with internal damping at rest, at speed + rate t [rad/s].
 
-    theta: angle of rotation at t = 0 [rad]. Raises `ValueError` for rotating damping.
+    theta: angle of rotation at t = 0 [rad]. Raises `ValueError` for rotating damping
+    and for contacts with ground.
     """
     if rotor.rotating_damping:
         raise ValueError("shaft.rotating_damping = true: these equations do not have it")
     structure = assemble(rotor)
     M, C, K, G, _ = dense_matrices(structure)
-    size, contacts = len(M), structure.contacts
-    half = size // 2
-    n, nb = half - len(contacts), len(contacts)
+    size, contacts = len(M), clearance_contacts(structure)
+    half, n, nb = size // 2, len(structure.weight), len(contacts)
+    if (contacts.end == half).any():
+        raise ValueError("a contact with a stator that does not move: not in these equations")
 
     weight = np.zeros(size)
     weight[half : half + n] = structure.weight.imag
-    weight[half + n :] = -structure.gravity * contacts.mass
+    weight[half + n :] = -rotor.gravity * structure.housings.mass
     unbalance = np.zeros((size, 2))
-    for dof, u in zip(structure.unbalance_dof, structure.unbalance, strict=True):
+    for dof, u in zip(structure.unbalances.dof, structure.unbalance, strict=True):
         unbalance[dof] += (u.real, -u.imag)
         unbalance[half + dof] += (u.imag, u.real)
-    nodes = np.column_stack([contacts.dof, np.arange(n, half)]).astype(np.int64)
+    nodes = np.column_stack([contacts.dof, contacts.end]).astype(np.int64)
     push = np.zeros((half, nb))
     push[nodes, np.arange(nb)[:, None]] = (1.0, -1.0)
 
@@ -127,7 +132,8 @@ def equations(rotor: Rotor, speed: float, rate: float, theta: float = 0.0) -> Eq
         bearing=np.array([[c[name] for name in _BEARING] for c in contacts]).reshape(nb, 7),
         speed=np.array([speed, rate, theta]),
     )
-    return Equations(coefficients, M, structure.disc_dof)
+    discs = np.array([2 * (disc.node - 1) for disc in rotor.discs])
+    return Equations(coefficients, M, discs)
 
 
 @numba.njit(cache=True)

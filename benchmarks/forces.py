@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.rest import rest
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from tests.dense import dense_matrices
 
@@ -57,8 +57,8 @@ def machine(rotor: Rotor, speed: float, rate: float) -> Machine:
         c.bearing,
         c.speed,
     )
-    rest = static_equilibrium(structure)
-    at_rest = np.concatenate([rest.real, rest.imag])
+    still = rest(rotor)[:-1]  # without ground
+    at_rest = np.concatenate([still.real, still.imag])
     disc = int(written.disc_dof[-1])
     return Machine(M, C, K + 0.5 * rate * G, G, forces, at_rest, disc)
 

@@ -7,6 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.shaft import Section
 from rotor_fmu.model.settings import choose
 
 from .peers import exudyn_peer, project
@@ -24,35 +26,29 @@ _EXUDYN_ELEMENTS = 70  # at most: it solves dense systems
 
 
 def refined(rotor: Rotor, elements: int) -> Rotor:
-    """The same rotor in more elements, as even in length as the given nodes allow."""
+    """The same rotor, of cylinders, in more elements, as even in length as its nodes allow."""
     lengths = np.diff(rotor.nodes)
     parts = np.ones(len(lengths), dtype=int)
     while parts.sum() < elements:
         parts[np.argmax(lengths / parts)] += 1
-    nodes, diameters = [rotor.nodes[0]], []
-    for i, count in enumerate(parts):
-        nodes += np.linspace(*rotor.nodes[i : i + 2], count + 1)[1:].tolist()
-        diameters += [rotor.diameters[i]] * count
     moved = np.concatenate([[0], np.cumsum(parts)]) + 1
 
-    def at(item):
-        return replace(item, node=int(moved[item.node - 1]))
+    def at(part):
+        return replace(part, node=int(moved[part.node - 1])) if hasattr(part, "node") else part
 
-    return replace(
-        rotor,
-        nodes=tuple(nodes),
-        diameters=tuple(diameters),
-        discs=tuple(at(disc) for disc in rotor.discs),
-        bearings=tuple(at(bearing) for bearing in rotor.bearings),
-        coupling=at(rotor.coupling) if rotor.coupling else None,
-    )
+    cut = [
+        Section.cylinder(section.length / count, section.outer_left, section.material)
+        for section, count in zip(rotor.sections, parts.tolist(), strict=True)
+        for _ in range(count)
+    ]
+    return replace(rotor, sections=tuple(cut), parts=tuple(at(part) for part in rotor.parts))
 
 
 def with_bearings(rotor: Rotor, count: int) -> Rotor:
     """The rotor on `count` bearings like its first, between its first and its last."""
     first, last = rotor.bearings[0], rotor.bearings[-1]
     nodes = np.linspace(first.node, last.node, count).round().astype(int)
-    return replace(rotor, bearings=tuple(replace(first, node=int(node)) for node in nodes))
+    return rotor.with_parts(Bearing, *(replace(first, node=int(node)) for node in nodes))
 
 
 def growth(
@@ -68,7 +64,7 @@ def growth(
         for number, (name, rotor) in enumerate(machines.items()):
             for method in _methods():
                 is_exudyn = method.program == exudyn_peer.PROGRAM
-                if is_exudyn and len(rotor.diameters) > _EXUDYN_ELEMENTS:
+                if is_exudyn and len(rotor.sections) > _EXUDYN_ELEMENTS:
                     continue
                 key = f"{method.program}, {name}"
                 row = store.section("growth").get(key) or _row(method, name, rotor)
@@ -96,7 +92,7 @@ def _row(method: Method, name: str, rotor: Rotor) -> dict:
     return {
         "program": method.program,
         "varied": name.split()[1],
-        "elements": len(rotor.diameters),
+        "elements": len(rotor.sections),
         "bearings": len(rotor.bearings),
         "dofs": 4 * len(rotor.nodes) + 2 * len(rotor.bearings),
         "us": [],

@@ -12,13 +12,13 @@ def dense_matrices(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """M, C, K, G and K_circulatory as real matrices of the whole machine, housings included.
 
-    Shape (N, N), N = 2 (n + bearings): first all x (rotor, housings), then all y, so that
+    Shape (N, N), N = 2 (n + housings): first all x (rotor, housings), then all y, so that
     M q'' + (C + Omega G) q' + (K + kappa K_circulatory) q = f. For eigenvalues, static solutions
     and as the plain form against which the band form is tested.
     """
-    contacts = structure.contacts
-    n, nb = structure.M.shape[0], len(contacts)
-    size = n + nb
+    housings = structure.housings
+    n = structure.M.shape[0]
+    size = n + len(housings)
 
     def both_planes(band: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         full = np.zeros((2 * size, 2 * size))
@@ -35,9 +35,9 @@ def dense_matrices(
         return full
 
     return (
-        both_planes(structure.M, contacts.mass, contacts.mass),
-        both_planes(structure.C, contacts.cx, contacts.cy),
-        both_planes(structure.K, contacts.kx, contacts.ky),
+        both_planes(structure.M, housings.mass, housings.mass),
+        both_planes(structure.C, housings.cx, housings.cy),
+        both_planes(structure.K, housings.kx, housings.ky),
         skew(structure.G),
         skew(structure.K_shaft),
     )

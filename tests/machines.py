@@ -1,10 +1,15 @@
 """Rotors and plain dense forms of their equations, shared by the physics tests."""
 
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.machine.rotor import Disc, Material, Rotor, Support
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.parts.disc import Disc
+from rotor_fmu.model.parts.shaft import Material, Section
+from rotor_fmu.model.parts.support import Support
 
 STEEL = Material(young=2.1e11, density=7800.0)
 
@@ -18,18 +23,28 @@ METHODS = {
 }
 
 
-def overhung(**changes):
-    """A linear rotor on two springs whose six modes, 22 to 950 Hz, an ordinary step resolves."""
-    quantities = {
-        "material": STEEL,
-        "nodes": (0.0, 0.4, 0.7),
-        "diameters": (0.02, 0.02),
-        "discs": (Disc(2, 0.2, 0.03, e=1e-4, phase=0.3), Disc(3, 0.1, 0.02)),
-        "bearings": (),
-        "supports": (Support(1, 2e5, 40.0), Support(3, 3e5, 60.0)),
-        "eta_v": 2e-5,
-    }
-    return Rotor(**(quantities | changes))
+def cylinders(nodes, diameters):
+    """Solid sections of steel between nodes [m], of these diameters [m]."""
+    lengths = [b - a for a, b in itertools.pairwise(nodes)]
+    return tuple(
+        Section.cylinder(length, d, STEEL) for length, d in zip(lengths, diameters, strict=True)
+    )
+
+
+DISCS = (Disc(2, 0.2, 0.03, e=1e-4, phase=0.3), Disc(3, 0.1, 0.02))
+SUPPORTS = (Support(1, 2e5, 40.0), Support(3, 3e5, 60.0))
+
+
+def overhung(discs=DISCS, supports=SUPPORTS, others=(), **changes):
+    """A linear rotor on two springs whose six modes, 22 to 950 Hz, an ordinary step resolves;
+    others: further parts."""
+    shaft = cylinders((0.0, 0.4, 0.7), (0.02, 0.02))
+    return Rotor(STEEL, shaft, (*others, *discs, *supports), **({"eta_v": 2e-5} | changes))
+
+
+def balanced(rotor):
+    """The rotor, its discs without eccentricity."""
+    return rotor.with_parts(Disc, *(replace(disc, e=0.0) for disc in rotor.discs))
 
 
 SPAN, THICKNESS = 0.4, 0.02  # of the Jeffcott rotor's shaft [m]
@@ -38,16 +53,10 @@ SPAN, THICKNESS = 0.4, 0.02  # of the Jeffcott rotor's shaft [m]
 def jeffcott(e=0.0, damping=0.0, **changes):
     """Jeffcott's rotor: a heavy disc amid a light shaft on all but rigid supports, with an external
     damper [N.s/m] at the disc."""
-    quantities = {
-        "material": STEEL,
-        "nodes": (0.0, SPAN / 2, SPAN),
-        "diameters": (THICKNESS, THICKNESS),
-        "discs": (Disc(2, 0.3, 0.05, e=e),),
-        "bearings": (),
-        "supports": (Support(1, 1e11), Support(2, 0.0, damping), Support(3, 1e11)),
-        "gravity": 0.0,
-    }
-    return Rotor(**(quantities | changes))
+    shaft = cylinders((0.0, SPAN / 2, SPAN), (THICKNESS, THICKNESS))
+    supports = (Support(1, 1e11), Support(2, 0.0, damping), Support(3, 1e11))
+    parts = (Disc(2, 0.3, 0.05, e=e), *supports)
+    return Rotor(STEEL, shaft, parts, **({"gravity": 0.0} | changes))
 
 
 def jeffcott_stiffness():
@@ -66,7 +75,8 @@ def first_order(structure, omega):
         to_dense(band)
         for band in (structure.M, structure.C, structure.K, structure.G, structure.K_shaft)
     )
-    kappa = structure.eta_v * omega + structure.eta_h * np.sign(omega)
+    numbers = structure.numbers[0]
+    kappa = numbers.kappa_v * omega + numbers.kappa_h * np.sign(omega)
     n = len(M)
     return np.block(
         [
@@ -82,5 +92,15 @@ def first_order(structure, omega):
 def unbalance_vector(structure):
     """m e exp(i phase) at its degrees of freedom, shape (n,) [kg.m]."""
     vector = np.zeros(structure.M.shape[0], dtype=complex)
-    np.add.at(vector, structure.unbalance_dof, structure.unbalance)
+    np.add.at(vector, structure.unbalances.dof, structure.unbalance)
     return vector
+
+
+def disc_dofs(rotor):
+    """Degrees of freedom of the discs' deflections."""
+    return np.array([2 * (disc.node - 1) for disc in rotor.discs])
+
+
+def losses(sim):
+    """All that a simulation has dissipated [J]."""
+    return sum(sim.read(name) for name in sim.names if name.endswith("_loss"))

@@ -9,14 +9,17 @@ from rotor_fmu.model.structure.beam import shear_coefficient
 
 def pieces(rotor):
     """Diameter, beginning and end [m] and weight per length [N/m] of the shaft's elements."""
-    for d, (a, b) in zip(rotor.diameters, itertools.pairwise(rotor.nodes), strict=True):
+    for section, (a, b) in zip(rotor.sections, itertools.pairwise(rotor.nodes), strict=True):
+        d = section.outer_left
         yield d, a, b, rotor.material.density * math.pi / 4 * d**2 * rotor.gravity
 
 
 def point_loads(rotor):
     """Positions [m] and weights [N] of the discs and the coupling."""
     bodies = (*rotor.discs, rotor.coupling)
-    return [(rotor.nodes[b.node - 1], b.mass(rotor.material) * rotor.gravity) for b in bodies]
+    return [
+        (rotor.nodes[b.node - 1], b.mass(rotor.material.density) * rotor.gravity) for b in bodies
+    ]
 
 
 def total_weight(rotor):

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.equilibrium import static_equilibrium
 
 from benchmarks import compare, growth, race
 from benchmarks.peers import cvode, exudyn_peer, project, ross_peer
@@ -16,6 +16,7 @@ from benchmarks.problem import Diverged, Method, Missing, beginning, orbit, peak
 from benchmarks.report import PAGE, filled_page, write_report
 from benchmarks.store import Store
 
+from .machines import disc_dofs
 from .windows import rig
 
 
@@ -49,11 +50,11 @@ def test_an_orbit_that_leaves_the_machine_has_diverged():
 def test_a_finer_rig_weighs_the_same_and_sags_the_same(elements):
     coarse = rig()
     fine = growth.refined(coarse, elements)
-    assert len(fine.diameters) == elements
-    assert set(coarse.nodes) <= {float(f"{z:.12g}") for z in fine.nodes}
+    assert len(fine.sections) == elements
+    assert {float(f"{z:.12g}") for z in coarse.nodes} <= {float(f"{z:.12g}") for z in fine.nodes}
     before, after = (assemble(rotor) for rotor in (coarse, fine))
     assert after.weight[::2].sum() == pytest.approx(before.weight[::2].sum(), rel=1e-9)
-    sags = [static_equilibrium(s)[s.disc_dof].imag for s in (before, after)]
+    sags = [rest(rotor)[disc_dofs(rotor)].imag for rotor in (coarse, fine)]
     assert sags[1] == pytest.approx(sags[0], rel=1e-3)
 
 
@@ -62,7 +63,7 @@ def test_more_bearings_stand_between_the_first_and_the_last():
     nodes = [bearing.node for bearing in rotor.bearings]
     assert len(nodes) == 6
     assert nodes == sorted(set(nodes))
-    static_equilibrium(assemble(rotor))
+    rest(rotor)
 
 
 def test_this_project_and_cvode_find_the_same_beginning_of_the_run_down():

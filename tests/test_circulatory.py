@@ -13,7 +13,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
-from .machines import first_order, jeffcott, jeffcott_shaft_mass, jeffcott_stiffness
+from .machines import disc_dofs, first_order, jeffcott, jeffcott_shaft_mass, jeffcott_stiffness
 
 ETA_V = 1e-4
 C_INT = ETA_V * jeffcott_stiffness()
@@ -22,7 +22,7 @@ RATIOS = [0.0, 0.5, 1.0, 2.0]
 
 def natural_frequency():
     """Of the disc with the shaft's share of mass [rad/s]."""
-    disc = jeffcott().discs[0].mass(jeffcott().material)
+    disc = jeffcott().discs[0].mass(jeffcott().material.density)
     return math.sqrt(jeffcott_stiffness() / (disc + 17 / 35 * jeffcott_shaft_mass()))
 
 
@@ -92,7 +92,7 @@ def measured_growth(rotor, omega, seconds):
     """Rate [1/s] at which the disc's whirl grows after a kick, in a run without dissipation of the
     integrator's own; mean radii over whole whirls, which leave out the faster modes."""
     sim = Simulation(rotor, choose("robust", method="newmark", h=5e-4), speed=omega)
-    disc = sim.structure.disc_dof[0]
+    disc = disc_dofs(rotor)[0]
     sim.advance(0.01, omega, np.array([1.0 + 0j]))
     radii = []
     for start in (0.5 * seconds, seconds):

@@ -6,10 +6,11 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.parts.clearance_contact import contact_force, contact_tangent
+from rotor_fmu.model.parts import LAWS
+from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT, contact_force
 from rotor_fmu.model.structure.assembly import assemble
 
-BEARING = assemble(rig()).contacts[0]
+BEARING = assemble(rig()).laws[LAWS.index(CLEARANCE_CONTACT)][0]
 S, K, C, MU = BEARING.clearance, BEARING.k, BEARING.c, BEARING.mu
 DELTA_C, V_S, R = BEARING.delta_c, BEARING.v_s, BEARING.journal_radius
 
@@ -22,6 +23,13 @@ BRANCHES = {
     "full damping, sticking": (FULL, STICKING),
     "full damping, sliding": (FULL, SLIDING),
 }
+
+
+def contact_tangent(part, d, d_dot, omega, by_position, by_velocity):
+    """Force and tangent (p, q) of the law, which has no states of its own."""
+    none = np.zeros(0)
+    weights = by_position, by_velocity, 0.0
+    return CLEARANCE_CONTACT.tangent(part, d, d_dot, omega, omega, *weights, none, none)
 
 
 def force_at(penetration, rate=0.0, sliding=0.0, angle=-math.pi / 2):

@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.block import LAYOUT, new_block
 from rotor_fmu.model.march.error_control import GROWTH, SHRINKAGE, next_length, repeated_length
+from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.step.step import new_motion
+from rotor_fmu.model.structure.assembly import assemble
 
-from .machines import overhung
+from .machines import balanced, overhung
 
 
 def orbit(settings, stop=1.0, interval=0.02, speed=205.0, rate=-10.0, rotor=None):
@@ -43,7 +45,7 @@ def test_journals_knocked_about_settle_instead_of_bouncing_for_ever(rho, speed):
         settings = choose(rho=rho, tolerance=1e-2)
         sim = Simulation(rig(), settings, speed=speed, warn=lambda message: None)
         sim.advance(0.2, speed)
-        sim.motion.v[sim.structure.contacts.dof] += kick * np.exp(1j * kick)
+        sim.motion.v[sim.structure.interfaces.dof] += kick * np.exp(1j * kick)
         sim.advance(1.2, speed)
         before = sim.read("solver.trapped")
         sim.advance(1.5, speed)
@@ -56,7 +58,7 @@ def test_twenty_phases_give_the_same_peaks_and_no_false_state():
     for i in range(20):
         discs = tuple(replace(disc, phase=1e-5 * i) for disc in rig().discs)
         sim = Simulation(
-            replace(rig(), discs=discs), choose(tolerance=1e-4), speed=400.0, rate=-10.0
+            rig().with_parts(Disc, *discs), choose(tolerance=1e-4), speed=400.0, rate=-10.0
         )
         largest = np.zeros(2)
         for k in range(400):
@@ -86,8 +88,7 @@ def test_at_rest_the_steps_grow_to_the_longest():
 
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
 def test_a_rotor_without_bearings_or_anything_moving_it_takes_long_steps(gravity):
-    still = tuple(replace(disc, e=0.0) for disc in overhung().discs)
-    sim = Simulation(overhung(gravity=gravity, discs=still), choose("controlled"), speed=50.0)
+    sim = Simulation(balanced(overhung(gravity=gravity)), choose("controlled"), speed=50.0)
     sim.advance(1.0, 50.0)
     assert sim.read("solver.rejected") == 0
     assert sim.read("solver.steps") < 400
@@ -117,10 +118,9 @@ def test_a_step_cut_short_neither_shortens_nor_hinders_the_next():
 
 
 def test_a_repeated_step_ends_where_a_journal_touches():
-    sim = Simulation(rig(), speed=100.0)
-    structure = sim.structure
-    old, new = new_motion(structure), new_motion(structure)
-    dof, clearance = structure.contacts[0].dof, structure.contacts[0].clearance
+    run = LAYOUT.look(new_block(assemble(rig()), 0))
+    structure, old, new = run.structure, run.motion, run.trial
+    dof, clearance = structure.interfaces[0].dof, rig().bearings[0].clearance
     old.q[dof], new.q[dof] = 0.7 * clearance * 1j, 1.3 * clearance * 1j
     assert repeated_length(structure, 1e-3, 100.0, old, new) == pytest.approx(0.5e-3)
     new.q[dof] = 0.9 * clearance * 1j

@@ -7,16 +7,17 @@ import numpy as np
 import pytest
 from rotor_fmu.model.false_state import bouncing, one_axis
 from rotor_fmu.model.false_state import cycles as false_state
-from rotor_fmu.model.machine.rotor import Bearing, Disc, Support
+from rotor_fmu.model.false_state.planting import plant, put
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.disc import Disc
+from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark, wbz
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.step.excitation import spin_of
-from rotor_fmu.model.step.step import Motion, accelerate, new_workspace
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.survey.planted import lasting_cycles, plant
+from rotor_fmu.survey.planted import lasting_cycles
 
 from .machines import overhung
 
@@ -30,20 +31,19 @@ SCHEMES = {
     "paper A": generalized_alpha(0.1, 0.08),
     "chung-hulbert": chung_hulbert(0.6),
 }
-RIG = assemble(rig())
-AXIS = one_axis.axis_of(RIG, 0, one_axis.X)
+AXIS = one_axis.axis_of(rig(), 0, one_axis.X)
 
 
 def smooth(c=80.0):
     """A rotor that is held besides its one bearing, without spin, unbalance and friction, whose
     contact damping is there at once: on one axis nothing is left out."""
     bearing = Bearing(
-        3, 0.01, 5e-5, k=2e8, mu=0.0, mass=0.5, kx=2e5, ky=5e5, cx=50.0, cy=90.0, c=c,
-        delta_c=1e-15,
+        node=3, journal_radius=0.01, clearance=5e-5, k=2e8, mu=0.0, mass=0.5, kx=2e5, ky=5e5,
+        cx=50.0, cy=90.0, c=c, delta_c=1e-15,
     )  # fmt: skip
     discs = (Disc(2, 0.1, 0.02), Disc(3, 0.05, 0.01))
     supports = (Support(1, 2e7, 40.0), Support(2, 1e4, 10.0))
-    return overhung(discs=discs, supports=supports, bearings=(bearing,), gravity=0.0)
+    return overhung(discs, supports, (bearing,), gravity=0.0)
 
 
 def simulation_of(scheme, rotor, h):
@@ -53,10 +53,10 @@ def simulation_of(scheme, rotor, h):
 
 def displacements(simulation, h, count):
     """Of the journal relative to its housing, shape (count,), complex [m]."""
-    contact, housing = simulation.structure.contacts[0], simulation.structure.M.shape[0]
+    contact, q = simulation.structure.interfaces[0], simulation.motion.q
     seen = []
     for n in range(count):
-        seen.append(simulation.motion.q[contact.dof] - simulation.motion.q[housing])
+        seen.append(q[contact.dof] - q[contact.end])
         simulation.advance((n + 1) * h, 0.0)
     return np.array(seen)
 
@@ -65,12 +65,12 @@ def displacements(simulation, h, count):
 @pytest.mark.parametrize("name", SCHEMES)
 def test_a_predicted_cycle_is_a_motion_of_the_integrator(name, direction):
     scheme, rotor = SCHEMES[name], smooth()
-    axis = one_axis.axis_of(assemble(rotor), 0, direction)
+    axis = one_axis.axis_of(rotor, 0, direction)
     found = [c for c in false_state.cycles(axis, scheme, H) if c.is_stable]
     assert found
     for cycle in found:
         simulation = simulation_of(scheme, rotor, H)
-        plant(simulation, 0, direction, cycle, spin_of(0.0, 0.0, 0.0))
+        plant(simulation, 0, direction, cycle)
         seen = displacements(simulation, H, 60)
         along, across = (
             (seen.real, seen.imag) if direction == one_axis.X else (seen.imag, seen.real)
@@ -82,10 +82,10 @@ def test_a_predicted_cycle_is_a_motion_of_the_integrator(name, direction):
 @pytest.mark.parametrize("name", SCHEMES)
 def test_the_integrator_makes_the_power_that_is_predicted(name):
     scheme, rotor = SCHEMES[name], smooth()
-    axis = one_axis.axis_of(assemble(rotor), 0, one_axis.X)
+    axis = one_axis.axis_of(rotor, 0, one_axis.X)
     cycle = next(c for c in false_state.cycles(axis, scheme, H) if c.is_stable)
     simulation = simulation_of(scheme, rotor, H)
-    plant(simulation, 0, one_axis.X, cycle, spin_of(0.0, 0.0, 0.0))
+    plant(simulation, 0, one_axis.X, cycle)
     period = len(cycle.word) * H
     simulation.advance(period, 0.0)
     before = simulation.read("energy.residual")
@@ -101,7 +101,7 @@ def test_a_cycle_lasts_in_the_rig_with_its_friction_spin_and_weight():
     )
     settings = Settings("hht", alpha_f=scheme.alpha_f, h=H)
     simulation = Simulation(rig(), settings, speed=120.0, warn=lambda message: None)
-    plant(simulation, bearing, direction, cycle, spin_of(120.0, 0.0, 0.0))
+    plant(simulation, bearing, direction, cycle)
     simulation.advance(0.4, 120.0)
     before = simulation.read("energy.residual")
     simulation.advance(0.5, 120.0)
@@ -170,21 +170,13 @@ def test_a_cycle_bears_what_its_inequalities_say():
 @pytest.mark.parametrize("name", ["newmark", "moderate", "chung-hulbert"])
 def test_the_map_of_an_impact_is_the_integrators(name):
     scheme, rotor = SCHEMES[name], smooth(c=0.0)
-    structure = assemble(rotor)
-    axis = one_axis.axis_of(structure, 0, one_axis.X)
+    axis = one_axis.axis_of(rotor, 0, one_axis.X)
     speed, count = 0.3, 80
     predicted = bouncing.follow(axis, scheme, H, np.array([speed]), count)[:, 0, 3]
     start = axis.clearance - 3.5 / bouncing.INSTANTS * H * speed
     simulation = simulation_of(scheme, rotor, H)
-    snapshot = simulation.snapshot()
-    motion = Motion(*snapshot[: len(Motion._fields)])
-    shape, _ = axis.static
-    motion.q[:] = start * shape
-    motion.v[:] = speed * shape
-    motion.a[:] = 0.0
-    loads = np.zeros(len(structure.load_dof), dtype=complex)
-    accelerate(structure, spin_of(0.0, 0.0, 0.0), 1.0, loads, motion, new_workspace(structure))
-    simulation.restore(snapshot)
+    shape = np.append(axis.static[0], 0.0)  # and ground
+    put(simulation, start * shape, speed * shape, 0 * shape)
     seen = displacements(simulation, H, count + 1)[1:].real
     np.testing.assert_allclose(seen[:20], predicted[:20], rtol=1e-6, atol=1e-12)
 
@@ -197,6 +189,7 @@ def test_impacts_end_in_the_false_state_with_newmark_and_never_with_0_2():
 
 def test_slow_unbalance_loads_the_bearings_with_its_own_force():
     omega = 5.0
-    pull = abs(RIG.unbalance.sum()) * omega**2
-    loads = one_axis.unbalance_loads(RIG, omega)
+    structure = assemble(rig())
+    pull = abs(structure.unbalance.sum()) * omega**2
+    loads = one_axis.unbalance_loads(structure, omega)
     np.testing.assert_allclose(loads.sum(axis=0), pull, rtol=0.01)

@@ -12,13 +12,13 @@ import rotor_fmu
 
 STEPS = """
 import json
-from dataclasses import replace
-from rotor_fmu.model.machine.rotor import Support
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts import Bearing, Support
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-held = replace(rig(), bearings=(), supports=(Support(2, 1e6, 9.0), Support(8, 2e6)))
+supports = Support(2, 1e6, 9.0), Support(8, 2e6)
+held = rig().with_parts(Bearing).with_parts(Support, *supports)
 robust, adaptive = choose("robust"), choose("paper-adaptive", h_min=1e-4)
 said, seen = [], []
 for rotor, settings in ((held, robust), (held, adaptive), (rig(), robust)):

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
+from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.structure.equilibrium import static_equilibrium
+from rotor_fmu.model.structure.dense import clearance_contacts
 
-from .machines import overhung
+from .machines import disc_dofs, overhung
 
 
 def rubbing_rig():
@@ -24,15 +25,15 @@ def rubbing_rig():
 
 def test_positions_are_those_of_the_state():
     for sim in rubbing_rig():
-        q, n = sim.motion.q, sim.structure.M.shape[0]
-        for i, dof in enumerate(sim.structure.disc_dof, 1):
+        q = sim.motion.q
+        for i, dof in enumerate(disc_dofs(sim.rotor), 1):
             assert complex(sim.read(f"disc[{i}].x"), sim.read(f"disc[{i}].y")) == q[dof]
-        for j, bearing in enumerate(sim.structure.contacts):
+        for j, bearing in enumerate(clearance_contacts(sim.structure)):
             name = f"bearing[{j + 1}]"
             housing = complex(sim.read(f"{name}.housing_x"), sim.read(f"{name}.housing_y"))
             journal = complex(sim.read(f"{name}.x"), sim.read(f"{name}.y"))
-            assert housing == q[n + j]
-            assert journal == q[bearing.dof] - q[n + j]
+            assert housing == q[bearing.end]
+            assert journal == q[bearing.dof] - q[bearing.end]
             psi = sim.read(f"{name}.psi")
             assert 0 <= psi < 2 * math.pi
             assert cmath.rect(abs(journal), psi) == pytest.approx(journal)
@@ -48,9 +49,9 @@ def test_the_contact_angle_lies_within_one_turn(angle):
 def test_contact_forces_are_those_of_the_law():
     touched = []
     for sim in rubbing_rig():
-        q, v, n = sim.motion.q, sim.motion.v, sim.structure.M.shape[0]
-        for j, bearing in enumerate(sim.structure.contacts):
-            d, d_dot = q[bearing.dof] - q[n + j], v[bearing.dof] - v[n + j]
+        q, v = sim.motion.q, sim.motion.v
+        for j, bearing in enumerate(clearance_contacts(sim.structure)):
+            d, d_dot = q[bearing.dof] - q[bearing.end], v[bearing.dof] - v[bearing.end]
             force, normal, delta, *_ = contact_force(bearing, d, d_dot, sim.read("w"))
             name = f"bearing[{j + 1}]"
             friction = math.sqrt(max(0.0, abs(force) ** 2 - normal**2))
@@ -73,11 +74,11 @@ def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolution
     omega = 130.0
     h = 2 * math.pi / omega / 200
     sim = Simulation(overhung(eta_v=1e-3), choose("robust", h=h), speed=omega)
-    rest = static_equilibrium(sim.structure)
+    still = rest(sim.rotor)
     away = []
     for i in range(1, 2001):
         sim.advance(i * h, omega)
-        away.append((sim.motion.q - rest)[sim.structure.disc_dof])
+        away.append((sim.motion.q - still)[disc_dofs(sim.rotor)])
         # at least the last revolution, at most the two last
         for k in (1, 2):
             so_far = np.array(away)[:, k - 1]

@@ -1,12 +1,11 @@
 """Component modes: exact with all of them, closer with each, and the same machine."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.machine.rotor import Support
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
@@ -60,7 +59,7 @@ def test_masses_and_modes_below_the_cut_are_kept():
         assert rigid @ small.weight == pytest.approx(structure.weight[::2].sum(), rel=1e-9)
         assert small.mass_share.sum() == pytest.approx(1.0)
         springs = np.zeros((n, n))
-        dofs = structure.contacts.dof
+        dofs = structure.interfaces.dof
         springs[dofs, dofs] = 1e7
         squares = np.linalg.eigvals(
             np.linalg.solve(to_dense(structure.M), to_dense(structure.K) + springs)
@@ -77,7 +76,8 @@ def test_more_modes_than_there_are_means_all():
 
 
 def test_a_rotor_on_supports_rests_where_it_rested():
-    rotor = replace(rig(), bearings=(), supports=(Support(2, 1e6, 10.0), Support(8, 1e6, 10.0)))
+    supports = Support(2, 1e6, 10.0), Support(8, 1e6, 10.0)
+    rotor = rig().with_parts(Bearing).with_parts(Support, *supports)
     whole = Simulation(rotor, choose("robust")).read("disc[2].y")
     few = Simulation(rotor, choose("robust", reduction=2)).read("disc[2].y")
     assert few == pytest.approx(whole, rel=1e-4)

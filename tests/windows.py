@@ -35,7 +35,7 @@ class Window:
     """A stretch of the run-down: its beginning [s], and a simulation's snapshot and state there."""
 
     begin: float
-    snapshot: tuple[np.ndarray, ...]
+    snapshot: np.ndarray
     machine: equations.Equations
     state: np.ndarray
 
@@ -62,10 +62,8 @@ class Window:
     def orbit(self, settings: Settings) -> tuple[np.ndarray, int]:
         """Orbit of the last disc [m] by this project, and the steps it took."""
         sim = Simulation(rig(), settings, t=self.begin, speed=SPEED + RATE * self.begin, rate=RATE)
-        state = tuple(array.copy() for array in self.snapshot)
-        record = next(array for array in state if array.dtype.names and "h" in array.dtype.names)
-        record["h"] = settings.h
-        sim.restore(state)
+        sim.restore(self.snapshot)
+        sim._run.memory.record[0].h = settings.h  # a state brings its own wished length along
         before = sim.read("solver.steps")
         found = [_last_disc(sim)]
         for t in self.begin + self.times[1:]:
@@ -75,7 +73,7 @@ class Window:
 
 
 def _last_disc(sim: Simulation) -> complex:
-    number = len(sim.structure.disc_dof)
+    number = len(sim.rotor.discs)
     return complex(sim.read(f"disc[{number}].x"), sim.read(f"disc[{number}].y"))
 
 

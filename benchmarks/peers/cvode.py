@@ -5,8 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.equilibrium import static_equilibrium
+from rotor_fmu.model.rest import rest
 
 from ..equations import real_state
 from ..problem import Diverged, Method, Missing, Orbit, Problem, orbit
@@ -34,11 +33,11 @@ def solve(order: int, rtol: float, problem: Problem) -> Orbit:
     """From rest to the problem's end; raises `Diverged` and `Missing`."""
     sundials = _solver()
     machine = problem.machine()
-    rest = static_equilibrium(assemble(problem.rotor))
+    still = rest(problem.rotor)
     finer = max(1, round(problem.sample / _FINE_SAMPLE))
     times = np.linspace(0.0, problem.stop, finer * (len(problem.times) - 1) + 1)
     atol = rtol * np.repeat([_OF_DISPLACEMENTS, _OF_VELOCITIES], machine.size)
-    start = real_state(rest, 0 * rest)
+    start = real_state(still, 0 * still)
     try:
         found = sundials.solve(machine, start, times, rtol, atol, order)
     except sundials.SundialsError as error:

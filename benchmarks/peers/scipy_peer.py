@@ -6,8 +6,7 @@ from functools import partial
 
 import numpy as np
 import scipy.integrate
-from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.equilibrium import static_equilibrium
+from rotor_fmu.model.rest import rest
 
 from ..equations import real_state
 from ..problem import Diverged, Method, Orbit, Problem, orbit
@@ -29,13 +28,13 @@ def methods() -> list[Method]:
 def solve(name: str, rtol: float, problem: Problem) -> Orbit:
     """From rest to the problem's end; raises `Diverged`."""
     machine = problem.machine()
-    rest = static_equilibrium(assemble(problem.rotor))
+    still = rest(problem.rotor)
     atol = rtol * np.repeat([_OF_DISPLACEMENTS, _OF_VELOCITIES], machine.size)
     steps = 0
     solver = getattr(scipy.integrate, name)(
         machine.slope,
         0.0,
-        real_state(rest, 0 * rest),
+        real_state(still, 0 * still),
         problem.stop,
         rtol=rtol,
         atol=atol,

@@ -48,7 +48,7 @@ class Cycle:
     housing, shape (p,) [m]; load: least and largest load in the direction of bouncing under which
     it remains [N]; radius: spectral radius of a step, on average [1]; power: what the dampers take
     and the integrator makes [W]; state: displacements, velocities and accelerations after the first
-    step, relative to the rest, shape (3, n + bearings) [m, m/s, m/s2].
+    step, relative to the rest, shape (3, n + housings) [m, m/s, m/s2].
     """
 
     word: str

@@ -12,11 +12,12 @@ from functools import cached_property
 import numpy as np
 
 from ..kernels.band import to_dense
+from ..machine.rotor import Rotor
+from ..rest import rest
 from ..schemes.family import Scheme
-from ..structure.assembly import Structure
-from ..structure.equilibrium import static_equilibrium
+from ..structure.assembly import Structure, assemble
+from ..structure.dense import X, Y, clearance_contacts, contact_picks, in_plane
 
-X, Y = 0, 1
 _SOFTNESS = 1e-13  # of the stiffness's diagonal, that a free rotor has a static shape
 
 
@@ -24,17 +25,16 @@ _SOFTNESS = 1e-13  # of the stiffness's diagonal, that a free rotor has a static
 class Axis:
     """One direction of bouncing: the machine along it as one journal sees it, without spin.
 
-    M, C, K: shape (n + bearings,) squared, the other journals held as they rest; at, wall: indices
-    of journal and housing; clearance [m], k [N/m], c [N.s/m]: of the contact; rest: of the journal
-    relative to its housing [m]; along, across: static load on the journal in the direction of
-    bouncing and at right angles to it [N].
+    M, C, K: shape (n + housings,) squared, the other journals held as they rest; pick: b, shape
+    (n + housings,), journal less housing; clearance [m], k [N/m], c [N.s/m]: of the contact; rest:
+    of the journal relative to its housing [m]; along, across: static load on the journal in the
+    direction of bouncing and at right angles to it [N].
     """
 
     M: np.ndarray
     C: np.ndarray
     K: np.ndarray
-    at: int
-    wall: int
+    pick: np.ndarray
     clearance: float
     k: float
     c: float
@@ -43,87 +43,64 @@ class Axis:
     across: float
 
     @cached_property
-    def pick(self) -> np.ndarray:
-        """b, shape (n + bearings,): journal less housing."""
-        b = np.zeros(len(self.M))
-        b[self.at], b[self.wall] = 1.0, -1.0
-        return b
-
-    @cached_property
     def static(self) -> tuple[np.ndarray, float]:
-        """Static shape for a journal that is 1 m off its rest, shape (n + bearings,) [1], and the
+        """Static shape for a journal that is 1 m off its rest, shape (n + housings,) [1], and the
         stiffness K_s [N/m]."""
         shape = _solve(self.K + _SOFTNESS * np.diag(np.diagonal(self.K)), self.pick)
         compliance = self.pick @ shape
         return shape / compliance, 1.0 / compliance
 
 
-def axis_of(structure: Structure, bearing: int, direction: int) -> Axis:
-    """The machine along x (`X`) or y (`Y`) as the journal of `bearing`, from 0, sees it.
+def axis_of(rotor: Rotor, contact: int, direction: int) -> Axis:
+    """The machine along x (`X`) or y (`Y`) as the journal of a clearance contact, from 0, sees it.
 
     The other journals rest: held by the contact's stiffness in y, by their weight over their
     clearance in x. Raises `EquilibriumError`.
     """
-    contacts = structure.contacts
-    n, nb = structure.M.shape[0], len(contacts)
-    M, C, K = (np.zeros((n + nb, n + nb)) for _ in range(3))
-    for whole, band in ((M, structure.M), (C, structure.C), (K, structure.K)):
-        whole[:n, :n] = to_dense(band)
-    q = static_equilibrium(structure)
-    rest = (q[contacts.dof] - q[n:]).imag
-    weights = contacts.k * np.maximum(np.abs(rest) - contacts.clearance, 0.0)
-    for j, contact in enumerate(contacts):
-        wall = n + j
-        M[wall, wall] = contact.mass
-        C[wall, wall] = (contact.cx, contact.cy)[direction]
-        K[wall, wall] = (contact.kx, contact.ky)[direction]
-        if j != bearing:
-            held = weights[j] / contact.clearance if direction == X else contact.k
-            pair = np.ix_((contact.dof, wall), (contact.dof, wall))
-            K[pair] += held * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    own = contacts[bearing]
-    load = math.copysign(weights[bearing], rest[bearing])
-    rest_along, along, across = (0.0, 0.0, load) if direction == X else (rest[bearing], load, 0.0)
-    return Axis(
-        M, C, K, own.dof, n + bearing, own.clearance, own.k, own.c, rest_along, along, across
-    )
+    structure = assemble(rotor)
+    contacts, picks = clearance_contacts(structure), contact_picks(structure)
+    M, C, K = in_plane(structure, direction)
+    at_rest = picks @ rest(rotor)[:-1].imag
+    weights = contacts.k * np.maximum(np.abs(at_rest) - contacts.clearance, 0.0)
+    holding = weights / contacts.clearance if direction == X else contacts.k
+    holding = np.where(np.arange(len(contacts)) == contact, 0.0, holding)
+    K += picks.T @ (holding[:, None] * picks)
+    own = contacts[contact]
+    load = math.copysign(weights[contact], at_rest[contact])
+    own_rest, along, across = (0.0, 0.0, load) if direction == X else (at_rest[contact], load, 0.0)
+    return Axis(M, C, K, picks[contact], own.clearance, own.k, own.c, own_rest, along, across)
 
 
 def unbalance_loads(structure: Structure, omega: float) -> np.ndarray:
-    """Amplitudes of the loads that the unbalance puts on the bearings at a steady speed [N].
+    """Amplitudes of the loads that the unbalance puts on the clearance contacts at a steady speed
+    [N].
 
     Linear, the journals tied to their housings by the contact's stiffness; omega [rad/s]; shape
-    (bearings, 2), in x and y.
+    (contacts, 2), in x and y.
     """
-    contacts = structure.contacts
-    n, nb = structure.M.shape[0], len(contacts)
-    size = n + nb
-    M, C, K, G = (to_dense(b) for b in (structure.M, structure.C, structure.K, structure.G))
+    contacts, picks = clearance_contacts(structure), contact_picks(structure)
+    n, size = len(structure.weight), picks.shape[1]
+    tied = picks.T @ (contacts.k[:, None] * picks)
     dynamic = np.zeros((2 * size, 2 * size), dtype=complex)
     for axis, at in ((X, 0), (Y, size)):
-        block = dynamic[at : at + size, at : at + size]
-        block[:n, :n] = K + 1j * omega * C - omega**2 * M
-        for j, contact in enumerate(contacts):
-            wall = n + j
-            stiffness, damping = ((contact.kx, contact.cx), (contact.ky, contact.cy))[axis]
-            block[wall, wall] = stiffness + 1j * omega * damping - omega**2 * contact.mass
-            pair = np.ix_((contact.dof, wall), (contact.dof, wall))
-            block[pair] += contact.k * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        M, C, K = in_plane(structure, axis)
+        dynamic[at : at + size, at : at + size] = K + tied + 1j * omega * C - omega**2 * M
     # (C - i Omega G) v in x and y
-    dynamic[:n, size : size + n] += 1j * omega * omega * G
-    dynamic[size : size + n, :n] -= 1j * omega * omega * G
+    turning = 1j * omega * omega * to_dense(structure.G)
+    dynamic[:n, size : size + n] += turning
+    dynamic[size : size + n, :n] -= turning
     force = np.zeros(2 * size, dtype=complex)
     pull = omega**2 * structure.unbalance
-    np.add.at(force, structure.unbalance_dof, pull)
-    np.add.at(force, structure.unbalance_dof + size, -1j * pull)
+    np.add.at(force, structure.unbalances.dof, pull)
+    np.add.at(force, structure.unbalances.dof + size, -1j * pull)
     q = _solve(dynamic, force).reshape(2, size)
-    return np.abs(contacts.k * (q[:, contacts.dof] - q[:, n:])).T
+    return np.abs(contacts.k * (q @ picks.T)).T
 
 
 def response(axis: Axis, scheme: Scheme, h: float, z: complex) -> np.ndarray:
     """What a contact force z^n [N] at the ends of steps of length h [s] leaves there.
 
-    Displacements, velocities and accelerations, shape (3, n + bearings) [m/N, ...]. Raises
+    Displacements, velocities and accelerations, shape (3, n + housings) [m/N, ...]. Raises
     `numpy.linalg.LinAlgError` at a pole.
     """
     m, d, s = (np.polyval(c[::-1], z - 1.0) for c in scheme.characteristic())

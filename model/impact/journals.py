@@ -14,10 +14,12 @@ import numpy as np
 
 from ..kernels.band import to_dense
 from ..machine.rotor import Rotor
+from ..parts.clearance_contact import ContactQuantities
+from ..rest import rest
 from ..schemes.family import Scheme
 from ..step.excitation import Spin, add_applied, spin_of
 from ..structure import assembly
-from ..structure.equilibrium import static_equilibrium
+from ..structure.dense import X, Y, clearance_contacts, contact_picks, in_plane
 from .stepping.contacts import RoundStops
 from .stepping.failures import ImpactError
 from .stepping.march import Run, march
@@ -54,27 +56,29 @@ class JournalStructure:
         # the housings' springs and dampers stay, their contact becomes a wall
         machine = assembly.assemble(run_down.rotor)
         self._machine = machine
-        housings = machine.contacts
-        n, nb = len(machine.weight), len(housings)
-        self.size = size = n + nb
-        if machine.eta_v or machine.eta_h:
+        numbers = machine.numbers[0]
+        if numbers.kappa_v or numbers.kappa_h:
             raise ImpactError("rotating internal damping: not with hard stops; set it to false")
-        self._M = _both_planes(machine.M, housings.mass, housings.mass)
-        self._C = _both_planes(machine.C, housings.cx, housings.cy)
-        self._K = _both_planes(machine.K, housings.kx, housings.ky)
+        clearance = clearance_contacts(machine).clearance.copy()
+        if not len(clearance):
+            raise ImpactError("bearing: none given, at least 1 is needed to be a hard stop")
+        if not run_down.rotor.discs:
+            raise ImpactError("disc: none given, at least 1 is needed, whose motion is shown")
+        picks = contact_picks(machine)
+        n, self.size = len(machine.weight), picks.shape[1]
+        size = self.size
+        planes = zip(in_plane(machine, X), in_plane(machine, Y), strict=True)
+        self._M, self._C, self._K = (_both_planes(x, y) for x, y in planes)
         self._G = np.zeros((2 * size, 2 * size))
         self._G[:n, size : size + n] = to_dense(machine.G)
         self._G[size : size + n, :n] = -to_dense(machine.G)
         self._weight = np.zeros(2 * size)
-        self._weight[size + n :] = -housings.mass * machine.gravity
-        B = np.zeros((2 * size, 2 * nb))
-        for j, dof in enumerate(housings.dof):
-            for axis in (0, 1):
-                B[axis * size + dof, 2 * j + axis] = 1.0
-                B[axis * size + n + j, 2 * j + axis] = -1.0
-        self.contacts = RoundStops(B, housings.clearance.copy(), np.zeros(nb))
+        self._weight[size + n :] = -machine.housings.mass * numbers.gravity
+        B = np.zeros((2 * size, 2 * len(picks)))
+        B[:size, ::2] = B[size:, 1::2] = picks.T
+        self.contacts = RoundStops(B, clearance, np.zeros(len(picks)))
         weight = float(np.abs(machine.weight.imag).sum())
-        self.energy_scale = weight * float(housings.clearance.max())
+        self.energy_scale = weight * float(clearance.max())
 
     def load(self, t: float) -> np.ndarray:
         """See `structure.Structure`: weight and unbalance."""
@@ -117,25 +121,24 @@ class JournalStructure:
     def at_rest(self) -> np.ndarray:
         """Displacements at rest under the weight, journals on the bottom of their stops."""
         rotor = self._run_down.rotor
-        bearings = tuple(replace(bearing, k=_RIGID) for bearing in rotor.bearings)
-        still = static_equilibrium(assembly.assemble(replace(rotor, bearings=bearings)))
+        parts = tuple(
+            replace(part, k=_RIGID) if isinstance(part, ContactQuantities) else part
+            for part in rotor.parts
+        )
+        still = rest(replace(rotor, parts=parts))[:-1]
         return np.r_[still.real, still.imag]
 
     @property
     def last_disc(self) -> tuple[int, int]:
         """Unknowns of the last disc's displacement, x and y."""
-        dof = int(self._machine.disc_dof[-1])
+        dof = 2 * (self._run_down.rotor.discs[-1].node - 1)
         return dof, self.size + dof
 
 
-def _both_planes(band: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    n, nb = len(band), len(x)
-    size = n + nb
+def _both_planes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    size = len(x)
     full = np.zeros((2 * size, 2 * size))
-    for start, housing in ((0, x), (size, y)):
-        full[start : start + n, start : start + n] = to_dense(band)
-        at = np.arange(start + n, start + size)
-        full[at, at] = housing
+    full[:size, :size], full[size:, size:] = x, y
     return full
 
 

@@ -200,7 +200,9 @@ class Rotor:
 
     def with_parts(self, kind: type[Part], *parts: Part) -> Rotor:
         """The machine with these parts in the place of all of a kind."""
-        return replace(self, parts=(*(p for p in self.parts if type(p) is not kind), *parts))
+        at = next((i for i, p in enumerate(self.parts) if type(p) is kind), len(self.parts))
+        behind = (p for p in self.parts[at:] if type(p) is not kind)
+        return replace(self, parts=(*self.parts[:at], *parts, *behind))
 
     def parameters(self) -> Iterator[tuple[Name, Quantity, float]]:
         """The quantities that an FMU takes as parameters, with what they are and their values: of

@@ -10,7 +10,6 @@ import numpy as np
 from ..model.false_state import bouncing, one_axis
 from ..model.machine.toml import rig, rig_toml
 from ..model.schemes.family import Scheme
-from ..model.structure.assembly import assemble
 from .grid import Experiment, Row
 from .rotor import STEPS, is_of_the_rotor
 from .sources import file_digest, source_digest
@@ -20,10 +19,9 @@ SPEEDS = (0.02, 0.05, 0.08, 0.12, 0.2, 0.4, 0.8)  # of the journal in its cleara
 
 @cache
 def _axes() -> list[one_axis.Axis]:
-    structure = assemble(rig())
     directions = one_axis.X, one_axis.Y
-    bearings = range(len(structure.contacts))
-    return [one_axis.axis_of(structure, j, d) for j in bearings for d in directions]
+    bearings = range(len(rig().bearings))
+    return [one_axis.axis_of(rig(), j, d) for j in bearings for d in directions]
 
 
 @cache

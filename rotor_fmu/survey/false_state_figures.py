@@ -12,22 +12,22 @@ from matplotlib.figure import Figure
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..model.false_state import bouncing, one_axis
 from ..model.false_state import cycles as false_state
+from ..model.false_state.planting import plant
 from ..model.machine.toml import rig
 from ..model.schemes.family import Scheme, chung_hulbert, generalized_alpha, hht, newmark, wbz
-from ..model.step.excitation import spin_of
-from ..model.structure.assembly import assemble
+from ..model.structure.dense import clearance_contacts
 from ..runs.signals import RUN_DOWN_RATE
 from . import bounces
 from .figures import SHOWN
 from .findings import Findings, title_of
-from .planted import lasting_cycles, plant
+from .planted import lasting_cycles
 from .rotor import perturbed
 
 _H = 2.5e-4  # at which the integrators are compared [s]
 
 
 def _axis() -> one_axis.Axis:
-    return one_axis.axis_of(assemble(rig()), 0, one_axis.X)
+    return one_axis.axis_of(rig(), 0, one_axis.X)
 
 
 def phase_limit(member: Callable[[float], Scheme], low: float, high: float) -> float:
@@ -59,12 +59,12 @@ def orbits() -> Figure:
         )
         _, bearing, direction, axis, cycle = entry
         simulation = perturbed(scheme, h, 0.0, speed)
-        plant(simulation, bearing, direction, cycle, spin_of(speed, RUN_DOWN_RATE, 0.0))
-        contact = simulation.structure.contacts[bearing]
-        housing = simulation.structure.M.shape[0] + bearing
+        plant(simulation, bearing, direction, cycle)
+        contact = clearance_contacts(simulation.structure)[bearing]
         seen = []
         for n in range(count):
-            seen.append(simulation.motion.q[contact.dof] - simulation.motion.q[housing])
+            q = simulation.motion.q
+            seen.append(q[contact.dof] - q[contact.end])
             simulation.advance((n + 1) * h, speed + RUN_DOWN_RATE * n * h)
         shrunk = math.cos(cycle.tilt(axis.across))
         predicted = np.resize(cycle.displacement, count) * shrunk * 1e6

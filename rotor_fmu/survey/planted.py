@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import math
 import time
 from functools import cache
 from pathlib import Path
 
-import numpy as np
-
 from ..model.false_state import cycles as false_state
 from ..model.false_state import one_axis
+from ..model.false_state.planting import plant
 from ..model.machine.toml import rig, rig_toml
 from ..model.schemes.family import Scheme
-from ..model.simulation import Simulation, StepFailure
-from ..model.step.excitation import Spin, spin_of
-from ..model.step.step import Motion, accelerate, new_workspace
-from ..model.structure.assembly import Structure, assemble
+from ..model.simulation import StepFailure
 from ..runs.signals import RUN_DOWN_RATE
 from .grid import Experiment, Row
 from .rotor import STEPS, is_of_the_rotor, perturbed, work_of
@@ -28,50 +23,20 @@ _WATCHED = 0.2  # at its end [s]
 
 
 @cache
-def _rig() -> Structure:
-    return assemble(rig())
-
-
-@cache
 def lasting_cycles(
     scheme: Scheme, h: float
 ) -> list[tuple[float, int, int, one_axis.Axis, false_state.Cycle]]:
     """The rig's lasting cycles at a step h [s], the one that bears most first: load that it bears
     [N], bearing, direction, axis, cycle."""
-    structure = _rig()
     found = []
-    for bearing in range(len(structure.contacts)):
+    for bearing in range(len(rig().bearings)):
         for direction in (one_axis.X, one_axis.Y):
-            axis = one_axis.axis_of(structure, bearing, direction)
+            axis = one_axis.axis_of(rig(), bearing, direction)
             for cycle in false_state.cycles(axis, scheme, h):
                 bears = cycle.bears(axis)
                 if bears > 0.0 and cycle.is_stable:
                     found.append((bears, bearing, direction, axis, cycle))
     return sorted(found, key=lambda entry: -entry[0])
-
-
-def plant(
-    simulation: Simulation, bearing: int, direction: int, cycle: false_state.Cycle, spin: Spin
-) -> None:
-    """Put a simulation at rest into a cycle of the false state, at its first letter.
-
-    The static load at right angles turns and shortens the chord on which the journal bounces.
-    """
-    structure = simulation.structure
-    axes = [one_axis.axis_of(structure, bearing, d) for d in (one_axis.X, one_axis.Y)]
-    axis, other = axes[direction], axes[1 - direction]
-    snapshot = simulation.snapshot()
-    motion = Motion(*snapshot[: len(Motion._fields)])
-    tilt = cycle.tilt(axis.across)
-    unit = (1.0, 1j)[direction]
-    for array, change in zip(motion, cycle.state, strict=False):
-        array += unit * math.cos(tilt) * change
-    if direction == one_axis.X:
-        lift = math.copysign(axis.clearance * math.sin(tilt), axis.across) - other.rest
-        motion.q[:] += 1j * lift * other.static[0]
-    loads = np.zeros(len(structure.load_dof), dtype=complex)
-    accelerate(structure, spin, 1.0, loads, motion, new_workspace(structure))
-    simulation.restore(snapshot)
 
 
 def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
@@ -86,7 +51,7 @@ def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
     speed = SPEEDS[case]
     simulation = perturbed(scheme, h, 0.0, speed)
     begun = time.process_time()
-    plant(simulation, bearing, direction, cycle, spin_of(speed, RUN_DOWN_RATE, 0.0))
+    plant(simulation, bearing, direction, cycle)
     row: Row = {
         "bears": bears,
         "load": float(one_axis.unbalance_loads(simulation.structure, speed)[bearing].max()),
@@ -113,7 +78,7 @@ def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
 
 
 def _version() -> str:
-    code = source_digest("rotor_fmu.model.simulation", "rotor_fmu.model.false_state.cycles")
+    code = source_digest("rotor_fmu.model.false_state.planting")
     return f"{code} {file_digest(__file__)} {rig_toml()}"
 
 

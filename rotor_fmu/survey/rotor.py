@@ -11,6 +11,7 @@ from ..model.machine.toml import rig, rig_toml
 from ..model.schemes.family import Scheme, chung_hulbert, generalized_alpha
 from ..model.settings import Settings
 from ..model.simulation import Simulation, StepFailure
+from ..model.structure.dense import clearance_contacts
 from ..runs.run_down import PEAKS_AFTER
 from ..runs.signals import RUN_DOWN_RATE, RUN_DOWN_SPEED, RUN_DOWN_STOP
 from .grid import Experiment, Row
@@ -82,8 +83,7 @@ def _impact_speeds() -> np.ndarray:
     scheme, _ = REFERENCE
     h = STEPS[-1]
     simulation = perturbed(scheme, h, 0.0, RUN_DOWN_SPEED)
-    contacts = simulation.structure.contacts
-    n = simulation.structure.M.shape[0]
+    contacts = clearance_contacts(simulation.structure)
     parts = round(WINDOW / h / 4)
     greatest = np.zeros((len(_ends()), len(contacts)))
     for i in range(len(greatest)):
@@ -91,7 +91,7 @@ def _impact_speeds() -> np.ndarray:
             speed = RUN_DOWN_SPEED + RUN_DOWN_RATE * simulation.time
             simulation.advance(WINDOW * (i + part / parts), speed)
             v = simulation.motion.v
-            greatest[i] = np.maximum(greatest[i], np.abs(v[contacts.dof] - v[n:]))
+            greatest[i] = np.maximum(greatest[i], np.abs(v[contacts.dof] - v[contacts.end]))
     return greatest
 
 

@@ -161,7 +161,7 @@ def test_an_infinite_load_ends_the_step_with_a_message(drive_fmu):
 def test_the_system_files_start_what_the_models_are(fmu, drive_fmu):
     """Their numbers: the rig's moment of inertia, its torque at rest, and one step in all three."""
     inertia = {v.name: v.start for v in drive_train_table()}["J_rotor"]
-    assert inertia == pytest.approx(assemble(rig()).inertia, rel=1e-12)
+    assert inertia == pytest.approx(assemble(rig()).numbers[0].inertia, rel=1e-12)
     given = json.loads((example() / "cofmpy.json").read_text())["fmus"][0]["initialization"]
     with Member(fmu, {"speed": 0.0}, []) as rotor:
         (at_rest,) = rotor.get(rotor.references("tau_load"))

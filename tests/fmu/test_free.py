@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.march.energy import FLOWS
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.step.laws import FLOWS
 
 from rotor_fmu.drive_train.system import Member
 from rotor_fmu.fmu.interface import interface

@@ -8,12 +8,15 @@ import pytest
 from rotor_fmu.model.impact.journals import JournalStructure, RunDown, run_journals
 from rotor_fmu.model.impact.stepping.failures import ImpactError
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, TRANSIENT_FIDELITY, newmark
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
 from tests.dense import dense_matrices
+from tests.machines import balanced
 
 RIG = rig()
 UNDAMPED = replace(RIG, eta_v=0.0)
@@ -37,7 +40,7 @@ def test_the_structure_is_the_dense_oracles():
 
 
 def test_it_starts_at_rest_on_the_bottom_of_its_stops():
-    still = replace(RIG, discs=tuple(replace(disc, e=0.0) for disc in RIG.discs))
+    still = balanced(RIG)
     found = run_journals(RunDown(still, 0.0, 0.0), MODERATE_DISSIPATION, 1e-3, "no", 0.05)
     assert np.abs(found.disc - found.disc[0]).max() < 1e-11
     weight = sum(found.run.force[-1])
@@ -52,7 +55,7 @@ def test_it_starts_at_rest_on_the_bottom_of_its_stops():
 def test_hard_stops_are_stiff_penalty_bearings_without_friction():
     """The journals' walls against the rotor's own simulation, through the first impacts."""
     slippery = tuple(replace(b, mu=0.0, c=0.0, k=2e9) for b in RIG.bearings)
-    rotor = replace(RIG, bearings=slippery)
+    rotor = RIG.with_parts(Bearing, *slippery)
     settings = choose("robust", h=1e-5)
     simulation = Simulation(rotor, settings, speed=200.0, rate=-10.0)
     times = np.arange(1, 121) * 5e-4
@@ -102,3 +105,9 @@ def test_impulses_ruin_a_rotor_whose_shaft_is_viscous(scheme):
 def test_rotating_damping_is_refused():
     with pytest.raises(ImpactError, match="rotating internal damping"):
         JournalStructure(RunDown(replace(RIG, rotating_damping=True), 200.0, -10.0))
+
+
+@pytest.mark.parametrize("kind", [Bearing, Disc])
+def test_a_rotor_without_bearings_or_discs_is_refused(kind):
+    with pytest.raises(ImpactError, match=f"{kind.KIND}: none given"):
+        JournalStructure(RunDown(RIG.with_parts(kind), 200.0, -10.0))

@@ -1,26 +1,34 @@
-"""The small contact problem of a step: solved exactly, and always."""
+"""The small nonlinear problem of a step's interfaces: solved exactly, and always."""
 
 import math
 
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.block import LAYOUT, new_block
 from rotor_fmu.model.parts.clearance_contact import contact_force
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
-from rotor_fmu.model.step.contact_problem import (
-    TOLERANCE,
-    new_contact_problem,
-    solve_contacts,
-    solve_dense,
-)
+from rotor_fmu.model.step.interface_problem import TOLERANCE, solve_dense, solve_interfaces
 from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.dense import clearance_contacts
 
 from tests.dense import dense_matrices
 
 STRUCTURE = assemble(rig())
-BEARINGS = STRUCTURE.contacts
+BEARINGS = clearance_contacts(STRUCTURE)
 CLEARANCE, STIFFNESS = BEARINGS.clearance[0], BEARINGS.k[0]
 SCHEMES = (newmark(), hht(0.2), generalized_alpha(0.1, 0.08), chung_hulbert(0.2))
+
+
+def new_problem():
+    """An empty problem of the rig's interfaces, as it lies in a run's memory."""
+    return LAYOUT.look(new_block(STRUCTURE, 0)).problem
+
+
+def solved(problem, omega, b_d, b_v):
+    """Whether it was solved, and the iterations."""
+    s = STRUCTURE
+    return solve_interfaces(problem, s.laws, s.interfaces, omega, omega, b_d, b_v, 0.0)
 
 
 def step_flexibility(scheme, h, omega):
@@ -28,10 +36,10 @@ def step_flexibility(scheme, h, omega):
     M, C, K, G, _ = dense_matrices(STRUCTURE)
     n, m = STRUCTURE.M.shape[0], len(BEARINGS)
     relative = np.zeros((len(M), 2 * m))
-    for j, dof in enumerate(BEARINGS.dof):
+    for j, bearing in enumerate(BEARINGS):
         for axis, plane in enumerate((0, n + m)):
-            relative[plane + dof, 2 * j + axis] = 1
-            relative[plane + n + j, 2 * j + axis] = -1
+            relative[plane + bearing.dof, 2 * j + axis] = 1
+            relative[plane + bearing.end, 2 * j + axis] = -1
     share = 1 - scheme.alpha_f
     matrix = (1 - scheme.alpha_m) * M
     matrix = matrix + share * (scheme.gamma * h * (C + omega * G) + scheme.beta * h**2 * K)
@@ -77,7 +85,7 @@ def out_of_balance(problem, omega, b_d, b_v):
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_coarse_step_is_solved_to_tolerance(h, scheme):
     rng = np.random.default_rng(int(1e5 * h))
-    problem = new_contact_problem(len(BEARINGS))
+    problem = new_problem()
     b_d, b_v = scheme.beta * h * h, scheme.gamma * h
     touched = 0
     for omega in (20.0, 180.0, 400.0):
@@ -86,7 +94,7 @@ def test_every_coarse_step_is_solved_to_tolerance(h, scheme):
         assert stiffening > 30  # else these were no coarse steps
         for _ in range(300):
             draw(rng, problem, omega, b_d)
-            is_solved, _ = solve_contacts(problem, BEARINGS, omega, b_d, b_v)
+            is_solved, _ = solved(problem, omega, b_d, b_v)
             assert is_solved
             rest, forces_differ = out_of_balance(problem, omega, b_d, b_v)
             # Newton stops at a small correction: through W k it leaves that much out of balance
@@ -97,11 +105,11 @@ def test_every_coarse_step_is_solved_to_tolerance(h, scheme):
 
 
 def test_without_contact_the_free_accelerations_are_the_solution():
-    problem = new_contact_problem(len(BEARINGS))
+    problem = new_problem()
     problem.flexibility[:] = step_flexibility(newmark(), 1e-3, 100.0)
     problem.w_free[:] = [1 + 2j, -3j]
     problem.expected[:] = [60e-6j, 0]
-    is_solved, _ = solve_contacts(problem, BEARINGS, 100.0, 2.5e-7, 5e-4)
+    is_solved, _ = solved(problem, 100.0, 2.5e-7, 5e-4)
     assert is_solved
     np.testing.assert_allclose(problem.w, problem.w_free)
     assert np.all(problem.force == 0)
@@ -109,16 +117,16 @@ def test_without_contact_the_free_accelerations_are_the_solution():
 
 def test_a_solved_state_is_recognised_at_once():
     rng = np.random.default_rng(1)
-    problem = new_contact_problem(len(BEARINGS))
+    problem = new_problem()
     scheme, h = chung_hulbert(0.2), 1e-3
     b_d, b_v = scheme.beta * h * h, scheme.gamma * h
     problem.flexibility[:] = step_flexibility(scheme, h, 300.0)
     for _ in range(50):
         draw(rng, problem, 300.0, b_d)
-        solve_contacts(problem, BEARINGS, 300.0, b_d, b_v)
+        solved(problem, 300.0, b_d, b_v)
         w = problem.w.copy()
         problem.expected[:] = problem.d0 + b_d * w
-        is_solved, iterations = solve_contacts(problem, BEARINGS, 300.0, b_d, b_v)
+        is_solved, iterations = solved(problem, 300.0, b_d, b_v)
         assert is_solved
         assert iterations <= 3
         np.testing.assert_allclose(b_d * problem.w, b_d * w, atol=10 * TOLERANCE * CLEARANCE)

@@ -1,0 +1,53 @@
+"""The machine in dense matrices, and its clearance contacts: for analyses beside a run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..kernels.band import to_dense
+from ..parts import LAWS
+from ..parts.clearance_contact import CLEARANCE_CONTACT
+from .assembly import Structure
+
+X, Y = 0, 1
+# `dof`: of the node; `end`: of its housing behind the dofs, or of ground, the last.
+CONTACT = np.dtype([("dof", "i8"), ("end", "i8"), *CLEARANCE_CONTACT.dtype.descr])
+
+
+def clearance_contacts(structure: Structure) -> np.recarray:
+    """The clearance contacts in their order, shape (contacts,) of dtype `CONTACT`; a copy."""
+    code = LAWS.index(CLEARANCE_CONTACT)
+    interfaces = structure.interfaces[structure.interfaces.law == code]
+    contacts = np.zeros(len(interfaces), CONTACT).view(np.recarray)
+    contacts.dof, contacts.end = interfaces.dof, interfaces.end
+    for name in CLEARANCE_CONTACT.dtype.names:
+        contacts[name] = structure.laws[code][name][interfaces.row]
+    return contacts
+
+
+def contact_picks(structure: Structure) -> np.ndarray:
+    """Of each clearance contact the node less its housing, in one plane, shape
+    (contacts, n + housings)."""
+    contacts = clearance_contacts(structure)
+    rows = np.arange(len(contacts))
+    picks = np.zeros((len(contacts), len(structure.weight) + len(structure.housings) + 1))
+    picks[rows, contacts.dof] = 1.0
+    picks[rows, contacts.end] = -1.0
+    return picks[:, :-1]  # ground does not move
+
+
+def in_plane(structure: Structure, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """M, C, K along `X` or `Y`, the housings behind the dofs, shape (n + housings,) squared."""
+    housings = structure.housings
+    own = (
+        (housings.mass, housings.cx, housings.kx),
+        (housings.mass, housings.cy, housings.ky),
+    )[axis]
+    n = len(structure.weight)
+    found = []
+    for band, diagonal in zip((structure.M, structure.C, structure.K), own, strict=True):
+        matrix = np.zeros((n + len(housings), n + len(housings)))
+        matrix[:n, :n] = to_dense(band)
+        matrix[range(n, len(matrix)), range(n, len(matrix))] = diagonal
+        found.append(matrix)
+    return found[0], found[1], found[2]
