@@ -11,7 +11,7 @@ import numpy as np
 from .kernels.compiled import INTERPRETED_WARNING, IS_COMPILED
 from .machine.rotor import Rotor
 from .march import entries, march
-from .march.block import LAYOUT, Run, new_block, set_method
+from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
 from .schemes.family import is_unconditionally_stable
@@ -81,7 +81,7 @@ class Simulation:
                 f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
             )
         self._block = new_block(structure, len(self.names))
-        self._run: Run = LAYOUT.look(self._block)
+        self._run: RunData = LAYOUT.look(self._block)
         set_method(self._run, self._scheme, settings.control())
         self._has_warned = False
 

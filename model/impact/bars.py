@@ -18,7 +18,7 @@ from .plane import solid, to_band
 from .stepping.contacts import FlatStops
 from .stepping.failures import ImpactError
 from .stepping.march import INCREMENT_CAP, Run, march
-from .stepping.stepper import Motion
+from .stepping.stepper import Instant
 from .stepping.structure import Elastic
 
 T_END = 0.04  # paper B's [s]
@@ -94,7 +94,7 @@ class Bars:
         return np.where(t < self.t_impact, self.speed, released)
 
 
-def build(bars: Bars) -> tuple[Elastic, Motion, np.ndarray]:
+def build(bars: Bars) -> tuple[Elastic, Instant, np.ndarray]:
     """The structure, its motion at t = 0, and the unknowns of the left bar's end along x.
 
     Raises `ImpactError` for bars that cannot be.
@@ -117,7 +117,7 @@ def build(bars: Bars) -> tuple[Elastic, Motion, np.ndarray]:
     v = np.zeros(2 * half)
     v[:half:2], v[half::2] = bars.speed, -bars.speed
     q = np.zeros(2 * half)
-    start = Motion(0.0, q, v, np.zeros_like(q), np.zeros_like(q), np.zeros(bars.ny + 1))
+    start = Instant(0.0, q, v, np.zeros_like(q), np.zeros_like(q), np.zeros(bars.ny + 1))
     return structure, start, ends[0]
 
 
@@ -185,7 +185,7 @@ def run_bars(
     half = len(start.q) // 2
     B = structure.contacts.B
 
-    def observe(motion: Motion) -> tuple[float, ...]:
+    def observe(motion: Instant) -> tuple[float, ...]:
         momentum = structure.inertia(motion.v)
         left, right = momentum[:half:2].sum(), momentum[half::2].sum()
         opening = structure.contacts.openings(B.T @ motion.q).mean()

@@ -23,7 +23,7 @@ from ..structure.dense import X, Y, clearance_contacts, contact_picks, in_plane
 from .stepping.contacts import RoundStops
 from .stepping.failures import ImpactError
 from .stepping.march import Run, march
-from .stepping.stepper import Motion, Stepper
+from .stepping.stepper import Instant, Stepper
 from .stepping.structure import Solver
 
 # Stiffness [N/m] that puts a journal at rest on its wall but for the rounding errors.
@@ -200,7 +200,7 @@ def run_journals(
     start = Stepper(structure, scheme).start(0.0, q, np.zeros_like(q))
     disc, B = list(structure.last_disc), structure.contacts.B
 
-    def observe(motion: Motion) -> tuple[float, ...]:
+    def observe(motion: Instant) -> tuple[float, ...]:
         return (*motion.q[disc], *(B.T @ motion.q))
 
     run = march(structure, scheme, start, dt, t_end, impact, observe, cap, progress)

@@ -22,7 +22,7 @@ from .plane import to_band
 from .ratchet_geometry import Ratchet, parse_ratchet, ratchet_toml
 from .stepping.contacts import FlatStops
 from .stepping.march import INCREMENT_CAP, Run, march
-from .stepping.stepper import Motion, Stepper
+from .stepping.stepper import Instant, Stepper
 from .stepping.structure import Elastic
 
 __all__ = ["Ratchet", "RatchetRun", "build", "parse_ratchet", "ratchet_toml", "run_ratchet"]
@@ -177,7 +177,7 @@ def run_ratchet(
     shapes, shape_t, shape_angle = [], [], []
     count = 2 * len(ratchet.plate.points)
 
-    def observe(motion: Motion) -> tuple[float, ...]:
+    def observe(motion: Instant) -> tuple[float, ...]:
         """Angle [rad] and speed [rad/s] of the wheel, speed of the pawl [rad/s]."""
         if motion.t >= len(shape_t) * frame_time - 1e-12 and math.isfinite(frame_time):
             nodes = np.zeros(count)

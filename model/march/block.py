@@ -23,7 +23,7 @@ METHOD = np.dtype(
 )
 
 
-class Method(NamedTuple):
+class Integrator(NamedTuple):
     """The integrator and its step control: one record of the numbers of `Scheme` and `Control`."""
 
     numbers: Annotated[np.ndarray, METHOD, "1"]
@@ -35,12 +35,12 @@ class Reading(NamedTuple):
     observed: Annotated[np.ndarray, float, "outputs"]
 
 
-class Run(NamedTuple):
+class RunData(NamedTuple):
     """All of a run. `motion` and `memory` are its state; what stands before them belongs to the
     machine, what stands behind is made anew by every call."""
 
     structure: Structure
-    method: Method
+    method: Integrator
     motion: Motion
     memory: Memory
     trial: Motion
@@ -56,10 +56,10 @@ _SIZES = (
 )
 _LAWS = [(law.dtype, (f"rows_{law.name}",)) for law in LAWS]
 LAYOUT = Layout(
-    Run,
+    RunData,
     [
         Group("structure", Structure, {"laws": _LAWS}),
-        Group("method", Method, {}),
+        Group("method", Integrator, {}),
         Group("motion", Motion, {}),
         Group("memory", Memory, {}),
         Group("trial", Motion, {}),
@@ -91,7 +91,7 @@ def new_block(structure: Structure, outputs: int) -> np.ndarray:
     return block
 
 
-def set_method(run: Run, scheme: Scheme, control: Control) -> None:
+def set_method(run: RunData, scheme: Scheme, control: Control) -> None:
     """Write the integrator and its step control into a run."""
     for name, value in (*scheme._asdict().items(), *control._asdict().items()):
         run.method.numbers[0][name] = value

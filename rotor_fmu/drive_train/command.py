@@ -43,7 +43,7 @@ _console = Console(stderr=True)
 
 
 @dataclass(frozen=True)
-class Case:
+class RunUp:
     """A coupled run to make: its title, end [s], communication step [s], and parameters."""
 
     title: str
@@ -77,8 +77,8 @@ def drive_train(
         if file.is_file() and file.name != "drive_train.py":
             shutil.copyfile(file, out / file.name)
     cases = {
-        "ample": Case(f"{ample:g} N.m", AMPLE_STOP, step, {"tau_max": ample}, {}),
-        "small": Case(f"{small:g} N.m", SMALL_STOP, step, {"tau_max": small}, {}),
+        "ample": RunUp(f"{ample:g} N.m", AMPLE_STOP, step, {"tau_max": ample}, {}),
+        "small": RunUp(f"{small:g} N.m", SMALL_STOP, step, {"tau_max": small}, {}),
     }
     runs = {name: _stored(out, fmus, name, case) for name, case in cases.items()}
     study = {
@@ -92,13 +92,13 @@ def drive_train(
     typer.echo(_in_words(report, out))
 
 
-def _studied(ample: float, continuation: str, step: float) -> Case:
+def _studied(ample: float, continuation: str, step: float) -> RunUp:
     drive = {"tau_max": ample, "continuation": float(CONTINUATIONS.index(continuation))}
     title = f"{continuation}, {1e3 * step:g} ms"
-    return Case(title, STUDY_STOP, step, drive, {"solver.tolerance": 1e-4})
+    return RunUp(title, STUDY_STOP, step, drive, {"solver.tolerance": 1e-4})
 
 
-def _stored(out: Path, fmus: tuple[Path, Path], name: str, case: Case) -> Coupled:
+def _stored(out: Path, fmus: tuple[Path, Path], name: str, case: RunUp) -> Coupled:
     """A run from its file, or made now and put there whole."""
     key = sha256(b"".join(fmu.read_bytes() for fmu in fmus) + repr(case).encode()).hexdigest()[:12]
     path = out / "runs" / f"{name}-{key}.npz"

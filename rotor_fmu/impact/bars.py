@@ -11,7 +11,7 @@ from ..model.impact.bars import WINDOWS, Bars, BarsRun, build, run_bars
 from ..model.impact.stepping.state import Line
 from ..runs.report import Column, Report
 from . import figures as pictures
-from .cases import FIGURE_8_OPENING, PAPER_BARS, Case, carried_out, console, finish
+from .cases import FIGURE_8_OPENING, PAPER_BARS, ImpactCase, carried_out, console, finish
 
 COLUMNS = (
     Column("label", "scheme"),
@@ -31,7 +31,7 @@ _FIGURE = {name: number for number, name in enumerate(PAPER_BARS, 3)}
 
 
 def present(
-    chosen: Sequence[Case],
+    chosen: Sequence[ImpactCase],
     steps: Sequence[float],
     openings: Sequence[float],
     options: Mapping[str, object],
@@ -83,7 +83,7 @@ def present(
     finish(reports, chosen, failures, out)
 
 
-def _row(case: Case, dt: float, found: BarsRun, wall: float) -> dict[str, object]:
+def _row(case: ImpactCase, dt: float, found: BarsRun, wall: float) -> dict[str, object]:
     row = {"label": case.label, "opening": found.bars.opening, "dt": dt}
     row |= {"increments": found.run.increments, "cutbacks": found.run.cutbacks}
     row |= {"energy_change": found.energy_change, "wall_time": wall, "status": found.run.status}
@@ -94,9 +94,11 @@ def _row(case: Case, dt: float, found: BarsRun, wall: float) -> dict[str, object
     return row
 
 
-def _write_pictures(runs: Sequence[tuple[Case, float, BarsRun]], opening: float, out: Path) -> None:
+def _write_pictures(
+    runs: Sequence[tuple[ImpactCase, float, BarsRun]], opening: float, out: Path
+) -> None:
     suffix = "" if opening == runs[0][2].bars.opening == 0.01 else f"_opening_{opening:g}"
-    by_case: dict[str, list[tuple[Case, float, BarsRun]]] = {}
+    by_case: dict[str, list[tuple[ImpactCase, float, BarsRun]]] = {}
     for case, dt, run in runs:
         by_case.setdefault(case.label, []).append((case, dt, run))
     for found in by_case.values():
@@ -114,7 +116,7 @@ def _write_pictures(runs: Sequence[tuple[Case, float, BarsRun]], opening: float,
 
 
 def _write_logs(
-    runs: Sequence[tuple[Case, float, BarsRun]], wants_figure_8: bool, out: Path
+    runs: Sequence[tuple[ImpactCase, float, BarsRun]], wants_figure_8: bool, out: Path
 ) -> None:
     """The status log of each run that can cut back; Figure 8's lines of it to the screen."""
     for case, dt, found in runs:

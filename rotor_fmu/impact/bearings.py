@@ -16,7 +16,7 @@ from ..model.machine.rotor import Rotor
 from ..model.schemes.family import MODERATE_DISSIPATION
 from ..runs.report import Column, Report
 from . import figures as pictures
-from .cases import IMPACTS, Case, carried_out, finish
+from .cases import IMPACTS, ImpactCase, carried_out, finish
 
 COLUMNS = (
     Column("label", "scheme"),
@@ -39,13 +39,13 @@ _FINER = 8  # of the shortest increment asked for: the run that the others are c
 class Trial:
     """A run that is to be made: the integrator, the rotor and its run-down, the increment [s]."""
 
-    case: Case
+    case: ImpactCase
     run_down: RunDown
     dt: float
 
 
 def present(
-    chosen: Sequence[Case],
+    chosen: Sequence[ImpactCase],
     steps: Sequence[float],
     rotor: Rotor,
     speed: tuple[float, float],
@@ -61,7 +61,7 @@ def present(
     shafts = [rotor] if rotor.eta_v == 0 else [rotor, replace(rotor, eta_v=0.0)]
     downs = [RunDown(shaft, *speed) for shaft in shafts]
     fine = min(steps) / _FINER
-    reference = Case("moderate-dissipation", MODERATE_DISSIPATION, "no")
+    reference = ImpactCase("moderate-dissipation", MODERATE_DISSIPATION, "no")
     trials = [Trial(reference, down, fine) for down in downs]
     trials += [
         Trial(replace(case, impact=impact), down, dt)

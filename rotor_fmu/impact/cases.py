@@ -28,7 +28,7 @@ console = Console(highlight=False, markup=False, soft_wrap=True)
 
 
 @dataclass(frozen=True)
-class Case:
+class ImpactCase:
     """An integrator under the name that the user gave it, and how it treats impacts."""
 
     name: str
@@ -46,7 +46,7 @@ class Case:
         return "".join(c if c.isalnum() or c in ".-" else "_" for c in self.label.replace(" ", ""))
 
 
-def cases(names: Sequence[str], impact: str | None) -> list[Case]:
+def cases(names: Sequence[str], impact: str | None) -> list[ImpactCase]:
     """Integrators by their names of `rotor-fmu schemes`; impact: `None` for each one's own.
 
     Raises `InputError` for what cannot make an implicit step.
@@ -60,11 +60,11 @@ def cases(names: Sequence[str], impact: str | None) -> list[Case]:
             raise InputError(
                 f"--scheme {text}: is not of the generalized-alpha family, whose step this is"
             )
-        found[name] = Case(name, method, impact or _OWN_IMPACT.get(name, "no"))
+        found[name] = ImpactCase(name, method, impact or _OWN_IMPACT.get(name, "no"))
     return list(found.values())
 
 
-def flags(case: Case) -> list[str]:
+def flags(case: ImpactCase) -> list[str]:
     """What a user should know of these parameters before believing a run."""
     found = remarks(Row(case.name, case.scheme, 0.0, spectral.survey(case.scheme)))
     rebound = abs(family.rebound(case.scheme))
@@ -101,7 +101,7 @@ def carried_out(
 
 
 def finish(
-    reports: Sequence[Report], chosen: Sequence[Case], failures: Sequence[str], out: Path
+    reports: Sequence[Report], chosen: Sequence[ImpactCase], failures: Sequence[str], out: Path
 ) -> None:
     """Print the tables, what is to be said of the parameters, and where things are; fail if a run
     ended early that was not meant to."""

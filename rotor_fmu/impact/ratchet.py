@@ -13,7 +13,7 @@ from ..figures import save
 from ..model.impact.ratchet import RatchetRun, parse_ratchet, ratchet_toml, run_ratchet
 from ..runs.report import Column, Report
 from . import figures as pictures
-from .cases import PAPER_RATCHET, Case, carried_out, finish
+from .cases import PAPER_RATCHET, ImpactCase, carried_out, finish
 from .ratchet_drawing import animate, drawing, frame_interval
 
 COLUMNS = (
@@ -36,7 +36,7 @@ _ONE_TOOTH = 1.75  # of the time to the locking face: there and back
 
 
 def present(
-    chosen: Sequence[Case], dt: float, geometry: str | None, stop: float, cap: int, out: Path
+    chosen: Sequence[ImpactCase], dt: float, geometry: str | None, stop: float, cap: int, out: Path
 ) -> None:
     """Run every case; write and print what came out.
 
@@ -85,7 +85,7 @@ def present(
     finish([report], chosen, failures, out)
 
 
-def _row(case: Case, dt: float, found: RatchetRun, wall: float) -> dict[str, object]:
+def _row(case: ImpactCase, dt: float, found: RatchetRun, wall: float) -> dict[str, object]:
     speed = found.wheel_speed
     row = {"label": case.label, "dt": dt, "slope": found.slope}
     row |= {"t_reversal": 1e3 * found.t_reversal, "fast_content": found.fast_content}
@@ -98,7 +98,7 @@ def _row(case: Case, dt: float, found: RatchetRun, wall: float) -> dict[str, obj
     return row | {"wall_time": wall, "status": found.run.status}
 
 
-def _write_pictures(runs: Mapping[Case, RatchetRun], out: Path) -> None:
+def _write_pictures(runs: Mapping[ImpactCase, RatchetRun], out: Path) -> None:
     by_label = {case.label: found for case, found in runs.items()}
     is_papers = tuple(case.name for case in runs) == PAPER_RATCHET
     caption = "Paper B, Figure 10: the ratchet wheel" if is_papers else "The ratchet wheel"

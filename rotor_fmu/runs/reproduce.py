@@ -22,7 +22,7 @@ _PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
 
 
 @dataclass(frozen=True)
-class Case:
+class PaperRun:
     """One of the runs: its settings as `--set` texts, how many perturbed repetitions beside it, and
     what the paper says of it."""
 
@@ -42,52 +42,54 @@ def _method(name: str, **parameters: float) -> tuple[str, ...]:
 
 
 CASES = (
-    Case(
+    PaperRun(
         "converged",
         "converged: Chung-Hulbert 0.2, h = 0.1 ms",
         ("solver.preset=robust", "solver.h=1e-4"),
         0,
         "(not in the paper)",
     ),
-    Case(
+    PaperRun(
         "controlled",
         "controlled (the default): Chung-Hulbert 0.3, tolerance 1e-3",
         (),
         8,
         "(not in the paper)",
     ),
-    Case(
+    PaperRun(
         "robust",
         "robust: Chung-Hulbert 0.2, h = 0.5 ms",
         ("solver.preset=robust",),
         8,
         "(not in the paper)",
     ),
-    Case(
+    PaperRun(
         "paper",
         "generalized-alpha 0.1 / 0.08, h = 4 ms",
         ("solver.preset=paper",),
         12,
         "optimal; 10,000 steps, 2.5 h; agrees with the experiment",
     ),
-    Case(
+    PaperRun(
         "damped",
         "generalized-alpha 0.15 / 0.1, h = 4 ms",
         _method("generalized-alpha", alpha_f=0.15, alpha_m=0.1),
         12,
         "lower displacements; 2 h",
     ),
-    Case("hht", "HHT 0.1, h = 4 ms", _method("hht", alpha_f=0.1), 12, "strongly damps; 2.25 h"),
-    Case("newmark", "Newmark, h = 4 ms", _method("newmark"), 12, "low accuracy, false results"),
-    Case("wbz", "WBZ 0.08, h = 4 ms", _method("wbz", alpha_m=0.08), 0, "diverges at the beginning"),
-    Case(
+    PaperRun("hht", "HHT 0.1, h = 4 ms", _method("hht", alpha_f=0.1), 12, "strongly damps; 2.25 h"),
+    PaperRun("newmark", "Newmark, h = 4 ms", _method("newmark"), 12, "low accuracy, false results"),
+    PaperRun(
+        "wbz", "WBZ 0.08, h = 4 ms", _method("wbz", alpha_m=0.08), 0, "diverges at the beginning"
+    ),
+    PaperRun(
         "adaptive",
         "generalized-alpha 0.1 / 0.08, h = 4 to 20 ms",
         ("solver.preset=paper-adaptive",),
         12,
         "very similar to the fixed step; 6950 steps, 1.5 h",
     ),
-    Case(
+    PaperRun(
         "adaptive-wide",
         "the same, limits 0.85 and 1.6",
         ("solver.preset=paper-adaptive", "solver.eps_min=0.85", "solver.eps_max=1.6"),
@@ -101,7 +103,7 @@ CASES = (
 class Result:
     """A case that was run: the run, its `summary`, and those of its perturbed repetitions."""
 
-    case: Case
+    case: PaperRun
     run: Run
     figures: Mapping[str, object]
     repeated: tuple[Mapping[str, object], ...]

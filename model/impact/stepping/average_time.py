@@ -16,7 +16,7 @@ import numpy as np
 from .hard_stop import held
 from .impulse import TENSION, change_contacts
 from .state import AT_ONCE, Line, accept, length_to, openings_of
-from .stepper import Motion
+from .stepper import Instant
 
 RESTART = 1e-6  # increment after an impact, of the time increment
 PENETRATION = 1e-10  # of an open contact, from which it counts as closing [m]
@@ -48,7 +48,7 @@ def average_time(stepper, state, dt, target, number, cap):
     yield accept(state, motion, Line(number, attempt + 1, 0, motion.t, RESTART * dt, False))
 
 
-def _frozen(stepper, state, h, dt) -> tuple[Motion, np.ndarray]:
+def _frozen(stepper, state, h, dt) -> tuple[Instant, np.ndarray]:
     """The motion after h with the contacts as they are, and which of them should have changed."""
     contacts = stepper.structure.contacts
     free = stepper.free(state.motion, h)

@@ -13,7 +13,7 @@ import numpy as np
 
 from .hard_stop import complementarity
 from .state import openings_of
-from .stepper import Motion, Stepper
+from .stepper import Instant, Stepper
 
 TENSION = 1e-6  # of a closed contact, of the largest force so far, from which it opens
 
@@ -21,7 +21,7 @@ TENSION = 1e-6  # of a closed contact, of the largest force so far, from which i
 class Here:
     """What the contacts do to the masses at one instant, when nothing has time to move."""
 
-    def __init__(self, stepper: Stepper, motion: Motion) -> None:
+    def __init__(self, stepper: Stepper, motion: Instant) -> None:
         contacts = stepper.structure.contacts
         p, self._B = contacts.B.T @ motion.q, contacts.B
         self.N = contacts.gradient(p)
@@ -34,7 +34,7 @@ class Here:
         return self.N.T @ (self._B.T @ v)
 
 
-def change_contacts(stepper, state, changing, dt) -> Motion:
+def change_contacts(stepper, state, changing, dt) -> Instant:
     """Change the contacts; impulse and compatible accelerations, at no cost of time."""
     motion = state.motion
     closes = changing & ~state.closed
@@ -50,7 +50,7 @@ def change_contacts(stepper, state, changing, dt) -> Motion:
     return compatible_accelerations(stepper, state, motion)
 
 
-def compatible_accelerations(stepper, state, motion: Motion) -> Motion:
+def compatible_accelerations(stepper, state, motion: Instant) -> Instant:
     """Accelerations of the equation of motion with which no closed contact penetrates."""
     here = Here(stepper, motion)
     r = stepper.residual(motion.t, motion.q, motion.v)

@@ -23,7 +23,7 @@ from .failures import ImpactError
 from .impulse import compatible_accelerations
 from .increments import current_time, solved
 from .state import Line, State, openings_of
-from .stepper import Motion, Stepper
+from .stepper import Instant, Stepper
 from .structure import Structure
 
 _INCREMENT = {"no": solved, "average-time": average_time, "current-time": current_time}
@@ -69,11 +69,11 @@ class Run:
 def march(
     structure: Structure,
     scheme: Scheme,
-    start: Motion,
+    start: Instant,
     dt: float,
     t_end: float,
     impact: str = "no",
-    observe: Callable[[Motion], Sequence[float]] = lambda motion: (),
+    observe: Callable[[Instant], Sequence[float]] = lambda motion: (),
     cap: int = INCREMENT_CAP,
     progress: Callable[[float], None] = lambda t: None,
 ) -> Run:
@@ -121,7 +121,7 @@ def march(
     return Run(*columns, state.log, state.cutbacks, state.solves, status)
 
 
-def _at_start(stepper: Stepper, start: Motion) -> State:
+def _at_start(stepper: Stepper, start: Instant) -> State:
     """Contacts that touch and do not approach each other are closed from the start."""
     contacts = stepper.structure.contacts
     openings = openings_of(stepper, start)

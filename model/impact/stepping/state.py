@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .stepper import Motion
+from .stepper import Instant
 
 AT_ONCE = 1e-9  # what is shorter than this share of an increment takes no time
 
@@ -38,7 +38,7 @@ class State:
     """Motion; which contacts are closed, and at which openings they rest [m], each of shape (m,);
     the largest contact force so far [N]; what was counted and logged."""
 
-    motion: Motion
+    motion: Instant
     closed: np.ndarray
     rest: np.ndarray
     largest_force: float = 0.0
@@ -47,7 +47,7 @@ class State:
     log: list[Line] = field(default_factory=list)
 
 
-def accept(state: State, motion: Motion, line: Line) -> Motion:
+def accept(state: State, motion: Instant, line: Line) -> Instant:
     state.motion = motion
     state.log.append(line)
     state.largest_force = max(state.largest_force, float(np.abs(motion.force).max(initial=0.0)))

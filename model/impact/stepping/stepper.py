@@ -20,7 +20,7 @@ from .failures import ImpactError
 from .structure import Structure
 
 
-class Motion(NamedTuple):
+class Instant(NamedTuple):
     """State at time t [s]: displacement [m], velocity, acceleration, r = C v + K q - f [N], each of
     shape (n,); force of the contacts [N], shape (m,)."""
 
@@ -73,11 +73,11 @@ class Stepper:
         self.mass_columns = self._mass_solver(structure.contacts.B)
         self.mass_flexibility = structure.contacts.B.T @ self.mass_columns
 
-    def start(self, t: float, q: np.ndarray, v: np.ndarray) -> Motion:
-        """Motion at rest in its contacts, accelerations from the equation of motion."""
+    def start(self, t: float, q: np.ndarray, v: np.ndarray) -> Instant:
+        """Instant at rest in its contacts, accelerations from the equation of motion."""
         r = self.residual(t, q, v)
         force = np.zeros(len(self.structure.contacts.compliance))
-        return Motion(t, q, v, -self._mass_solver(r), r, force)
+        return Instant(t, q, v, -self._mass_solver(r), r, force)
 
     def residual(self, t: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
         """r = C v + K q - f(t) [N]."""
@@ -87,7 +87,7 @@ class Stepper:
         """-M^-1 r [m/s2], the accelerations without contact."""
         return -self._mass_solver(r)
 
-    def free(self, old: Motion, h: float) -> FreeStep:
+    def free(self, old: Instant, h: float) -> FreeStep:
         """Predict and solve the linear part of a step of length h [s]."""
         am, af, beta, _ = self.scheme
         t = old.t + h
@@ -102,12 +102,12 @@ class Stepper:
         at_contacts = (B.T @ q, B.T @ v, B.T @ a)
         return FreeStep(h, t, q, v, a, columns, *at_contacts, flexibility, beta * h * h)
 
-    def finish(self, free: FreeStep, N: np.ndarray, force: np.ndarray) -> Motion:
+    def finish(self, free: FreeStep, N: np.ndarray, force: np.ndarray) -> Instant:
         """The motion at the end of the step; contact forces [N], shape (m,), along N, (k, m)."""
         a = free.a + free.columns @ (N @ force)
         q, v = free.q.copy(), free.v.copy()
         correct(self.scheme, free.h, a, q, v)
-        return Motion(free.t, q, v, a, self.residual(free.t, q, v), force)
+        return Instant(free.t, q, v, a, self.residual(free.t, q, v), force)
 
     def _linear(self, h: float, t: float) -> tuple:
         """Solver of the step matrix, S^-1 B and B^T S^-1 B; kept for the step lengths in use."""
