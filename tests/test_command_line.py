@@ -171,21 +171,44 @@ def test_build_fmu_py_builds_into_the_folder_named(tmp_path):
     assert (tmp_path / "fmus" / "RotorBearing.fmu").is_file()
 
 
-@pytest.mark.parametrize("how", [[], ["--direct"]])
-def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how):
+STEPPING = """
+from {module} import {name}
+step = {name}.{method}
+def first(*arguments, **named):
+    {name}.{method} = step
+    print("running", flush=True)
+    return step(*arguments, **named)
+{name}.{method} = first
+from rotor_fmu.cli import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("how", "module", "name", "method"),
+    [
+        ([], "fmpy.fmi2", "FMU2Slave", "doStep"),
+        (["--direct"], "rotor_fmu.model.simulation", "Simulation", "advance"),
+    ],
+)
+def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, module, name, method):
+    """A run of minutes, which says when it takes its first step."""
+    script = STEPPING.format(module=module, name=name, method=method)
     process = subprocess.Popen(
         [
-            *(sys.executable, "-c", "from rotor_fmu.cli import main; main()", "run-down"),
+            *(sys.executable, "-c", script, "run-down"),
             *("--preset", "robust", "--set", "solver.h=1e-6", "--out", ".", *how),
         ],
+        stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         cwd=tmp_path,
     )
     try:
-        time.sleep(8)  # well inside the run, which takes minutes
+        assert process.stdout.readline() == "running\n"
+        time.sleep(0.5)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=600)
     finally:
         process.kill()
     assert process.returncode == 130, said

@@ -37,7 +37,8 @@ def test_the_residual_is_the_balance_of_what_is_listed():
     start = stored(Simulation(rig(), choose("robust"), speed=300.0))
     inflow = sim.read("energy.drive_work") + sim.read("energy.external_work")
     expected = stored(sim) - start - inflow + losses(sim)
-    assert sim.read("energy.residual") == pytest.approx(expected, rel=1e-6, abs=1e-9)
+    # the stores, of some 800 J, cancel
+    assert sim.read("energy.residual") == pytest.approx(expected, rel=1e-6, abs=1e-12 * start)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -75,7 +76,7 @@ def test_every_loss_of_the_rig_only_grows():
     for t in np.linspace(0, 2, 401)[1:]:
         sim.advance(t, 215 - 10 * sim.time)
         now = np.array([sim.read(name) for name in names])
-        assert np.all(now >= before - 1e-12)
+        assert np.all(now >= before * (1 - 1e-12))
         before = now
     assert np.all(before > 0)
 

@@ -83,7 +83,7 @@ def test_at_rest_the_steps_grow_to_the_longest():
     sim = Simulation(rig(), choose("controlled"), speed=0.0)
     sim.advance(2.0, 0.0)
     assert sim.read("solver.h_last") == pytest.approx(choose("controlled").h_max, rel=0.01)
-    assert sim.read("disc[3].y") == pytest.approx(-238.396e-6, abs=2e-9)
+    assert sim.read("disc[3].y") == pytest.approx(-238.396e-6, rel=1e-5)
 
 
 @pytest.mark.parametrize("gravity", [0.0, 9.81])
@@ -102,7 +102,7 @@ def test_a_rejected_step_leaves_nothing_behind():
         sim.advance(0.05, 200.0)
         ends.append((complex(sim.read("disc[3].x"), sim.read("disc[3].y")), sim))
     assert ends[1][1].read("solver.rejected") > ends[0][1].read("solver.rejected")
-    assert abs(ends[1][0] - ends[0][0]) < 1e-8
+    assert abs(ends[1][0] - ends[0][0]) < 10 * 1e-5 * abs(ends[0][0])  # of the tolerance
 
 
 def test_the_controller_keeps_to_its_limits():

@@ -76,7 +76,7 @@ def test_a_predicted_cycle_is_a_motion_of_the_integrator(name, direction):
             (seen.real, seen.imag) if direction == one_axis.X else (seen.imag, seen.real)
         )
         np.testing.assert_allclose(along, np.resize(cycle.displacement, 60), rtol=1e-6)
-        assert np.abs(across).max() < 1e-12
+        assert np.abs(across).max() < 1e-8 * axis.clearance
 
 
 @pytest.mark.parametrize("name", SCHEMES)
@@ -178,7 +178,7 @@ def test_the_map_of_an_impact_is_the_integrators(name):
     shape = np.append(axis.static[0], 0.0)  # and ground
     put(simulation, start * shape, speed * shape, 0 * shape)
     seen = displacements(simulation, H, count + 1)[1:].real
-    np.testing.assert_allclose(seen[:20], predicted[:20], rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(seen[:20], predicted[:20], rtol=1e-6, atol=1e-8 * axis.clearance)
 
 
 def test_impacts_end_in_the_false_state_with_newmark_and_never_with_0_2():

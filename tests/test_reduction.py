@@ -28,13 +28,13 @@ def orbit(modes, stop=0.4, rotor=None):
 def test_with_all_modes_it_is_a_change_of_coordinates():
     whole, _ = orbit(0)
     changed, _ = orbit(ALL)
-    assert np.abs(changed - whole).max() < 1e-11
+    assert np.abs(changed - whole).max() < 1e-8 * np.abs(whole).max()
 
 
 def test_every_mode_more_comes_closer():
     whole, _ = orbit(0)
     errors = [np.abs(orbit(modes)[0] - whole).max() for modes in (1, 2, 4)]
-    assert errors[0] < 2e-5
+    assert errors[0] < 0.035 * np.abs(whole).max()
     assert errors[0] > 3 * errors[1] > 9 * errors[2]
 
 

@@ -9,7 +9,7 @@ from rotor_fmu.model.settings import choose
 
 from benchmarks import equations
 
-from .windows import SPEEDS_HZ, rig, windows
+from .windows import ATOL, SPEEDS_HZ, rig, windows
 
 RTOL = 1e-8
 
@@ -32,8 +32,15 @@ def size(orbit):
 def test_the_reference_rests_where_the_machine_does():
     still = equations.equations(rig(), 0.0, 0.0)
     q = rest(rig())
-    slope = still.slope(0.0, equations.real_state(q, 0 * q))
-    assert np.abs(slope).max() < 1e-6  # [m/s2], beside gravity's 9.81
+    state, size = equations.real_state(q, 0 * q), still.size
+    slope = still.slope(0.0, state)
+    assert np.all(slope[:size] == 0)
+    # no force is known closer than the rounding of its terms, K q, nor what it accelerates
+    K = still.mass @ still.jacobian(0.0, state)[size:, :size]
+    terms = np.abs(np.linalg.inv(still.mass)) @ np.abs(K) @ np.abs(state[:size])
+    rounding = size * np.finfo(float).eps * terms
+    assert np.all(np.abs(slope[size:]) <= rounding)
+    assert rounding.max() < 1e-4 * rig().gravity
 
 
 def test_the_jacobian_of_the_reference_is_the_derivative_of_its_slope():
@@ -56,9 +63,12 @@ def test_the_jacobian_of_the_reference_is_the_derivative_of_its_slope():
 def test_the_reference_has_converged_and_its_motion_is_not_chaotic(hz, stretches, references):
     exact = references[hz]
     coarser = stretches[hz].reference(100 * RTOL)
-    assert np.abs(coarser - exact).max() < 2e-9  # [m], orbits of 28 to 400 um
-    shifted = stretches[hz].reference(RTOL, shift=1e-10)
-    assert np.abs(shifted - exact)[-1] < 1e-9
+    # asked of every step; over a window, by where the steps fall, up to six times of it were seen
+    allowed = 100 * RTOL * (np.abs(exact).max() + ATOL)
+    assert np.abs(coarser - exact).max() < 20 * allowed
+    shift = 1e-10  # [m], orbits of 28 to 400 um
+    shifted = stretches[hz].reference(RTOL, shift=shift)
+    assert np.abs(shifted - exact)[-1] < 10 * shift
 
 
 @pytest.mark.parametrize("hz", SPEEDS_HZ)

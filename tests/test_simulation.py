@@ -15,6 +15,7 @@ from rotor_fmu.model.simulation import RotorWarning, Simulation, StepFailure
 RIG = rig()
 PRESETS = {"robust": choose("robust"), "paper-adaptive": choose("paper-adaptive")}
 LOADS = np.array([0, 2 + 1j, 0, -3j])
+NEAR = 2e-5 * RIG.bearings[0].clearance  # rounding, magnified at every contact
 
 
 def run_down(sim, until, stop=0.04, loads=None):
@@ -111,7 +112,7 @@ def test_a_mirrored_machine_moves_as_the_mirror_image():
     for i in range(1, 11):
         sim.advance(0.01 * i, 250.0, LOADS)
         image.advance(0.01 * i, -250.0, -LOADS.conjugate())
-        np.testing.assert_allclose(image.motion.q, -sim.motion.q.conjugate(), atol=1e-9)
+        assert np.abs(image.motion.q + sim.motion.q.conjugate()).max() < NEAR
     assert image.read("tau") == pytest.approx(-sim.read("tau"), rel=1e-3)
 
 
@@ -123,7 +124,7 @@ def test_a_machine_turned_by_a_right_angle_moves_alike_without_gravity():
     for i in range(1, 11):
         sim.advance(0.01 * i, 250.0, LOADS)
         turned.advance(0.01 * i, 250.0, 1j * LOADS)
-        np.testing.assert_allclose(turned.motion.q, 1j * sim.motion.q, atol=1e-9)
+        assert np.abs(turned.motion.q - 1j * sim.motion.q).max() < NEAR
 
 
 def unstable():

@@ -184,12 +184,11 @@ def test_ctrl_c_ends_a_survey_in_one_line_and_keeps_what_was_finished(tmp_path):
         cwd=tmp_path,
     )
     try:
-        for _ in range(600):
+        while not ((tmp_path / TABLE).exists() and len(read_table(tmp_path / TABLE)) > 2):
+            assert process.poll() is None
             time.sleep(0.1)
-            if (tmp_path / TABLE).exists() and len(read_table(tmp_path / TABLE)) > 2:
-                break
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=600)
     finally:
         process.kill()
     assert process.returncode == 130, said

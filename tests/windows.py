@@ -23,6 +23,7 @@ SPEED, RATE = 400.0, -10.0  # of the run-down: [rad/s] at its start, [rad/s2]
 SPEEDS_HZ = (60.0, 31.4, 27.5, 15.0)  # before, at and between the peaks, and far below them
 DURATION, STOPS = 0.2, 41  # of a window [s]; points at which orbits are compared
 STOP = 0.04  # between two of the run that leads to the windows [s]
+ATOL = 1e-4  # displacements below it [m] are known to as much as it is, relative to it
 
 
 def rig() -> Rotor:
@@ -54,7 +55,7 @@ class Window:
         def jacobian(t, state, _, out):
             equations.jacobian(t, state, out, coefficients)
 
-        atol = np.repeat([1e-4 * rtol, 1e-1 * rtol], size)  # [m], [m/s]
+        atol = np.repeat([ATOL * rtol, 1e3 * ATOL * rtol], size)  # [m], [m/s]
         start = self.state + np.repeat([shift, 0.0], size)
         solver = CVODE(slope, jacfn=jacobian, rtol=rtol, atol=atol, max_num_steps=10**8)
         return self.machine.disc(solver.solve(self.times, start).y)

@@ -10,8 +10,10 @@ from .masters import NO_C_HOST, Master, compile_c_host
 
 
 @pytest.fixture(scope="session")
-def fmu(tmp_path_factory) -> Path:
-    return build(tmp_path_factory.mktemp("fmu"))
+def fmu(request, tmp_path_factory) -> Path:
+    """Built once for all workers where there are several (tests/conftest.py)."""
+    shared = getattr(request.config, "workerinput", {}).get("fmu")
+    return Path(shared) if shared else build(tmp_path_factory.mktemp("fmu"))
 
 
 @pytest.fixture(scope="session")

@@ -71,7 +71,7 @@ class Master:
             capture_output=True,
             text=True,
             check=False,
-            timeout=300,
+            timeout=1200,
             env={**os.environ, **(environment or {})},
         )
         return Talk(list(_answers(done.stdout)), done.stderr, done.returncode)

@@ -50,7 +50,7 @@ def in_a_process(fmu, script, environment=None):
         capture_output=True,
         text=True,
         check=False,
-        timeout=300,
+        timeout=1200,
         env={**os.environ, **(environment or {})},
     )
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"

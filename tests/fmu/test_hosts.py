@@ -27,7 +27,7 @@ def needs(module, install):
 
 def run(*command, cwd=None):
     done = subprocess.run(
-        command, capture_output=True, text=True, check=False, cwd=cwd, timeout=300
+        command, capture_output=True, text=True, check=False, cwd=cwd, timeout=1200
     )
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done
@@ -74,7 +74,7 @@ def test_the_notebook_that_fmpy_makes_runs_from_top_to_bottom(fmu, tmp_path):
     run(*FMPY, "create-jupyter-notebook", fmu.name, cwd=tmp_path)
     notebook = nbformat.read(tmp_path / "RotorBearing.ipynb", as_version=4)
     folder = {"metadata": {"path": str(tmp_path)}}
-    NotebookClient(notebook, kernel_name="python3", resources=folder, timeout=300).execute()
+    NotebookClient(notebook, kernel_name="python3", resources=folder, timeout=1200).execute()
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert all(cell.execution_count for cell in code)
     outputs = [output for cell in code for output in cell.outputs]
@@ -291,7 +291,7 @@ def cofmpy(fmu, motor, folder, algorithms, **inputs):
         text=True,
         check=False,
         cwd=folder,
-        timeout=300,
+        timeout=1200,
     )
 
 

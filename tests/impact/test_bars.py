@@ -135,7 +135,7 @@ def test_the_contact_force_is_the_waves():
 def test_no_force_ever_pulls_and_no_opening_is_negative():
     found = run(CONTACT_NEWMARK, 8e-4)
     assert found.run.force.min() >= 0
-    assert found.run.seen[:, 3].min() > -1e-14
+    assert found.run.seen[:, 3].min() > -1e-12 * Bars().opening
 
 
 def test_a_stiff_penalty_blurs_towards_the_hard_contact():

@@ -42,7 +42,7 @@ def test_the_structure_is_the_dense_oracles():
 def test_it_starts_at_rest_on_the_bottom_of_its_stops():
     still = balanced(RIG)
     found = run_journals(RunDown(still, 0.0, 0.0), MODERATE_DISSIPATION, 1e-3, "no", 0.05)
-    assert np.abs(found.disc - found.disc[0]).max() < 1e-11
+    assert np.abs(found.disc - found.disc[0]).max() < 4e-8 * np.abs(found.disc).max()
     weight = sum(found.run.force[-1])
     housings = sum(bearing.mass for bearing in RIG.bearings)
     structure = JournalStructure(RunDown(still, 0.0, 0.0))
@@ -83,7 +83,7 @@ def test_average_time_arrives_on_an_undamped_shaft_with_a_damped_scheme():
     assert found.run.is_done
     assert found.run.cutbacks > 0
     plain = run(UNDAMPED, MODERATE_DISSIPATION, "no")
-    assert np.abs(found.disc[-1] - plain.disc[-1]).max() < 5e-6
+    assert np.abs(found.disc[-1] - plain.disc[-1]).max() < 0.1 * RIG.bearings[0].clearance
 
 
 def test_average_time_stalls_with_an_undamped_scheme():

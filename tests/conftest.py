@@ -1,0 +1,57 @@
+"""What is built and compiled once for all workers of pytest-xdist."""
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.kernels.compiled import has_to_compile
+from rotor_fmu.model.kernels.user_cache import user_cache
+from rotor_fmu.model.march import calls
+
+from rotor_fmu.packing.bundle import build, package_name
+
+SHARED = pytest.StashKey[Path]()
+
+COMPILE_MODEL = """
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+Simulation(rig(), choose("robust"), speed=400.0, rate=-10.0).advance(0.01, 400.0)
+"""
+COMPILE_FMU = """
+import sys
+from pathlib import Path
+from rotor_fmu.packing.warm import warm
+warm(Path(sys.argv[1]))
+"""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node):
+    """Before pytest-xdist starts a worker: tell it where the FMU is that they all drive."""
+    config = node.config
+    if SHARED not in config.stash:
+        config.stash[SHARED] = Path(tempfile.mkdtemp(prefix="rotor_fmu_tests_"))
+        _compile(build(config.stash[SHARED]))
+    node.workerinput["fmu"] = str(next(config.stash[SHARED].glob("*.fmu")))
+
+
+def pytest_unconfigure(config):
+    if SHARED in config.stash:
+        shutil.rmtree(config.stash[SHARED], ignore_errors=True)
+
+
+def _compile(fmu):
+    """Fill an empty cache, so that no two workers compile the same; side by side."""
+    scripts = []
+    if has_to_compile(calls.advance):
+        scripts.append(COMPILE_MODEL)
+    if not (user_cache() / "packages" / package_name()).is_dir():
+        scripts.append(COMPILE_FMU)
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    compilers = [subprocess.Popen([sys.executable, "-c", s, str(fmu)], **quiet) for s in scripts]
+    for compiler in compilers:
+        compiler.wait()
