@@ -7,6 +7,7 @@ as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4)
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
 STEEL_POISSON = 0.3
@@ -59,6 +60,9 @@ _OWN_QUANTITIES = {
     "rotating_damping": "shaft",
     "gravity": "",
 }
+
+# Parts of which a rotor may have several.
+_REPEATED = ("disc", "bearing", "support")
 
 _HUGE = 1e30  # beyond it, products of such numbers overflow
 
@@ -278,22 +282,28 @@ class Rotor:
         return self.nodes[-1] - self.nodes[0]
 
     def with_value(self, name: str, value: float | bool) -> Rotor:
-        """The rotor with one quantity replaced.
+        """`with_values` of one quantity."""
+        return self.with_values({name: value})
 
-        name: as the FMU spells it: `bearing[1].clearance`, `disc[2].e`, `shaft.eta_v`, `gravity`.
-        Raises `RotorError` if the name is unknown or the value impossible.
+    def with_values(self, values: Mapping[str, float | bool]) -> Rotor:
+        """The rotor with some quantities replaced, all at once: the rotor between two of them may
+        be impossible.
+
+        values: by names as the FMU spells them: `bearing[1].clearance`, `disc[2].e`,
+        `shaft.eta_v`, `gravity`. Raises `RotorError` if a name is unknown or a value impossible.
         """
-        part, _, attribute = name.rpartition(".")
-        if attribute in _OWN_QUANTITIES and part == _OWN_QUANTITIES[attribute]:
-            return replace(self, **{attribute: value})
-        kind, _, index = part.rstrip("]").partition("[")
-        items = (
-            list(getattr(self, f"{kind}s", ())) if kind in ("disc", "bearing", "support") else []
-        )
-        if index not in map(str, range(1, len(items) + 1)) or attribute not in _FIELD_RULES:
-            raise RotorError(f"{name}: unknown quantity")
-        item = items[int(index) - 1]
-        if attribute not in {field.name for field in fields(item)}:
-            raise RotorError(f"{name}: unknown quantity")
-        items[int(index) - 1] = replace(item, **{attribute: value})
-        return replace(self, **{f"{kind}s": tuple(items)})
+        changed: dict[str, object] = {}
+        parts = {f"{kind}s": list(getattr(self, f"{kind}s")) for kind in _REPEATED}
+        for name, value in values.items():
+            part, _, attribute = name.rpartition(".")
+            if attribute in _OWN_QUANTITIES and part == _OWN_QUANTITIES[attribute]:
+                changed[attribute] = value
+                continue
+            kind, _, index = part.rstrip("]").partition("[")
+            items = parts[f"{kind}s"] if kind in _REPEATED else []
+            is_there = index in map(str, range(1, len(items) + 1)) and attribute in _FIELD_RULES
+            if not is_there or attribute not in {f.name for f in fields(items[int(index) - 1])}:
+                raise RotorError(f"{name}: unknown quantity")
+            items[int(index) - 1] = replace(items[int(index) - 1], **{attribute: value})
+        changed |= {kind: tuple(items) for kind, items in parts.items()}
+        return replace(self, **changed)
