@@ -42,7 +42,8 @@ class Simulation:
     The rotor starts at rest in its static equilibrium at time t [s], turning at `speed` [rad/s].
     `rate` [rad/s2] is the rate of the speed over the first interval; later ones continue the speed
     linearly from the last two values given, or, without `continues_speed`, hold the last. Given a
-    `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. What
+    `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. `loads`: the
+    forces that act from the start, as `advance` takes them. What
     makes a run doubtful goes to `warn` (default: a `RotorWarning`): settings that make oscillations
     grow, the false state, a missing compiler. Raises `EquilibriumError`.
     """
@@ -57,6 +58,7 @@ class Simulation:
         rate: float = 0.0,
         continues_speed: bool = True,
         drive_torque: float | None = None,
+        loads: np.ndarray | None = None,
         warn: Callable[[str], None] = _warn,
     ) -> None:
         self._warn = warn
@@ -76,6 +78,8 @@ class Simulation:
                 f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
             )
         self._loads = np.zeros(len(self.structure.load_dof), dtype=complex)
+        if loads is not None:
+            self._loads[:] = loads
         self._motion = new_motion(self.structure)
         self._trial = tuple(new_motion(self.structure))
         self._work = new_workspace(self.structure)

@@ -56,7 +56,7 @@ def refusal(tmp_path, monkeypatch, capsys):
         (["--set", "gravity=-1"], "--set gravity = -1 m/s2: must be"),
         (["--set", "bearing[1].clearance=0"], "bearing[1].clearance = 0 m: must be > 0"),
         (["--set", "solver.method=9"], "--set solver.method = 9: must be one of 0 as the preset"),
-        (["--set", "solver.method=hht"], "solver.method = hht: needs solver.alpha_f too"),
+        (["--set", "solver.method=hht"], "solver.method = hht: needs alpha_f too"),
         (["--set", "solver.alpha_f=0.1"], "chung-hulbert does not take it"),
         (["--set", "shaft.rotating_damping=perhaps"], "must be true or false"),
         (["--preset", "paper-adaptive", "--set", "solver.h=1"], "solver.h = 1 s: must lie between"),

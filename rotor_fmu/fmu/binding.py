@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from ..model.machine.rotor import Rotor
-from ..model.settings import choose
 from ..model.simulation import Simulation
+from .solver_parameters import is_solvers, settings_of
 from .variables import Variable
 
-SOLVER = "solver."
 # Parameters of the run itself, neither the rotor's nor the solver's.
 _OF_THE_RUN = ("speed_rate", "speed_continuation", "w_start")
 
@@ -22,47 +23,30 @@ def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
     return tuple((f"{body}.fx", f"{body}.fy") for body in bodies)
 
 
-def chosen_settings(
-    table: Sequence[Variable], values: Mapping[str, float]
-) -> dict[str, str | float]:
-    """Arguments of `settings.choose` from the values of the solver's parameters by name;
-    those that are left to the preset are left out."""
-    chosen = {}
-    for variable in table:
-        if variable.causality != "parameter" or not variable.name.startswith(SOLVER):
-            continue
-        value = values[variable.name]
-        if variable.is_unset_at_start and value == variable.start:
-            continue
-        name = variable.name.removeprefix(SOLVER)
-        chosen["mode" if name == "adaptive" else name] = (
-            variable.choices[int(value)] if variable.choices else value
-        )
-    return chosen
-
-
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
     """The rotor with those of its parameters that differ from their start values."""
-    for variable in table:
-        name = variable.name
-        is_the_rotors = variable.causality == "parameter" and not name.startswith(SOLVER)
-        if is_the_rotors and name not in _OF_THE_RUN and values[name] != variable.start:
-            rotor = rotor.with_value(name, values[name])
-    return rotor
+    parameters = [v for v in table if v.causality == "parameter" and not is_solvers(v.name)]
+    return rotor.with_values(
+        {
+            v.name: values[v.name]
+            for v in parameters
+            if v.name not in _OF_THE_RUN and values[v.name] != v.start
+        }
+    )
 
 
 def build_simulation(
     rotor: Rotor,
     table: Sequence[Variable],
     values: Mapping[str, float],
-    start_time: float,
     warn: Callable[[str], None],
     tolerance: float | None = None,
 ) -> Simulation:
-    """The simulation that an FMU with these values of its inputs and parameters stands for.
+    """The simulation that an FMU with these values of its inputs and parameters stands for; its
+    time is counted from the start.
 
-    start_time [s]; tolerance: the experiment's [1], which a value of the FMU's own overrides.
-    Raises `RotorError`, `SettingsError` and `EquilibriumError`.
+    tolerance: the experiment's [1], which a value of the FMU's own overrides. Raises `RotorError`,
+    `SettingsError` and `EquilibriumError`.
     """
     if "tau_drive" in values:
         drive = {"speed": values["w_start"], "drive_torque": values["tau_drive"]}
@@ -72,8 +56,7 @@ def build_simulation(
             "rate": values["speed_rate"],
             "continues_speed": values["speed_continuation"] == 0,
         }
+    loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)
-    settings = chosen_settings(table, values)
-    if tolerance is not None:
-        settings.setdefault("tolerance", tolerance)
-    return Simulation(changed, choose(**settings), t=start_time, warn=warn, **drive)
+    settings = settings_of(values, tolerance, warn)
+    return Simulation(changed, settings, loads=loads, warn=warn, **drive)

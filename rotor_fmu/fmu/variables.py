@@ -43,8 +43,8 @@ class Variable:
     """One variable of the FMU.
 
     kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a key of
-    `UNITS` (Reals); choices: the names of an Integer's values, from 0; unset: the start value of a
-    solver parameter that leaves it to the preset.
+    `UNITS` (Reals); choices: the names of an Integer's values, from 0; is_unset_at_start: whether
+    the start value stands for none, so that to set it changes nothing.
     """
 
     name: str
