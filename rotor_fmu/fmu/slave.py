@@ -176,7 +176,13 @@ class RotorBearing(Fmi2Slave):
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
         """Set String variables, of which there are none."""
-        self._guard(self._instance.set, "String", vrs, values)
+        self._guard(self._set_strings, vrs, values)
+
+    def _set_strings(self, vrs: list[int], values: list[str]) -> None:
+        try:
+            self._instance.set("String", vrs, values)
+        except SystemError:  # the wrapper's, left pending by text that is not UTF-8
+            raise FmuError("setString: a value is not UTF-8 text") from None
 
     # --- what goes wrong ---------------------------------------------------------------------
 
