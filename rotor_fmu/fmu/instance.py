@@ -3,8 +3,9 @@ values, and what each does. A wrapper for a host goes around it.
 
 The phases are the states of the standard's section 4.2.4. Where it leaves a choice: an instance
 without setupExperiment starts at 0 s, without an end and with the preset's tolerance; values that
-a host may set can be read in every phase; a call that is refused changes nothing, so that the host
-may go on after it.
+a host may set can be read in every phase; Integers and Booleans can be read as Reals too, as some
+masters do with every output; a call that is refused changes nothing, so that the host may go on
+after it.
 """
 
 from __future__ import annotations
@@ -68,6 +69,7 @@ class Instance:
             kind: frozenset(i for i, v in enumerate(face.table) if v.kind == kind)
             for kind in ("Real", "Integer", "Boolean", "String")
         }
+        self._readable = {**self._of_kind, "Real": frozenset(range(len(face.table)))}
         self._inputs = frozenset(i for i, v in enumerate(face.table) if v.causality == "input")
         self._loads = np.zeros(len(face.load_at) // 2, dtype=complex)
         self._load_parts = self._loads.view(float)
@@ -180,7 +182,7 @@ class Instance:
 
     def get(self, kind: str, references: Sequence[int]) -> list[float]:
         """Values of variables of one kind: Real, Integer, Boolean or String."""
-        if not self._of_kind[kind].issuperset(references):
+        if not self._readable[kind].issuperset(references):
             raise self._wrong_reference("get", kind, references)
         if self._is_stale and references and max(references) >= self._face.observed_at:
             if self._phase is Phase.INSTANTIATED:
@@ -224,7 +226,8 @@ class Instance:
 
     def _wrong_reference(self, call: str, kind: str, references: Sequence[int]) -> FmuError:
         table = self._face.table
-        wrong = next(r for r in references if r not in self._of_kind[kind])
+        allowed = self._readable if call == "get" else self._of_kind
+        wrong = next(r for r in references if r not in allowed[kind])
         if 0 <= wrong < len(table):
             what = f"{table[wrong].name}: is of type {table[wrong].kind}"
         else:
