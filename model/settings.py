@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from .march.control import ADAPTIVE, CONTROLLED, FIXED, Control
 from .march.paper_control import (
@@ -30,8 +32,17 @@ INDICATORS = {
     "li-zeng-wiberg": (LI_ZENG_WIBERG, False),
     "li-zeng-wiberg-corrected": (LI_ZENG_WIBERG, True),
 }
-FITTED = ("no", "yes")
 NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
+
+
+# What decides the step length in each mode, besides h.
+_OF_MODE = {
+    "fixed": (),
+    "adaptive": ("h_min", "h_max", "eps_min", "eps_max", "indicator", "norm"),
+    "controlled": ("h_min", "h_max", "tolerance"),
+}
+# Whatever any mode looks at; the last two only where the norm is mixed.
+_STEP_CONTROL = tuple(dict.fromkeys(chain(*_OF_MODE.values(), ("atol", "rtol"))))
 
 
 class SettingsError(ValueError):
@@ -46,9 +57,11 @@ class Settings:
     mode: `fixed`, `adaptive` (paper A's) or `controlled`; h: step length, where it varies the first
     [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
     relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
-    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
-    fitted: `yes` or `no`, whether the method is fitted to the speed of rotation (`fitting`).
+    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative, at most 1 [1].
+    fitted: whether the method is fitted to the speed of rotation (`fitting`).
     reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
+
+    Raises `SettingsError`.
     """
 
     method: str = "chung-hulbert"
@@ -66,7 +79,7 @@ class Settings:
     atol: float = 1e-6
     rtol: float = 1e-3
     tolerance: float = 1e-3
-    fitted: str = "no"
+    fitted: bool = False
     reduction: int = 0
 
     def __post_init__(self) -> None:
@@ -75,32 +88,36 @@ class Settings:
             ("mode", MODES),
             ("indicator", INDICATORS),
             ("norm", NORMS),
-            ("fitted", FITTED),
         ):
             if getattr(self, name) not in allowed:
                 raise SettingsError(
-                    f"solver.{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}"
+                    f"{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}"
                 )
+        if not isinstance(self.fitted, bool):
+            raise SettingsError(f"fitted = {self.fitted!r}: must be true or false")
         for name in ("h", "h_min", "h_max", "eps_min", "eps_max", "atol", "rtol", "tolerance"):
             value = getattr(self, name)
-            if not math.isfinite(value) or value <= 0:
-                raise SettingsError(f"solver.{name} = {value:g}: must be > 0 and finite")
+            if isinstance(value, bool) or not isinstance(value, (int, float)):
+                raise SettingsError(f"{name} = {value!r}: must be a number")
+            most = 1.0 if name == "tolerance" else math.inf
+            if not math.isfinite(value) or not 0 < value <= most:
+                bound = "finite" if most == math.inf else f"at most {most:g}"
+                raise SettingsError(f"{name} = {value:g}: must be > 0 and {bound}")
         if self.mode != "fixed" and not self.h_min <= self.h <= self.h_max:
             raise SettingsError(
-                f"solver.h = {self.h:g} s: must lie between solver.h_min = {self.h_min:g} s "
-                f"and solver.h_max = {self.h_max:g} s"
+                f"h = {self.h:g} s: must lie between h_min = {self.h_min:g} s "
+                f"and h_max = {self.h_max:g} s"
             )
         if self.mode == "adaptive" and not self.eps_min < self.eps_max:
             raise SettingsError(
-                f"solver.eps_min = {self.eps_min:g}: must be below solver.eps_max = "
-                f"{self.eps_max:g}"
+                f"eps_min = {self.eps_min:g}: must be below eps_max = {self.eps_max:g}"
             )
         if self.reduction != int(self.reduction) or self.reduction < 0:
-            raise SettingsError(f"solver.reduction = {self.reduction}: must be an integer >= 0")
+            raise SettingsError(f"reduction = {self.reduction}: must be an integer >= 0")
         try:
             self.scheme()
         except schemes.SchemeError as error:
-            raise SettingsError(f"solver.{error}") from error
+            raise SettingsError(str(error)) from error
 
     def scheme(self) -> schemes.Scheme:
         """The integrator's parameters; raises `schemes.SchemeError` for impossible ones."""
@@ -132,7 +149,7 @@ class Settings:
             rtol=self.rtol,
             tolerance=self.tolerance,
             error_constant=scheme.beta + shift - 1 / 6,
-            is_fitted=self.fitted == "yes",
+            is_fitted=self.fitted,
         )
 
 
@@ -164,29 +181,40 @@ PRESETS = {
         h=1e-5,
         h_min=1e-9,
         h_max=5e-3,
-        fitted="yes",
+        fitted=True,
     ),
 }
 DEFAULT_PRESET = "controlled"
 
 
-def choose(preset: str = DEFAULT_PRESET, **changes: str | float) -> Settings:
+def choose(preset: str = DEFAULT_PRESET, **changes: str | float | bool) -> Settings:
     """A preset with some settings changed.
 
     Raises `SettingsError` for impossible ones, for a method without the parameters that it takes,
     and for a parameter that the method does not take.
     """
     if preset not in PRESETS:
-        raise SettingsError(f"solver.preset = {preset!r}: must be one of {', '.join(PRESETS)}")
+        raise SettingsError(f"preset = {preset!r}: must be one of {', '.join(PRESETS)}")
     base = PRESETS[preset]
     method = changes.get("method", base.method)
     if method in METHODS:
         for name in ("alpha_f", "alpha_m", "rho"):
             if name in changes and name not in METHODS[method]:
                 raise SettingsError(
-                    f"solver.{name} = {changes[name]:g}: {method} does not take it; "
-                    "set solver.method too"
+                    f"{name} = {changes[name]:g}: {method} does not take it; set the method too"
                 )
             if name in METHODS[method] and method != base.method and name not in changes:
-                raise SettingsError(f"solver.method = {method}: needs solver.{name} too")
+                raise SettingsError(f"method = {method}: needs {name} too")
     return replace(base, **changes)
+
+
+def without_effect(settings: Settings, names: Iterable[str]) -> list[str]:
+    """A sentence for each of these settings that changes nothing in the mode of step control."""
+    looked_at = _OF_MODE[settings.mode]
+    if "norm" in looked_at and settings.norm == "mixed":
+        looked_at += ("atol", "rtol")
+    idle = [name for name in names if name in _STEP_CONTROL and name not in looked_at]
+    why = f"has no effect in the mode {settings.mode}"
+    if settings.mode == "adaptive":
+        why += f" with the norm {settings.norm}"
+    return [f"{name} = {getattr(settings, name)}: {why}" for name in idle]

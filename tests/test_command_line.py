@@ -56,8 +56,14 @@ def refusal(tmp_path, monkeypatch, capsys):
         (["--set", "gravity=-1"], "--set gravity = -1 m/s2: must be"),
         (["--set", "bearing[1].clearance=0"], "bearing[1].clearance = 0 m: must be > 0"),
         (["--set", "solver.method=9"], "--set solver.method = 9: must be one of 0 as the preset"),
-        (["--set", "solver.method=hht"], "solver.method = hht: needs solver.alpha_f too"),
+        (["--set", "solver.method=hht"], "solver.method = hht: needs alpha_f too"),
         (["--set", "solver.alpha_f=0.1"], "chung-hulbert does not take it"),
+        (["--set", "solver.alpha_f=1"], "solver.alpha_f = 1: means as the preset and changes not"),
+        (["--set", "solver.h=0"], "--set solver.h = 0: means as the preset and changes nothing"),
+        (["--set", "solver.rho=-1"], "--set solver.rho = -1: means as the preset and changes not"),
+        (["--set", "solver.norm=as the preset"], "means as the preset and changes nothing"),
+        (["--set", "solver.tolerance=1.5"], "--set solver.tolerance = 1.5: must be a finite"),
+        (["--set", "shaft.eta_h=0.01"], "shaft.eta_h = 0.01: must be 0 unless"),
         (["--set", "shaft.rotating_damping=perhaps"], "must be true or false"),
         (["--preset", "paper-adaptive", "--set", "solver.h=1"], "solver.h = 1 s: must lie between"),
         (["--stop", "-1"], "--stop -1 s: must be > 0"),
@@ -156,6 +162,30 @@ def test_a_run_that_diverges_ends_with_status_1_and_a_reason(tmp_path):
     assert done.returncode == 1
     assert "diverged" in done.stderr
     assert json.loads((tmp_path / "summary.json").read_text())["status"].startswith("failed")
+
+
+@pytest.mark.parametrize("how", [[], ["--direct"]])
+def test_a_setting_without_effect_is_said(tmp_path, how):
+    done = rotor_fmu(
+        *("run-down", "--preset", "robust", "--set", "solver.tolerance=1e-4"),
+        *("--stop", "0.01", "--out", ".", *how),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    sentence = "solver.tolerance = 0.0001: has no effect in the mode fixed"
+    assert done.stderr.count(f"warning: {sentence}") == 1
+    assert sentence in json.loads((tmp_path / "summary.json").read_text())["messages"]
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_parameters_that_go_together_are_taken_together(tmp_path, order):
+    sets = ["shaft.eta_h=0.01", "shaft.rotating_damping=true"][::order]
+    done = rotor_fmu(
+        *("run-down", "--direct", "--stop", "0.01", "--out", "."),
+        *(word for text in sets for word in ("--set", text)),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
 
 
 def test_build_fmu_py_builds_into_the_folder_named(tmp_path):

@@ -40,8 +40,8 @@ def whirl_error(omega, fit, per_revolution=24):
 
 @pytest.mark.parametrize("omega", [60.0, 110.0])
 def test_a_steady_whirl_comes_out_several_times_closer(omega):
-    assert whirl_error(omega, "no") > 0.004
-    assert whirl_error(omega, "yes") < 0.25 * whirl_error(omega, "no")
+    assert whirl_error(omega, False) > 0.004
+    assert whirl_error(omega, True) < 0.25 * whirl_error(omega, False)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

@@ -85,5 +85,5 @@ def test_a_rotor_on_supports_rests_where_it_rested():
 
 @pytest.mark.parametrize("value", [-1, 1.5])
 def test_a_number_of_modes_that_cannot_be_is_refused(value):
-    with pytest.raises(SettingsError, match=r"solver\.reduction = .*integer >= 0"):
+    with pytest.raises(SettingsError, match=r"^reduction = .*integer >= 0"):
         choose(reduction=value)

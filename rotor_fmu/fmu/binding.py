@@ -7,36 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..model.machine.rotor import Rotor
-from ..model.settings import choose
 from ..model.simulation import Simulation
 from .interface import ports
+from .solver_parameters import settings_of
 from .variables import Variable
-
-SOLVER = "solver."
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
     """Names of the inputs (x, y) of the external forces, in the order of `Structure.load_dof`."""
     return tuple((f"{name}.fx", f"{name}.fy") for name, _ in ports(rotor))
-
-
-def chosen_settings(
-    table: Sequence[Variable], values: Mapping[str, float]
-) -> dict[str, str | float]:
-    """Arguments of `settings.choose` from the values of the solver's parameters by name;
-    those that are left to the preset are left out."""
-    chosen = {}
-    for variable in table:
-        if variable.causality != "parameter" or not variable.name.startswith(SOLVER):
-            continue
-        value = values[variable.name]
-        if variable.is_unset_at_start and value == variable.start:
-            continue
-        name = variable.name.removeprefix(SOLVER)
-        chosen["mode" if name == "adaptive" else name] = (
-            variable.choices[int(value)] if variable.choices else value
-        )
-    return chosen
 
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
@@ -50,15 +29,14 @@ def build_simulation(
     rotor: Rotor,
     table: Sequence[Variable],
     values: Mapping[str, float],
-    start_time: float,
     warn: Callable[[str], None],
     tolerance: float | None = None,
 ) -> Simulation:
-    """The simulation that an FMU with these values of its inputs and parameters stands for.
+    """The simulation that an FMU with these values of its inputs and parameters stands for, at rest
+    under the loads among them; its time is counted from the start.
 
-    start_time [s], where the rotor rests under the loads among the values; tolerance: the
-    experiment's [1], which a value of the FMU's own overrides. Raises `QuantityError`,
-    `SettingsError` and `EquilibriumError`.
+    tolerance: the experiment's [1], which a value of the FMU's own overrides. Raises
+    `QuantityError`, `SettingsError` and `EquilibriumError`.
     """
     if "tau_drive" in values:
         drive = {"speed": values["w_start"], "drive_torque": values["tau_drive"]}
@@ -68,9 +46,7 @@ def build_simulation(
             "rate": values["speed_rate"],
             "continues_speed": values["speed_continuation"] == 0,
         }
-    changed = changed_rotor(rotor, table, values)
-    settings = chosen_settings(table, values)
-    if tolerance is not None:
-        settings.setdefault("tolerance", tolerance)
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
-    return Simulation(changed, choose(**settings), t=start_time, loads=loads, warn=warn, **drive)
+    changed = changed_rotor(rotor, table, values)
+    settings = settings_of(values, tolerance, warn)
+    return Simulation(changed, settings, loads=loads, warn=warn, **drive)

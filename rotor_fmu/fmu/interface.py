@@ -7,12 +7,8 @@ from ..model.machine.rotor import Name, Rotor
 from ..model.march.observe import observed
 from ..model.protocol.part import Port
 from ..model.quantities import ANY, Quantity
-from ..model.settings import DEFAULT_PRESET, FITTED, INDICATORS, METHODS, MODES, NORMS, PRESETS
+from .solver_parameters import solver_parameters
 from .variables import Variable
-
-AS_PRESET = "as the preset"
-_BIG = 1e9
-_MOST_MODES = 10_000
 
 
 def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
@@ -101,7 +97,7 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
     return [
         *(free if is_free else prescribed),
         *(_parameter(*parameter) for parameter in rotor.parameters()),
-        *_solver_parameters(),
+        *solver_parameters(),
     ]
 
 
@@ -119,70 +115,6 @@ def _part_of(name: Name) -> str:
 def _real(name: str, unit: str, start: float, text: str, low: float | None) -> Variable:
     nominal = abs(start) or 1.0
     return Variable(name, "Real", "parameter", text, unit, start, low=low, nominal=nominal)
-
-
-def _solver_parameters() -> list[Variable]:
-    def choice(name: str, names: tuple[str, ...], start: int, text: str) -> Variable:
-        """An Integer that stands for one of the names."""
-        listed = ", ".join(f"{i} {n}" for i, n in enumerate(names))
-        return Variable(
-            f"solver.{name}",
-            "Integer",
-            "parameter",
-            f"{text}: {listed}",
-            start=start,
-            low=0,
-            high=len(names) - 1,
-            choices=names,
-            is_unset_at_start=names[0] == AS_PRESET,
-        )
-
-    def real(name: str, unit: str, unset: float, low: float, high: float, text: str) -> Variable:
-        """A Real that the value `unset` leaves to the preset."""
-        return Variable(
-            f"solver.{name}",
-            "Real",
-            "parameter",
-            f"{text}; {unset:g}: {AS_PRESET}",
-            unit,
-            unset,
-            low,
-            high,
-            is_unset_at_start=True,
-        )
-
-    presets = tuple(PRESETS)
-    return [
-        choice("preset", presets, presets.index(DEFAULT_PRESET), "named set of settings"),
-        choice("method", (AS_PRESET, *METHODS), 0, "integrator"),
-        # 1 leaves no implicit equation, so that it is free to mean "as the preset"
-        real("alpha_f", "1", 1.0, -1.0, 1.0, "alpha_f of hht and generalized-alpha"),
-        real("alpha_m", "1", 1.0, -1.0, 1.0, "alpha_m of wbz and generalized-alpha"),
-        real("rho", "1", -1.0, -1.0, 1.0, "spectral radius at infinity of chung-hulbert"),
-        choice("adaptive", (AS_PRESET, *MODES), 0, "step length"),
-        choice("fitted", (AS_PRESET, *FITTED), 0, "whether fitted to the speed of rotation"),
-        real("tolerance", "1", 0.0, 0.0, 1.0, "relative tolerance of the controlled mode"),
-        real("h", "s", 0.0, 0.0, 1.0, "step length, the first one where it varies"),
-        real("h_min", "s", 0.0, 0.0, 1.0, "shortest step where it varies"),
-        real("h_max", "s", 0.0, 0.0, 1.0, "longest step where it varies"),
-        real("eps_min", "1", 0.0, 0.0, _BIG, "adaptive mode: error below which the step grows"),
-        real("eps_max", "1", 0.0, 0.0, _BIG, "adaptive mode: error above which it is repeated"),
-        choice("indicator", (AS_PRESET, *INDICATORS), 0, "error indicator of the adaptive mode"),
-        choice("norm", (AS_PRESET, *NORMS), 0, "what its error is relative to"),
-        real("atol", "m", 0.0, 0.0, 1.0, "absolute part of the mixed norm"),
-        real("rtol", "1", 0.0, 0.0, 1.0, "relative part of the mixed norm"),
-        Variable(
-            "solver.reduction",
-            "Integer",
-            "parameter",
-            "Craig-Bampton modes to keep of the shaft besides the deflections of bearings, discs "
-            "and coupling; 0: all of the shaft",
-            start=0,
-            low=0,
-            high=_MOST_MODES,
-            is_unset_at_start=True,
-        ),
-    ]
 
 
 # Outputs only where they are states or follow from an input.

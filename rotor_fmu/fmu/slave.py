@@ -1,16 +1,14 @@
-"""The FMI 2.0 slave: a thin skin over `model.simulation.Simulation`."""
+"""The FMI 2.0 slave: pythonfmu's thin skin over `instance.Instance`."""
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
+from contextlib import suppress
 from pathlib import Path
+from typing import TypeVar
 from xml.etree.ElementTree import Element
 
-import numpy as np
 from pythonfmu import (
     Boolean,
     DefaultExperiment,
@@ -24,67 +22,34 @@ from pythonfmu import (
 from pythonfmu.enums import Fmi2Status
 
 from ..about import RELEASED, __version__
-from ..model.kernels.compiled import has_to_compile
-from ..model.machine.rotor import Rotor
-from ..model.machine.toml import parse_rotor, rig_toml
-from ..model.march import entries
+from ..model.machine.toml import rig_toml
 from ..model.quantities import QuantityError
 from ..model.settings import Settings, SettingsError
-from ..model.simulation import EquilibriumError, Simulation, StepFailure
-from .binding import build_simulation, load_names
+from ..model.simulation import EquilibriumError, StepFailure
 from .description import complete, guid
-from .interface import interface
-from .state import StateError, pack, unpack
+from .face import face
+from .instance import FmuError, Instance
+from .state import StateError
 from .variables import Variable
-from .wrapper import hold, settle_exit
+from .wrapper import HeldFromLookUp, hold, settle_exit
 
-# What the master may be off in its time, of a step or absolutely [s].
-_TIME_TOLERANCE = 1e-9
 # In an FMU's resources: the rotor as TOML, and what drives it, speed or torque.
 ROTOR_FILE, DRIVE_FILE = "rotor.toml", "drive.txt"
 _KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
+_LEVELS = {"note": Fmi2Status.ok, "warning": Fmi2Status.warning}
+# Errors whose message says all; of any other the kind is named too.
+_PLAIN = (FmuError, QuantityError, SettingsError, EquilibriumError, StepFailure, StateError)
+INTERRUPTED = "interrupted by the user"
+
+Result = TypeVar("Result")
 
 
-class FmuError(RuntimeError):
+class CallFailed(RuntimeError):
     """What the host is told when a call cannot be carried out."""
 
     def __repr__(self) -> str:
         """The sentence alone: the wrapper logs the representation."""
         return str(self)
-
-
-# Errors whose message says all; of any other the kind is named too.
-_PLAIN = (FmuError, QuantityError, SettingsError, EquilibriumError, StepFailure, StateError)
-INTERRUPTED = "interrupted by the user"
-COMPILING = "compiling the solver, once on this machine: about half a minute"
-
-_said: set[str] = set()
-
-
-@dataclass(frozen=True)
-class Face:
-    """What an FMU's rotor makes of it: the rotor, its variables, and where they stand."""
-
-    toml: str
-    rotor: Rotor
-    table: tuple[Variable, ...]
-    index: dict[str, int]
-    inputs: frozenset[int]
-
-    @property
-    def observed_at(self) -> int:
-        """Where the variables begin that the model computes."""
-        return next(i for i, variable in enumerate(self.table) if variable.is_observed)
-
-
-@cache
-def face(toml: str, is_free: bool) -> Face:
-    """The face of an FMU with this rotor, made once for all its instances."""
-    rotor = parse_rotor(toml)
-    table = interface(rotor, is_free)
-    index = {variable.name: i for i, variable in enumerate(table)}
-    inputs = frozenset(i for i, variable in enumerate(table) if variable.causality == "input")
-    return Face(toml, rotor, table, index, inputs)
 
 
 _texts_read: dict[Path, str] = {}
@@ -121,52 +86,18 @@ class RotorBearing(Fmi2Slave):
             f"driven by {'a torque' if is_free else 'its speed'}"
         )
         settle_exit(self.resources, self.modelName)
-        self._face = face(_resource(self.resources, ROTOR_FILE, rig_toml), is_free)
-        self._table = self._face.table
-        self._observed_at = self._face.observed_at
-        self._drive_at = self._face.index["tau_drive" if is_free else "speed"]
-        self._load_at = [self._face.index[n] for pair in load_names(self._face.rotor) for n in pair]
-        self._loads = np.zeros(len(self._load_at) // 2, dtype=complex)
-        self._load_parts = self._loads.view(float)
-        self._values = [v.start if v.start is not None else 0.0 for v in self._table]
-        self.guid = guid(self._table, f"{Path(__file__).parents[1].name} {self._face.toml}")
+        rotor = face(_resource(self.resources, ROTOR_FILE, rig_toml), is_free)
+        self._table = rotor.table
+        self.guid = guid(self._table, f"{Path(__file__).parents[1].name} {rotor.toml}")
         self.default_experiment = DefaultExperiment(
             start_time=0.0, stop_time=40.0, step_size=0.04, tolerance=Settings.tolerance
         )
-        self._simulation: Simulation | None = None
-        self._start_time = 0.0
-        self._tolerance: float | None = None
-        self._is_initializing = False
-        self._is_running = False
-        self._is_stale = False
-        self._failure = ""
-        for index, variable in enumerate(self._table):
-            self.register_variable(self._fmi_variable(index, variable))
-
-    def _fmi_variable(self, index: int, variable: Variable) -> Real | Integer | Boolean:
-        is_parameter = variable.causality == "parameter"
-        if is_parameter:
-            variability = Fmi2Variability.fixed
-        elif variable.kind == "Real":
-            variability = Fmi2Variability.continuous
-        else:
-            variability = Fmi2Variability.discrete
-        return _KINDS[variable.kind](
-            variable.name,
-            causality=Fmi2Causality[variable.causality],
-            variability=variability,
-            initial=Fmi2Initial.exact
-            if is_parameter
-            else Fmi2Initial.calculated
-            if variable.is_observed
-            else None,
-            description=variable.text,
-            getter=lambda: self._values[index],
-            setter=lambda value: self._set([index], [value]),
-        )
+        self._instance = Instance(rotor, str(self.guid), self._tell)
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description, completed from the variable table."""
+        for variable in self._table:
+            self.register_variable(_registered(variable))
         return complete(super().to_xml(model_options or {}), self._table, RELEASED)
 
     # --- life of an instance -----------------------------------------------------------------
@@ -174,69 +105,34 @@ class RotorBearing(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """Remember when the simulation starts [s] and its relative tolerance [1]."""
-        self._start_time = start_time
-        self._tolerance = tolerance
+        """Take the start and the stop time [s] and the relative tolerance [1]."""
+        self._guard(self._instance.setup_experiment, start_time, stop_time, tolerance)
 
     def enter_initialization_mode(self) -> None:
-        """From here on the outputs can be read."""
-        self._is_initializing = True
-        self._is_stale = True
+        """Begin the initialization."""
+        self._guard(self._instance.enter_initialization)
 
     def exit_initialization_mode(self) -> None:
-        """Build the simulation from the values that are set now."""
-        self._guard(self._refresh)
-        self._is_initializing = False
-        self._is_running = True
+        """End the initialization."""
+        self._guard(self._instance.exit_initialization)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         """March from current_time [s] over step_size [s]."""
-        self._guard(self._march, current_time, step_size)
+        self._guard(self._instance.step, current_time, step_size)
         return True
 
-    def _march(self, current_time: float, step_size: float) -> None:
-        simulation = self._simulation
-        if simulation is None or not self._is_running:
-            raise FmuError("doStep: the initialization has not ended")
-        if self._failure:
-            raise FmuError(
-                f"doStep: an earlier step failed ({self._failure}); reset the FMU, or set a state "
-                "from before"
-            )
-        slack = _TIME_TOLERANCE * max(1.0, abs(current_time))
-        if not abs(current_time - simulation.time) <= slack:
-            raise FmuError(
-                f"doStep from {current_time:.9g} s: the FMU stands at {simulation.time:.9g} s; "
-                "communication steps must follow each other without gap or overlap"
-            )
-        if not (step_size > 0 and math.isfinite(step_size)):
-            raise FmuError(f"doStep over {step_size:g} s: the step must be > 0")
-        values = self._values
-        self._load_parts[:] = [values[i] for i in self._load_at]
-        self._is_stale = True
-        try:
-            simulation.advance(current_time + step_size, values[self._drive_at], self._loads)
-        except StepFailure as error:
-            self._failure = str(error)
-            raise
+    def terminate(self) -> None:
+        """End the simulation."""
+        self._guard(self._instance.terminate)
 
     # --- state -------------------------------------------------------------------------------
 
     def _get_fmu_state(self) -> bytes:
-        simulation = self._simulation
-        about = {
-            "values": self._values,
-            "start_time": self._start_time,
-            "tolerance": self._tolerance,
-            "is_initializing": self._is_initializing,
-            "is_running": self._is_running,
-            "is_built": simulation is not None,
-            "failure": self._failure,
-        }
-        return pack(str(self.guid), about, [simulation.snapshot()] if simulation else ())
+        return self._guard(self._instance.state)
 
+    @HeldFromLookUp
     def _set_fmu_state(self, state: bytes) -> None:
-        self._guard(self._restore, state)
+        self._guard(self._instance.restore, state)
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:
@@ -247,106 +143,56 @@ class RotorBearing(Fmi2Slave):
         # checked when it is set: here the host could not be told
         return state
 
-    def _restore(self, state: bytes) -> None:
-        about, chunks = unpack(str(self.guid), state)
-        fixed = [i for i, v in enumerate(self._table) if v.causality == "parameter"]
-        is_same = about["tolerance"] == self._tolerance and all(
-            about["values"][i] == self._values[i] for i in fixed
-        )
-        self._values = about["values"]
-        self._start_time = about["start_time"]
-        self._tolerance = about["tolerance"]
-        self._is_initializing = about["is_initializing"]
-        self._is_running = about["is_running"]
-        self._failure = about["failure"]
-        self._is_stale = True
-        if not about["is_built"]:
-            self._simulation = None
-            return
-        if self._simulation is None or not is_same:
-            self._simulation = self._build()
-        self._simulation.restore(chunks[0])
-
     # --- values ------------------------------------------------------------------------------
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values of Real variables."""
-        self._guard(self._refresh)
-        values = self._values
-        return [values[vr] for vr in vrs]
+        return self._guard(self._instance.get, "Real", vrs)
 
     def get_integer(self, vrs: list[int]) -> list[int]:
         """Values of Integer variables."""
-        return [int(value) for value in self.get_real(vrs)]
+        return [int(value) for value in self._guard(self._instance.get, "Integer", vrs)]
 
     def get_boolean(self, vrs: list[int]) -> list[bool]:
         """Values of Boolean variables."""
-        return [bool(value) for value in self.get_real(vrs)]
+        return [bool(value) for value in self._guard(self._instance.get, "Boolean", vrs)]
+
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Values of String variables, of which there are none."""
+        return self._guard(self._instance.get, "String", vrs)
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set Real variables."""
-        self._guard(self._set, vrs, values)
+        self._guard(self._instance.set, "Real", vrs, values)
 
     def set_integer(self, vrs: list[int], values: list[int]) -> None:
         """Set Integer variables."""
-        self._guard(self._set, vrs, values)
+        self._guard(self._instance.set, "Integer", vrs, values)
 
     def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
         """Set Boolean variables."""
-        self._guard(self._set, vrs, values)
+        self._guard(self._instance.set, "Boolean", vrs, values)
 
-    def _set(self, vrs: list[int], values: list[float]) -> None:
-        inputs = self._face.inputs
-        for vr, value in zip(vrs, values, strict=True):
-            if vr in inputs and -math.inf < value < math.inf:
-                self._values[vr] = value
-                continue
-            variable = self._table[vr]
-            if not math.isfinite(value):
-                raise FmuError(f"{variable.name} = {value}: must be a finite number")
-            if variable.causality == "parameter" and self._is_running:
-                raise FmuError(
-                    f"{variable.name}: a fixed parameter cannot be set after initialization"
-                )
-            if variable.is_observed:
-                raise FmuError(f"{variable.name}: is computed and cannot be set")
-            if variable.choices and not 0 <= value < len(variable.choices):
-                highest = len(variable.choices) - 1
-                raise FmuError(f"{variable.name} = {value}: must be an integer from 0 to {highest}")
-            self._values[vr] = value
-        if not self._is_running:
-            self._simulation = None
-            self._is_stale = True
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Set String variables, of which there are none."""
+        self._guard(self._set_strings, vrs, values)
 
-    def _refresh(self) -> None:
-        """Bring what the model computes up to date, building the model first if need be."""
-        if not self._is_stale or not (self._is_initializing or self._is_running):
-            return
-        if self._simulation is None:
-            self._simulation = self._build()
-        self._values[self._observed_at :] = self._simulation.observed.tolist()
-        self._is_stale = False
-
-    def _build(self) -> Simulation:
-        if COMPILING not in _said and has_to_compile(entries.advance):
-            _said.add(COMPILING)
-            self.log(self._say("note", COMPILING), Fmi2Status.ok)
-        values = dict(zip(self._face.index, self._values, strict=True))
-        rotor = self._face.rotor
-        return build_simulation(
-            rotor, self._table, values, self._start_time, self._warn, self._tolerance
-        )
+    def _set_strings(self, vrs: list[int], values: list[str]) -> None:
+        try:
+            self._instance.set("String", vrs, values)
+        except SystemError:  # the wrapper's, left pending by text that is not UTF-8
+            raise FmuError("setString: a value is not UTF-8 text") from None
 
     # --- what goes wrong ---------------------------------------------------------------------
 
-    def _guard(self, call: Callable[..., object], *arguments: object) -> None:
+    def _guard(self, call: Callable[..., Result], *arguments: object) -> Result:
         """Carry out a call; on failure tell the host in one plain sentence.
 
         The wrapper hands queued messages to the host's logger, which may itself be Python, while
         the exception is pending: so the queue is emptied, and the exception is the message.
         """
         try:
-            call(*arguments)
+            return call(*arguments)
         except BaseException as error:  # whatever leaves here unheld would crash the host
             if isinstance(error, KeyboardInterrupt):
                 reason = INTERRUPTED
@@ -354,17 +200,41 @@ class RotorBearing(Fmi2Slave):
                 reason = str(error)
             else:
                 reason = f"internal error, {type(error).__name__}: {error}"
-            message = self._say("error", reason)
+            message = self._print("error", reason)
             self.log_queue.clear()
             hold(self, self.log_queue, type(self))
-            raise FmuError(message) from None
+            raise CallFailed(message) from None
 
-    def _warn(self, message: str) -> None:
-        self.log(self._say("warning", message), Fmi2Status.warning)
+    def _tell(self, level: str, message: str) -> None:
+        self.log(self._print(level, message), _LEVELS[level])
 
-    def _say(self, level: str, message: str) -> str:
+    def _print(self, level: str, message: str) -> str:
         """Print a message, since hosts drop them unless logging was switched on; returns it in one
         line and without percent signs, which the host's logger would read as a printf format."""
         plain = " ".join(message.replace("%", " percent").split())
-        print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
+        with suppress(OSError, ValueError):  # a host may have closed it, or have none
+            print(f"{self.instance_name}: {level}: {plain}", file=sys.stderr, flush=True)
         return plain
+
+
+def _registered(variable: Variable) -> Real | Integer | Boolean:
+    """A variable as pythonfmu describes it; only settable ones are ever read through it."""
+    is_parameter = variable.causality == "parameter"
+    if is_parameter:
+        variability = Fmi2Variability.fixed
+    elif variable.kind == "Real":
+        variability = Fmi2Variability.continuous
+    else:
+        variability = Fmi2Variability.discrete
+    return _KINDS[variable.kind](
+        variable.name,
+        causality=Fmi2Causality[variable.causality],
+        variability=variability,
+        initial=Fmi2Initial.exact
+        if is_parameter
+        else Fmi2Initial.calculated
+        if variable.is_observed
+        else None,
+        description=variable.text,
+        getter=lambda: variable.start,
+    )

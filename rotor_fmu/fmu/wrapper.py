@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 _settled: set[str] = set()
@@ -18,6 +19,31 @@ def hold(*objects: object) -> None:
     """
     for item in objects:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(item))
+
+
+class HeldFromLookUp:
+    """A method of a slave that the wrapper may fail to call, as with a state that is NULL.
+
+    No exception leaves Python then, but the wrapper drops its references all the same; so they are
+    taken when it looks the method up, and given back when the call arrives.
+    """
+
+    def __init__(self, method: Callable[..., object]) -> None:
+        self._method = method
+
+    def __get__(self, slave: object, owner: type) -> object:
+        """The bound method; on the class this descriptor."""
+        if slave is None:
+            return self
+        held = slave, slave.log_queue, type(slave)
+        hold(*held)
+
+        def call(*arguments: object) -> object:
+            for item in held:
+                ctypes.pythonapi.Py_DecRef(ctypes.py_object(item))
+            return self._method(slave, *arguments)
+
+        return call
 
 
 def settle_exit(resources: str | None, model_identifier: str) -> None:

@@ -13,13 +13,14 @@ from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 
 from ..errors import InputError, read_text
-from ..fmu.binding import build_simulation, chosen_settings
+from ..fmu.binding import build_simulation
 from ..fmu.interface import interface
+from ..fmu.solver_parameters import AS_PRESET, settings_of
 from ..fmu.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
-from ..model.settings import PRESETS, Settings, choose
+from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
 from .run_down import Plan, Run, run_direct, run_fmu
@@ -51,7 +52,12 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         if name not in known:
             near = difflib.get_close_matches(name, known, 3, 0.5) or sorted(known)[:3]
             raise InputError(f"--set {name}: unknown name; did you mean {', '.join(near)}?")
-        values[name] = _parse_value(known[name], value)
+        variable = known[name]
+        values[name] = _parse_value(variable, value)
+        if variable.is_unset_at_start and values[name] == variable.start:
+            raise InputError(
+                f"--set {name} = {value}: means {AS_PRESET} and changes nothing; leave it out"
+            )
     return values
 
 
@@ -122,9 +128,9 @@ def prepare(
     parameters.setdefault("speed_rate", signals.first_rate)
     everything = {v.name: v.start for v in table if not v.is_observed} | parameters
     everything |= {name: signals.at(name, 0.0) for name in signals.values}
-    settings = choose(**chosen_settings(table, everything))
+    settings = settings_of(everything)
     try:
-        build_simulation(rotor, table, everything, 0.0, lambda message: None)
+        build_simulation(rotor, table, everything, lambda message: None)
     except EquilibriumError as error:
         raise InputError(str(error)) from error
     step = step or _step_of(settings)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -144,8 +145,13 @@ def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) ->
     values = {v.name: v.start for v in plan.table if not v.is_observed}
     values |= plan.parameters | {name: signals.at(name, 0.0) for name in signals.values}
     messages: list[str] = []
+
+    def warn(message: str) -> None:
+        messages.append(message)
+        print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
+
     begun = time.perf_counter()
-    simulation = build_simulation(rotor, plan.table, values, 0.0, messages.append)
+    simulation = build_simulation(rotor, plan.table, values, warn)
     loads = load_names(rotor)
     failure = None
     t, n = 0.0, 0

@@ -44,7 +44,7 @@ FAILURES = {
     "infinite step": Failure(GOOD, f"step {H} inf", "doStep over inf s"),
     "fixed parameter": Failure(GOOD, "real gravity 1", "gravity: a fixed parameter cannot be set"),
     "computed variable": Failure(GOOD, "real phi 1", "phi: is computed and cannot be set"),
-    "step before initialization": Failure((), f"step 0 {H}", "the initialization has not ended"),
+    "step before initialization": Failure((), f"step 0 {H}", "the initialization has not begun"),
     "no such choice": Failure((), "integer solver.preset 99", "solver.preset = 99: must be"),
     "negative gravity": Failure(
         ("setup 0", "enter", "real gravity -1"), "exit", "gravity = -1 m/s2: must be >= 0"

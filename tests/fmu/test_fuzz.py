@@ -1,0 +1,49 @@
+"""Random and wrong calls of the C interface, in processes of their own: no crash, no hang."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FUZZ = Path(__file__).with_name("fuzz.py")
+
+
+def survive(*arguments, seconds):
+    """Run fuzz.py; its last line. A crash fails with the calls that led to it."""
+    done = subprocess.run(
+        [sys.executable, "-X", "faulthandler", FUZZ, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=seconds,
+    )
+    lines = done.stdout.splitlines()
+    assert done.returncode == 0, (done.returncode, lines[-12:], done.stderr[-2000:])
+    assert "Traceback" not in done.stderr
+    assert "internal error" not in done.stderr
+    return lines[-1] if lines else ""
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        *("GetReal", "GetInteger", "GetBoolean", "GetString"),
+        *("SetReal", "SetInteger", "SetBoolean", "SetString"),
+        *("early GetString", "early SetString", "early GetReal", "NULL state"),
+    ],
+)
+def test_a_wrong_call_made_300_times_leaves_the_host_alive(fmu, call):
+    survive(fmu, call, seconds=300)
+
+
+def test_some_hundred_random_calls_leave_the_host_alive(fmu):
+    statuses = survive(fmu, 1, 600, seconds=600)
+    assert "0: " in statuses
+    assert "4: " in statuses
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 6))
+def test_twenty_thousand_random_calls_leave_the_host_alive(fmu, seed):
+    survive(fmu, seed, 5000, seconds=3000)
