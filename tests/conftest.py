@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 from rotor_fmu.model.kernels.compiled import has_to_compile
-from rotor_fmu.model.kernels.user_cache import user_cache
-from rotor_fmu.model.march import calls
+from rotor_fmu.model.march import entries
 
-from rotor_fmu.packing.bundle import build, package_name
+from rotor_fmu.packing.bundle import build
 
 SHARED = pytest.StashKey[Path]()
 
@@ -46,11 +45,9 @@ def pytest_unconfigure(config):
 
 def _compile(fmu):
     """Fill an empty cache, so that no two workers compile the same; side by side."""
-    scripts = []
-    if has_to_compile(calls.advance):
+    scripts = [COMPILE_FMU]
+    if has_to_compile(entries.advance):
         scripts.append(COMPILE_MODEL)
-    if not (user_cache() / "packages" / package_name()).is_dir():
-        scripts.append(COMPILE_FMU)
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     compilers = [subprocess.Popen([sys.executable, "-c", s, str(fmu)], **quiet) for s in scripts]
     for compiler in compilers:
