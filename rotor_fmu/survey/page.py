@@ -252,7 +252,7 @@ def _of_its_power(findings: Findings) -> dict[str, object]:
     rows = [row for row in findings.of("planted") if row.get("trapped", 0.0) > 0.99]
     ratio = np.array([row["power"] / row["power_predicted"] - 1.0 for row in rows])
     h = findings.nearest_step("rotor", 2.5e-4)
-    axis = one_axis.axis_of(assemble(rig()), 0, one_axis.X)
+    axis = one_axis.axis_of(rig(), 0, one_axis.X)
     table = []
     for scheme in findings.schemes("rotor"):
         runs = [
