@@ -181,13 +181,20 @@ class Simulation:
             self._warn(INTERPRETED_WARNING)
 
     def _no_rest(self, status: int) -> str:
-        springs, interfaces = self.structure.springs, self.structure.interfaces
-        pushing = interfaces.dof[np.abs(self.motion.force) > 0]
-        held = len({*springs.dof[springs.stiffness > 0].tolist(), *pushing.tolist()})
-        if status == NOT_HELD and held < 2:
+        springs = self.structure.springs
+        holding = {*springs.dof[springs.stiffness > 0].tolist()}
+        holding |= {*self.structure.interfaces.dof.tolist()}
+        if len(holding) < 2:
             return (
-                f"no static equilibrium: the rotor is held at {held} of its nodes and would tilt "
-                "under gravity; at least 2 bearings or supports are needed"
+                f"no static equilibrium: the rotor is held at {len(holding)} of its nodes and would "
+                "tilt under gravity; at least 2 bearings or supports are needed"
+            )
+        if status == NOT_HELD:
+            bound = self.structure.numbers[0].bound
+            return (
+                "no static equilibrium under gravity and the loads at the start: it would lie "
+                f"beyond {bound:.3g} m, a tenth of the shaft's length; clearances and loads must be "
+                "smaller, or springs stiffer"
             )
         return "no static equilibrium under gravity and the loads at the start was found"
 

@@ -135,7 +135,7 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
     assert written == pictures | {"summary.json", "run_down.csv"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
-    assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,disc[1].x")
+    assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,bearing[1].psi")
     assert len(rows) == 1 + 101
 
 

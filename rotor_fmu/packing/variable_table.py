@@ -11,14 +11,17 @@ _HEAD = ("variable", "causality", "unit", "start", "what it is")
 
 
 def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
-    """Head and rows; variables of discs and bearings once, as `disc[i]` and `bearing[j]`."""
+    """Head and rows; variables of parts that there are several of once, as `disc[i]`."""
     listed = [_HEAD]
     for variable in table:
         name, text = variable.name, variable.text
-        if name.startswith(("disc[", "bearing[")) and "[1]" not in name:
-            continue
-        name = name.replace("disc[1]", "disc[i]").replace("bearing[1]", "bearing[j]")
-        text = text.replace("disc 1", "disc i").replace("bearing 1", "bearing j")
+        numbered = re.match(r"(\w+)\[(\d+)\]", name)
+        if numbered:
+            kind, number = numbered.groups()
+            if number != "1":
+                continue
+            name = name.replace(f"{kind}[1]", f"{kind}[i]")
+            text = text.replace(f"{kind} 1", f"{kind} i")
         text = re.sub(r" at z = \S+ m", "", text)
         listed.append((name, variable.causality, _unit(variable), _start(variable), text))
     return listed

@@ -93,7 +93,7 @@ OSP = f"""<?xml version="1.0" encoding="UTF-8"?>
     <Simulator name="rotor" source="RotorBearing.fmu">
       <InitialValues>
         <InitialValue variable="speed"><Real value="150"/></InitialValue>
-        <InitialValue variable="gravity"><Real value="GRAVITY"/></InitialValue>
+        <InitialValue variable="PARAMETER"><Real value="VALUE"/></InitialValue>
         <InitialValue variable="solver.preset"><Integer value="1"/></InitialValue>
       </InitialValues>
     </Simulator>
@@ -127,7 +127,7 @@ SSD = f"""<?xml version="1.0" encoding="UTF-8"?>
         <ssd:ParameterBindings><ssd:ParameterBinding><ssd:ParameterValues>
           <ssv:ParameterSet version="1.0" name="start"><ssv:Parameters>
             <ssv:Parameter name="speed"><ssv:Real value="150"/></ssv:Parameter>
-            <ssv:Parameter name="gravity"><ssv:Real value="GRAVITY"/></ssv:Parameter>
+            <ssv:Parameter name="PARAMETER"><ssv:Real value="VALUE"/></ssv:Parameter>
             <ssv:Parameter name="solver.preset"><ssv:Integer value="1"/></ssv:Parameter>
           </ssv:Parameters></ssv:ParameterSet>
         </ssd:ParameterValues></ssd:ParameterBinding></ssd:ParameterBindings>
@@ -171,17 +171,19 @@ with open("rows.json", "w") as file:
 """
 
 
-def system(form, folder, fmu, motor, gravity=9.81):
+def system(form, folder, fmu, motor, parameter="gravity", value=9.81):
     """Write a system file of either form; the constructor it takes and the file."""
     if form == "OSP":
         file = folder / "OspSystemStructure.xml"
-        file.write_text(OSP.replace("GRAVITY", repr(gravity)))
+        file.write_text(OSP.replace("PARAMETER", parameter).replace("VALUE", repr(value)))
         for part in (fmu, motor):
             (folder / part.name).write_bytes(part.read_bytes())
         return "from_osp_config_file", str(file)
     file = folder / "drive.ssp"
     with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("SystemStructure.ssd", SSD.replace("GRAVITY", repr(gravity)))
+        archive.writestr(
+            "SystemStructure.ssd", SSD.replace("PARAMETER", parameter).replace("VALUE", repr(value))
+        )
         for part in (fmu, motor):
             archive.write(part, f"resources/{part.name}")
     return "from_ssp_file", str(file)
@@ -205,13 +207,17 @@ def test_libcosim_gives_what_a_plain_master_gives(fmu, motor, tmp_path, form):
 
 @needs("libcosimpy", "pip install libcosimpy")
 @pytest.mark.parametrize(
-    ("gravity", "reason"), [(-1.0, "gravity = -1 m/s2: must be >= 0"), (1e12, "try")]
+    ("parameter", "value", "reason"),
+    [
+        ("gravity", -1.0, "gravity = -1 m/s2: must be >= 0"),
+        ("bearing[1].k", 1e20, "did not converge"),
+    ],
 )
 def test_libcosim_does_not_end_in_silence_when_the_rotor_fails(
-    fmu, motor, tmp_path, gravity, reason
+    fmu, motor, tmp_path, parameter, value, reason
 ):
     """At a step it says so to its caller; an initialization that is refused ends its process."""
-    how = system("OSP", tmp_path, fmu, motor, gravity)
+    how = system("OSP", tmp_path, fmu, motor, parameter, value)
     done = subprocess.run(
         [sys.executable, "-c", LIBCOSIM, json.dumps([*how, STEPS, SEEN])],
         capture_output=True,
@@ -223,7 +229,7 @@ def test_libcosim_does_not_end_in_silence_when_the_rotor_fails(
     assert not (tmp_path / "rows.json").exists()
     (said,) = (line for line in done.stderr.splitlines() if line.startswith("rotor: error: "))
     assert reason in said
-    if gravity > 0:
+    if value > 0:
         assert done.returncode == 1
         assert "libcosim: a step failed" in done.stderr
 
@@ -314,7 +320,7 @@ def test_cofmpy_gives_what_a_plain_master_gives(fmu, motor, cofmpys_results, nam
 @WITH_COFMPY
 def test_cofmpy_does_not_end_in_silence_when_the_rotor_fails(fmu, motor, tmp_path):
     first = dict([*ALGORITHMS.items()][:1])
-    done = cofmpy(fmu, motor, tmp_path, first, **{"disc[3].fx": 1e9})
+    done = cofmpy(fmu, motor, tmp_path, first, **{"bearing[1].k": 1e20})
     assert done.returncode == 1
     assert not (tmp_path / "Jacobi.json").exists()
     assert "RotorBearing.fmu: error: t = " in done.stderr
