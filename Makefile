@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-all lint bench clean
+.PHONY: run-down reproduce survey reference test test-all test-processors lint bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -34,6 +34,10 @@ test: $(VENV)/made
 
 test-all: $(VENV)/made
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
+
+# all tests as on other processors, and on loaded cores: an hour or two
+test-processors: $(VENV)/made
+	$(BIN)/python tests/processors.py
 
 lint: $(VENV)/made
 	$(BIN)/ruff check .
