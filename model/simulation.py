@@ -153,7 +153,7 @@ class Simulation:
             if not np.isfinite(loads).all():
                 raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = entries.advance(self._block, float(to), float(drive))
+        status = entries.advance(self._block, float(to), float(drive), math.nan)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._trapped[0] and not self._has_warned:
