@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
@@ -24,7 +24,7 @@ _HERE = Path(__file__).parent
 SKIN = _HERE / "skin"
 _NOT_IN_KERNELS = ("impact", "false_state", "machine/rigs")
 _KEPT_VERSIONS = 8
-_FLAGS = ("-std=c11", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+_FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 
 
 class CoreError(RuntimeError):
@@ -127,10 +127,10 @@ def core_digest() -> str:
     return _digest(others, ("ziglang",), _kernels_digest())
 
 
-def library(platform: Platform) -> Path:
+def library(platform: Platform, say: Callable[[], object] = lambda: None) -> Path:
     """The library for a platform, made if there is none; some minutes for the first one.
 
-    Raises `CoreError`.
+    say: called before one is made. Raises `CoreError`.
     """
     versions = user_cache() / "native"
     folder = versions / f"core-{core_digest()}" / platform.name
@@ -143,6 +143,7 @@ def library(platform: Platform) -> Path:
             "the native library has to be linked and ziglang is not installed: "
             "pip install 'rotor-fmu[native]'"
         )
+    say()
     _forget_old(versions)
     kernels = versions / f"kernels-{_kernels_digest()}"
     if not kernels.is_dir():

@@ -79,8 +79,8 @@ def rotor_start(block, speed, drive, rate, told):
 
 
 def rotor_advance(block, t_end, drive, rate, told):
-    """`entries.ramp`; a negative code is a warning about a run that goes on."""
-    status = entries.ramp(block, t_end, drive, rate)
+    """`entries.advance`; a negative code is a warning about a run that goes on."""
+    status = entries.advance(block, t_end, drive, rate)
     run = _view(block)
     r = run.memory.record[0]
     if status == march.DONE:

@@ -25,8 +25,8 @@ from .sentences import SENTENCES
 from .settle import CHOICES, SLOTS
 
 MAGIC, FILE = b"ROTORFMU", "machine.table"
-KINDS = ("Real", "Integer", "Boolean", "String")
-(DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCTION, READ, INSTANT) = range(10)
+KINDS = ("Real", "Integer", "Boolean")
+(DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCTION, READ, INSTANT, TIME) = range(11)
 _ROLES = {
     "speed": DRIVE,
     "tau_drive": DRIVE,
@@ -35,6 +35,7 @@ _ROLES = {
     "w_start": START_SPEED,
     "solver.reduction": REDUCTION,
     "solver.trapped_at": INSTANT,
+    "time": TIME,
 }
 _SOLVER = "solver."
 # What the FMU calls otherwise than the settings do.

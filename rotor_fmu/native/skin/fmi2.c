@@ -136,13 +136,13 @@ EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], 
                                 fmi2String values[])
 {
     NEEDED(c);
-    return get_values(c, STRING, "String", vr, n, values, NULL);
+    return get_values(c, NO_KIND, "String", vr, n, values, NULL);
 }
 EXPORT fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                 const fmi2String values[])
 {
     NEEDED(c);
-    return set_values(c, STRING, "String", vr, n, values, NULL);
+    return set_values(c, NO_KIND, "String", vr, n, values, NULL);
 }
 
 EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[],

@@ -444,7 +444,7 @@ Status set_slope(Instance *m, uint32_t reference, int order, double value)
 
 /* --- values --------------------------------------------------------------------------------- */
 
-static const char *const KINDS[] = {"Real", "Integer", "Boolean", "String"};
+static const char *const KINDS[] = {"Real", "Integer", "Boolean"};
 
 static Status check_references(Instance *m, const char *call, Kind kind, const char *name,
                                const uint32_t *references, size_t count, const void *values)
@@ -470,7 +470,8 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
     if (check_references(m, "get", kind, name, references, count, values))
         return ERROR;
     for (size_t i = 0; i < count && !m->state->is_built; i++) {
-        if (references[i] < t->observed_at)
+        int64_t role = variables(t)[references[i]].role;
+        if (role != READ && role != INSTANT)
             continue;
         if (m->state->phase == INSTANTIATED)
             return refuse(m, "%s: is computed, and not before the initialization begins",
@@ -481,7 +482,13 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
     const double *observed = (const double *)(m->block + t->observed);
     for (size_t i = 0; i < count; i++) {
         const Variable *v = variables(t) + references[i];
-        double value = v->role >= READ ? observed[v->at] : m->values[references[i]];
+        double value;
+        if (v->role == TIME)
+            value = m->state->now;
+        else if (v->role < READ)
+            value = m->values[references[i]];
+        else
+            value = observed[v->at];
         if (v->role == INSTANT && value >= 0.0)
             value += m->state->start;
         put(values, i, value);

@@ -13,7 +13,7 @@
 #endif
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status; /* FMI's numbers */
-typedef enum { REAL, INTEGER, BOOLEAN, STRING } Kind;
+typedef enum { REAL, INTEGER, BOOLEAN, NO_KIND } Kind; /* of the last there are no variables */
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED } Phase;
 
 /* What a variable is to the run; the places that parameters of the machine take are `Write`s. */
@@ -27,7 +27,8 @@ typedef enum {
     SETTING,        /* at: which of the solver's parameters; `unset` leaves it to the preset */
     REDUCTION,      /* modes kept of the shaft: chosen when the FMU is built */
     READ,           /* at: which of what the model computes */
-    INSTANT         /* the same, a time */
+    INSTANT,        /* the same, an instant */
+    TIME            /* the independent variable of FMI 3.0, the last of all */
 } Role;
 
 typedef struct {
