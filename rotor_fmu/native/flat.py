@@ -61,9 +61,9 @@ def rotor_settle(block, given, told):
     return settle(_view(block), given, told)
 
 
-def rotor_doubt(block, given, told):
-    """What makes a run with them doubtful."""
-    return doubt(_view(block), given, told)
+def rotor_doubt(block, given, own, told, slot):
+    """What makes a run with one of them doubtful, or, behind the last, with all of them."""
+    return doubt(_view(block), given, own, told, slot)
 
 
 def rotor_start(block, speed, drive, rate, told):
@@ -104,7 +104,7 @@ def rotor_look(block):
 
 FUNCTIONS = {
     rotor_settle: (_BLOCK, _NUMBERS, _NUMBERS),
-    rotor_doubt: (_BLOCK, _NUMBERS, _NUMBERS),
+    rotor_doubt: (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
     rotor_start: (_BLOCK, _REAL, _REAL, _REAL, _NUMBERS),
     rotor_advance: (_BLOCK, _REAL, _REAL, _REAL, _NUMBERS),
     rotor_look: (_BLOCK,),

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from ..model.settings import METHODS
+from ..model.settings import INDICATORS, METHODS, MODES, NORMS, Settings, without_effect
 
 GOOD = 0
 # The parameters of the methods, and the settings that must be positive, in the order of the checks.
@@ -17,21 +17,49 @@ _STEP = "try the preset robust, or a smaller solver.h"
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 _LEAVES_NONE = "must be at least -1 and below 1"
 
+# What decides the step length, and whatever a run may have of mode and norm: one sentence for each
+# setting that then changes nothing, "" for the others; of a choice one for each of its names.
+IDLE_NUMBERS = ("h_min", "h_max", "eps_min", "eps_max", "tolerance", "atol", "rtol")
+_CONTEXTS = [{"mode": mode, "norm": norm} for mode in MODES for norm in NORMS]
+_FAR = 0.875  # a number that no preset has
+
+
+def _idle(context: dict[str, str], name: str, value: str | float) -> str:
+    given = {"h": _FAR, "h_min": _FAR, "h_max": _FAR, "eps_min": 0.1, "eps_max": 0.2} | context
+    told = without_effect(Settings(**given), [name])
+    if not told:
+        return ""
+    before, _, why = told[0].partition(": ")
+    shown = value if isinstance(value, str) else "{g}"
+    return f"solver.{before.partition(' = ')[0]} = {shown}: {why}"
+
+
+_IDLE = tuple(
+    _idle(context, name, value)
+    for context in _CONTEXTS
+    for name, values in (
+        *((name, (0.0,)) for name in IDLE_NUMBERS),
+        ("indicator", INDICATORS),
+        ("norm", NORMS),
+    )
+    for value in values
+)
+IDLE_ROW = len(_IDLE) // len(_CONTEXTS)
+
 SENTENCES = (
     "",
     *(
-        f"solver.{name} = {{g}}: {method} does not take it; set solver.method too"
+        f"solver.{name} = {{g}}: {method} does not take it; set the method too"
         for method in METHODS
         for name in SHAPES
     ),
+    *(f"solver.method = {method}: needs {name} too" for method in METHODS for name in SHAPES),
     *(
-        f"solver.method = {method}: needs solver.{name} too"
-        for method in METHODS
-        for name in SHAPES
+        f"solver.{name} = {{g}}: must be > 0 and {'at most 1' if name == 'tolerance' else 'finite'}"
+        for name in POSITIVE
     ),
-    *(f"solver.{name} = {{g}}: must be > 0 and finite" for name in POSITIVE),
-    "solver.h = {g} s: must lie between solver.h_min = {g} s and solver.h_max = {g} s",
-    "solver.eps_min = {g}: must be below solver.eps_max = {g}",
+    "solver.h = {g} s: must lie between h_min = {g} s and h_max = {g} s",
+    "solver.eps_min = {g}: must be below eps_max = {g}",
     f"solver.alpha_f = {{g}}: {_LEAVES_NONE}",
     f"solver.alpha_m = {{g}}: {_LEAVES_NONE}",
     "solver.alpha_f - alpha_m = {g}: must be above -1 (beta would be 0)",
@@ -41,6 +69,7 @@ SENTENCES = (
         "oscillations is {.4g}, above 1; the run will diverge"
         for method in METHODS
     ),
+    *_IDLE,
     "no static equilibrium: the rotor is held at {d} of its nodes and would tilt under gravity; at "
     "least 2 bearings or supports are needed",
     "no static equilibrium under gravity and the loads at the start was found",
@@ -73,6 +102,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     BAD_DIFFERENCE,
     BAD_RHO,
     UNSTABLE,
+    IDLE,
     NOT_HELD,
     NO_REST,
     NOT_CONVERGED,
@@ -86,6 +116,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     len(POSITIVE),
     *(1,) * 6,
     len(METHODS),
+    len(_IDLE),
     *(1,) * 6,
 )
 assert len(SENTENCES) == _END

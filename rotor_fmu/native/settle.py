@@ -30,6 +30,11 @@ _H, _H_MIN, _H_MAX, _EPS_MIN, _EPS_MAX, _ATOL, _RTOL, _TOLERANCE = range(
     _POSITIVE, _POSITIVE + len(say.POSITIVE)
 )
 _SHAPES, _POSITIVES, _SLOTS = len(say.SHAPES), len(say.POSITIVE), len(SLOTS)
+_IS_IDLE = np.array([text != "" for text in say.SENTENCES[say.IDLE : say.NOT_HELD]])
+_IDLE_AT = np.full(_SLOTS, -1)
+for _place, _name in enumerate((*say.IDLE_NUMBERS, "indicator")):
+    _IDLE_AT[SLOTS.index(_name)] = _place
+_IDLE_AT[_NORM] = len(say.IDLE_NUMBERS) + len(INDICATORS)
 _STABLE = 1e-12  # what is rounding in a condition of stability
 
 
@@ -79,7 +84,7 @@ def settle(run, given, told):
 def _check_control(run, given, told, mode, method):
     for i in range(_POSITIVES):
         value = given[1 + _POSITIVE + i]
-        if not (value > 0.0 and math.isfinite(value)):
+        if not (0.0 < value < math.inf) or (i == _POSITIVES - 1 and value > 1.0):
             told[0] = value
             return say.NOT_POSITIVE + i
     h, h_min, h_max = given[1 + _H], given[1 + _H_MIN], given[1 + _H_MAX]
@@ -175,11 +180,21 @@ def radius_at_infinity(numbers):
 
 
 @compiled
-def doubt(run, given, told):
-    """Code of a warning of the method that was settled, or `GOOD`."""
-    numbers = run.method.numbers[0]
-    if is_stable(numbers):
+def doubt(run, given, own, told, slot):
+    """Code of a warning about one of the `own` parameters among `given`, as they were before
+    `settle`, or `GOOD`; behind the last of them about the method."""
+    if slot == _SLOTS:
+        numbers = run.method.numbers[0]
+        if is_stable(numbers):
+            return say.GOOD
+        told[0], told[1] = numbers.alpha_f, numbers.alpha_m
+        told[2] = radius_at_infinity(numbers)
+        return say.UNSTABLE + int(given[1 + _METHOD])
+    if math.isnan(own[1 + slot]) or _IDLE_AT[slot] < 0:
         return say.GOOD
-    told[0], told[1] = numbers.alpha_f, numbers.alpha_m
-    told[2] = radius_at_infinity(numbers)
-    return say.UNSTABLE + int(given[1 + _METHOD])
+    context = int(given[1 + _MODE]) * len(_NORMS) + int(given[1 + _NORM])
+    at = context * say.IDLE_ROW + _IDLE_AT[slot]
+    told[0] = given[1 + slot]
+    if slot in (_INDICATOR, _NORM):
+        at += int(given[1 + slot])
+    return say.IDLE + at if _IS_IDLE[at] else say.GOOD

@@ -30,14 +30,14 @@ _REFERENCE = """<h2>A reference result</h2>
 
 # What the page says of the host.
 _WITH_PYTHON = """<p>The host runs, or can load, Python 3.11 or newer with <code>numpy</code> and
-<code>scipy</code>, and <code>numba</code> for speed: <code>pip install numpy scipy numba</code>. Then, with FMPy,
-<code>fmpy simulate $name.fmu --show-plot</code>. The first run on a machine compiles for about
-half a minute. A warning or an error is one sentence on standard error, and in the host's log where
-logging is switched on.</p>
+<code>scipy</code>, and <code>numba</code> for speed: <code>pip install numpy scipy numba</code>.
+Then, with FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. The first run on a machine
+compiles for about half a minute. A warning or an error is one sentence on standard error, and in
+the host's log where logging is switched on.</p>
 """
 _WITHOUT_PYTHON = """<p>The host needs nothing but the FMU: its libraries hold the solver as machine
-code. With FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. A warning or an error is one sentence on standard
-error, and in the host's log where logging is switched on.</p>
+code. With FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. A warning or an error is one
+sentence on standard error, and in the host's log where logging is switched on.</p>
 """
 
 # What the page says of the drive, by the input that drives.

@@ -107,10 +107,11 @@ static Status say(Instance *m, Status status, const char *pattern, const double 
 
 static void warn(Instance *m, int code, const double *numbers)
 {
-    uint64_t bit = (uint64_t)1 << (code & 63);
-    if (!(m->warned & bit))
+    if (code < 0 || code >= m->table->sentences)
+        return;
+    if (!m->warned[code % WARNINGS])
         say(m, WARNING, sentence(m->table, code), numbers);
-    m->warned |= bit;
+    m->warned[code % WARNINGS] = 1;
 }
 
 Status choose_categories(Instance *m, int is_on, size_t count, const char *const *names)
@@ -138,7 +139,7 @@ void begin_anew(Instance *m)
     memcpy(m->state->guid, t->guid, sizeof t->guid);
     for (int64_t i = 0; i < t->observed_at; i++)
         m->values[i] = variables(t)[i].start;
-    m->warned = 0;
+    memset(m->warned, 0, sizeof m->warned);
 }
 
 static Instance *refused(Instance *m, const char *message)
@@ -267,12 +268,13 @@ static Status check_machine(Instance *m)
 static Status settle(Instance *m)
 {
     const Table *t = m->table;
-    double given[MOST_SETTINGS], numbers[TOLD] = {0};
+    double given[MOST_SETTINGS] = {0}, own[MOST_SETTINGS] = {0}, numbers[TOLD] = {0};
     for (int64_t i = 0; i < t->observed_at; i++) {
         const Variable *v = variables(t) + i;
         if (v->role == SETTING)
-            given[v->at] = m->values[i] == v->unset ? NAN : m->values[i] - v->shift;
+            own[v->at] = m->values[i] == v->unset ? NAN : m->values[i] - v->shift;
     }
+    memcpy(given, own, sizeof given);
     if (m->state->has_tolerance && isnan(given[t->tolerance_at]))
         given[t->tolerance_at] = m->state->tolerance;
     int code = rotor_settle(m->block, given, numbers);
@@ -280,8 +282,16 @@ static Status settle(Instance *m)
         return refuse(m, "internal error in the solver's settings");
     if (code)
         return say(m, ERROR, sentence(t, code), numbers);
-    if ((code = rotor_doubt(m->block, given, numbers)) != 0)
-        warn(m, code, numbers);
+    for (int64_t i = 0; i < t->observed_at; i++) {
+        const Variable *v = variables(t) + i;
+        if (v->role == SETTING && v->kind == REAL && m->values[i] != v->unset
+            && m->values[i] > v->high)
+            return refuse(m, "%s = %g: must be at most %g", text(t, v->name), m->values[i],
+                          v->high);
+    }
+    for (int64_t slot = 0; slot < t->settings; slot++)
+        if ((code = rotor_doubt(m->block, given, own, numbers, slot)) != 0)
+            warn(m, code, numbers);
     return OK;
 }
 
@@ -446,9 +456,11 @@ Status set_slope(Instance *m, uint32_t reference, int order, double value)
 
 static const char *const KINDS[] = {"Real", "Integer", "Boolean"};
 
-static Status check_references(Instance *m, const char *call, Kind kind, const char *name,
+/* Integers and Booleans can be read as Reals too, as some masters do with every output. */
+static Status check_references(Instance *m, int is_set, Kind kind, const char *name,
                                const uint32_t *references, size_t count, const void *values)
 {
+    const char *call = is_set ? "set" : "get";
     const Table *t = m->table;
     if (count && (!references || !values))
         return refuse(m, "%s%s: NULL where %zu values are asked for", call, name, count);
@@ -456,7 +468,7 @@ static Status check_references(Instance *m, const char *call, Kind kind, const c
         if (references[i] >= t->variables)
             return refuse(m, "%s%s: value reference %lu: there is none; they go to %d", call, name,
                           (unsigned long)references[i], (int)t->variables - 1);
-        if (variables(t)[references[i]].kind != (int64_t)kind)
+        if (variables(t)[references[i]].kind != (int64_t)kind && (kind != REAL || is_set))
             return refuse(m, "%s%s: %s: is of type %s", call, name, name_of(m, references[i]),
                           KINDS[variables(t)[references[i]].kind]);
     }
@@ -467,7 +479,7 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
                   size_t count, void *values, Put put)
 {
     const Table *t = m->table;
-    if (check_references(m, "get", kind, name, references, count, values))
+    if (check_references(m, 0, kind, name, references, count, values))
         return ERROR;
     for (size_t i = 0; i < count && !m->state->is_built; i++) {
         int64_t role = variables(t)[references[i]].role;
@@ -518,7 +530,7 @@ Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
                   size_t count, const void *values, Item item)
 {
     char call[40];
-    if (check_references(m, "set", kind, name, references, count, values))
+    if (check_references(m, 1, kind, name, references, count, values))
         return ERROR;
     if (!count)
         return OK;

@@ -62,6 +62,7 @@ typedef struct {
     char failure[704];
 } State; /* followed by the values of what can be set, and by the run */
 
+enum { WARNINGS = 512 };
 typedef struct Instance Instance;
 typedef void (*Tell)(Instance *, Status, const char *category, const char *message);
 struct Instance {
@@ -69,7 +70,7 @@ struct Instance {
     State *state;
     double *values;
     uint8_t *block; /* of the kernels, aligned; its first bytes are the run */
-    uint64_t warned; /* by the code of the sentence */
+    uint8_t warned[WARNINGS]; /* by the code of the sentence */
     unsigned categories; /* which of CATEGORIES the host wants to hear of */
     char *name;
     Tell tell;

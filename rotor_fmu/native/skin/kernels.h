@@ -7,7 +7,7 @@
 enum { BROKEN = 1 << 20 };
 
 int32_t rotor_settle_kernel(int64_t *, void **, uint8_t *, double *, double *);
-int32_t rotor_doubt_kernel(int64_t *, void **, uint8_t *, double *, double *);
+int32_t rotor_doubt_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);
 int32_t rotor_start_kernel(int64_t *, void **, uint8_t *, double, double, double, double *);
 int32_t rotor_advance_kernel(int64_t *, void **, uint8_t *, double, double, double, double *);
 int32_t rotor_look_kernel(int64_t *, void **, uint8_t *);
@@ -22,9 +22,9 @@ static inline int rotor_settle(uint8_t *block, double *given, double *told)
 {
     CALL(rotor_settle, block, given, told);
 }
-static inline int rotor_doubt(uint8_t *block, double *given, double *told)
+static inline int rotor_doubt(uint8_t *block, double *given, double *own, double *told, int64_t slot)
 {
-    CALL(rotor_doubt, block, given, told);
+    CALL(rotor_doubt, block, given, own, told, slot);
 }
 static inline int rotor_start(uint8_t *block, double speed, double drive, double rate, double *told)
 {
