@@ -73,7 +73,7 @@ FAILURES = {
         "the scheme is unstable",
     ),
     "no convergence": Failure(
-        ("integer solver.preset 1", "real gravity 1e12", *INITIALIZE), "step 0 1", "try"
+        ("integer solver.preset 1", "real bearing[1].mu 1000", *INITIALIZE), "step 0 1", "try"
     ),
 }
 LATER = {
