@@ -132,8 +132,7 @@ def library(platform: Platform, say: Callable[[], object] = lambda: None) -> Pat
 
     say: called before one is made. Raises `CoreError`.
     """
-    versions = user_cache() / "native"
-    folder = versions / f"core-{core_digest()}" / platform.name
+    folder = user_cache() / "native" / f"core-{core_digest()}" / platform.name
     target = folder / f"core{platform.suffix}"
     if target.is_file():
         os.utime(folder.parent)
@@ -144,17 +143,23 @@ def library(platform: Platform, say: Callable[[], object] = lambda: None) -> Pat
             "pip install 'rotor-fmu[native]'"
         )
     say()
-    _forget_old(versions)
-    kernels = versions / f"kernels-{_kernels_digest()}"
-    if not kernels.is_dir():
-        with _unfinished(kernels) as work:
-            _run([sys.executable, "-m", f"{__package__}.emit", str(work)], "the kernels")
     with _unfinished(folder) as work:
-        _link(platform, _objects(platform, kernels, work), work / target.name)
+        _link(platform, _objects(platform, kernels(), work), work / target.name)
         for left in work.iterdir():  # import libraries and debug files of the linker
             if left.name != target.name:
                 left.unlink()
     return target
+
+
+def kernels() -> Path:
+    """The folder with the kernels' LLVM IR, which no platform is in yet."""
+    versions = user_cache() / "native"
+    folder = versions / f"kernels-{_kernels_digest()}"
+    if not folder.is_dir():
+        _forget_old(versions)
+        with _unfinished(folder) as work:
+            _run([sys.executable, "-m", f"{__package__}.emit", str(work)], "the kernels")
+    return folder
 
 
 class _unfinished:
@@ -186,7 +191,7 @@ def _forget_old(versions: Path) -> None:
         shutil.rmtree(old, ignore_errors=True)
 
 
-def _objects(platform: Platform, kernels: Path, work: Path) -> list[Path]:
+def _objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
     """The kernels for a platform as object files."""
     import llvmlite.binding as llvm
 
@@ -197,7 +202,7 @@ def _objects(platform: Platform, kernels: Path, work: Path) -> list[Path]:
         cpu=platform.processor, features="", opt=3, reloc="pic", codemodel="default"
     )
     made = []
-    for file in sorted(kernels.glob("*.ll")):
+    for file in sorted(folder.glob("*.ll")):
         text = file.read_text(encoding="utf-8")
         layout = f'target datalayout = "{machine.target_data}"'
         text = re.sub(r"(?m)^target datalayout = .*$", layout, text)
