@@ -1,5 +1,5 @@
-"""Build RotorBearing.fmu or, with --free, RotorBearingFree.fmu:
-python build_fmu.py [--rotor FILE.toml] [--free] [--out DIR]."""
+"""Build RotorBearing.fmu or, with --free, RotorBearingFree.fmu; with --native those that need no
+Python: python build_fmu.py [--rotor FILE.toml] [--free] [--native [--fmi 3]] [--out DIR]."""
 
 import typer
 

@@ -217,4 +217,8 @@ def without_effect(settings: Settings, names: Iterable[str]) -> list[str]:
     why = f"has no effect in the mode {settings.mode}"
     if settings.mode == "adaptive":
         why += f" with the norm {settings.norm}"
-    return [f"{name} = {getattr(settings, name)}: {why}" for name in idle]
+    return [f"{name} = {_shown(getattr(settings, name))}: {why}" for name in idle]
+
+
+def _shown(value: str | float) -> str:
+    return value if isinstance(value, str) else f"{value:g}"

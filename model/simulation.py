@@ -153,7 +153,7 @@ class Simulation:
             if not np.isfinite(loads).all():
                 raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = entries.advance(self._block, float(to), float(drive))
+        status = entries.advance(self._block, float(to), float(drive), math.nan)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._trapped[0] and not self._has_warned:
@@ -186,15 +186,15 @@ class Simulation:
         holding |= {*self.structure.interfaces.dof.tolist()}
         if len(holding) < 2:
             return (
-                f"no static equilibrium: the rotor is held at {len(holding)} of its nodes and would "
-                "tilt under gravity; at least 2 bearings or supports are needed"
+                f"no static equilibrium: the rotor is held at {len(holding)} of its nodes and "
+                "would tilt under gravity; at least 2 bearings or supports are needed"
             )
         if status == NOT_HELD:
             bound = self.structure.numbers[0].bound
             return (
                 "no static equilibrium under gravity and the loads at the start: it would lie "
-                f"beyond {bound:.3g} m, a tenth of the shaft's length; clearances and loads must be "
-                "smaller, or springs stiffer"
+                f"beyond {bound:.3g} m, a tenth of the shaft's length; clearances and loads must "
+                "be smaller, or springs stiffer"
             )
         return "no static equilibrium under gravity and the loads at the start was found"
 

@@ -9,10 +9,11 @@ from typing import Annotated
 import typer
 
 from .drive_train.command import drive_train
-from .errors import RunFailed, run, writable_folder
+from .errors import InputError, RunFailed, run, writable_folder
 from .fmu.interface import interface
 from .impact import command as impact_command
 from .model.settings import PRESETS
+from .native.command import Fmi, Native, Platforms, build_without_python, core
 from .packing.bundle import build
 from .packing.variable_table import markdown
 from .packing.warm import warm
@@ -132,12 +133,24 @@ def warm_command(
             typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
 
 
+app.command("core")(core)
+
+
 @app.command("build")
 def build_command(
     rotor: RotorFile = None,
     is_free: Free = False,
+    is_native: Native = False,
+    fmi: Fmi = 2,
+    platforms: Platforms = None,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> None:
-    """Build RotorBearing.fmu, or RotorBearingFree.fmu."""
+    """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
     toml, _ = load_rotor(rotor)
-    typer.echo(build(writable_folder(out), toml, is_free))
+    folder = writable_folder(out)
+    if is_native:
+        typer.echo(build_without_python(toml, is_free, fmi, platforms, folder))
+    elif fmi != 2 or platforms:
+        raise InputError("--fmi and --platform: only with --native")
+    else:
+        typer.echo(build(folder, toml, is_free))

@@ -52,7 +52,7 @@ def spelled(kind: str, index: int) -> str:
 
 
 # The quantities of the machine itself, and the heading under which they stand.
-_OWN = {"eta_v": "shaft", "eta_h": "shaft", "rotating_damping": "shaft", "gravity": ""}
+OWN = {"eta_v": "shaft", "eta_h": "shaft", "rotating_damping": "shaft", "gravity": ""}
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Rotor:
                     self._check_node(where, element.node)
         self._check_singles()
         self._check_housings(housings)
-        for name, heading in _OWN.items():
+        for name, heading in OWN.items():
             shown = str(Name(heading, 0, name))
             check(shown, quantities(self)[name], getattr(self, name))
         if self.eta_h > 0 and not self.rotating_damping:
@@ -211,7 +211,7 @@ class Rotor:
             for told_name, told in quantities(part).items():
                 if told.is_parameter:
                     yield Name(*name, told_name), told, getattr(part, told_name)
-        for own, heading in _OWN.items():
+        for own, heading in OWN.items():
             yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 
     def with_values(self, values: Mapping[str, float | bool]) -> Rotor:
@@ -220,7 +220,7 @@ class Rotor:
         values: by their names as the FMU spells them: `bearing[1].clearance`, `shaft.eta_v`,
         `gravity`. Raises `QuantityError` if a name is unknown or the machine impossible.
         """
-        own = {str(Name(heading, 0, q)): q for q, heading in _OWN.items()}
+        own = {str(Name(heading, 0, q)): q for q, heading in OWN.items()}
         left = dict(values)
         changed: dict[str, float | bool] = {q: left.pop(n) for n, q in own.items() if n in left}
         parts = []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
 from ..structure.parameters import prepare
@@ -62,8 +64,9 @@ def start(block, speed, drive, rate):
 
 
 @compiled
-def advance(block, t_end, drive):
-    """`march.advance` under the loads that are set; returns its status."""
+def advance(block, t_end, drive, rate):
+    """`march.advance` under the loads that are set; returns its status. rate: of the speed
+    [rad/s2], or NaN where it goes on as the last two speeds say."""
     run = _view(block)
     numbers = run.method.numbers[0]
     status = march.advance(
@@ -72,6 +75,7 @@ def advance(block, t_end, drive):
         _control(numbers),
         t_end,
         drive,
+        march.continued_rate(run.memory.record, drive) if math.isnan(rate) else rate,
         run.motion,
         run.trial,
         run.memory,

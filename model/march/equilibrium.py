@@ -10,6 +10,7 @@ meanwhile, so that there is no friction.
 from __future__ import annotations
 
 from ..kernels.compiled import inlined
+from ..kernels.functions import modulus
 from ..schemes.family import Scheme
 from ..step.excitation import resting
 from ..step.fitting import unfitted
@@ -52,8 +53,8 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
         change = 0.0
         size = 0.0
         for i in range(len(motion.q)):
-            change = max(change, abs(trial.q[i] - motion.q[i]))
-            size = max(size, abs(trial.q[i]))
+            change = max(change, modulus(trial.q[i] - motion.q[i]))
+            size = max(size, modulus(trial.q[i]))
             motion.q[i] = trial.q[i]
         for j in range(len(motion.force)):
             motion.force[j] = trial.force[j]

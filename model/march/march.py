@@ -199,21 +199,24 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
     return DONE
 
 
-@inlined
-def advance(structure, scheme, control, t_end, drive, motion, trial, memory, work, problem):
-    """March to t_end [s]; returns DONE or why not.
-
-    drive: the speed now [rad/s], continued linearly from the last two given, or held; of a free
-    rotor the torque [N.m], constant until t_end; memory.loads: constant until t_end [N].
-    On failure the state is that after the last accepted step.
-    """
-    r = memory.record[0]
+@compiled
+def continued_rate(record, drive):
+    """Rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between the last two
+    given, or 0 where it is held."""
+    r = record[0]
     since = r.t - r.t_ref
     if r.is_free == 1 or r.continues == 0:
-        rate = 0.0
-    elif since > 0.0:
-        rate = (drive - r.omega_ref) / since
-    else:
-        rate = r.alpha
+        return 0.0
+    return (drive - r.omega_ref) / since if since > 0.0 else r.alpha
+
+
+@inlined
+def advance(structure, scheme, control, t_end, drive, rate, motion, trial, memory, work, problem):
+    """March to t_end [s]; returns DONE or why not.
+
+    drive: the speed now [rad/s] with its rate [rad/s2]; of a free rotor the torque [N.m], constant
+    until t_end; memory.loads: constant until t_end [N].
+    On failure the state is that after the last accepted step.
+    """
     begin_interval(structure, drive, rate, False, motion, memory, work)
     return _march(structure, scheme, control, t_end, motion, trial, memory, work, problem)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled
+from ..kernels.functions import root
 
 ZIENKIEWICZ_XIE, LI_ZENG_WIBERG = 1, 2
 INCREMENT_NORM, MIXED_NORM = 1, 2
@@ -49,7 +50,7 @@ def shorter_step(control, h, error):
     Times 0.9: with the error taken relative to the increment, itself O(h), a rejected step would
     otherwise creep towards eps_max and never pass.
     """
-    return max(control.h_min, SAFETY * h * (control.eps_max / error) ** (1.0 / 3.0))
+    return max(control.h_min, SAFETY * h * root(control.eps_max / error, 3))
 
 
 @compiled
@@ -60,5 +61,5 @@ def next_step(control, wished, h, error):
         return wished
     if error == 0.0:
         return control.h_max
-    longer = h * (control.eps_min / error) ** (1.0 / 3.0)
+    longer = h * root(control.eps_min / error, 3)
     return max(wished, min(control.h_max, longer))

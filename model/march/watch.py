@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled
+from ..kernels.functions import modulus
 from ..step.laws import relative
 
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
@@ -49,7 +50,7 @@ def watch_bounces(structure, motion, memory):
         bounce[j, 3] = max(0.0, bounce[j, 3] - 1.0)
         if motion.force[j] != 0.0:
             d = relative(interfaces[j], motion.q)
-            e = d / abs(d)
+            e = d / modulus(d)
             is_opposite = e.real * bounce[j, 0] + e.imag * bounce[j, 1] < -0.5
             if is_opposite and bounce[j, 2] <= CROSSING_STEPS:
                 bounce[j, 3] = min(2.0 * TRAPPED_SCORE, bounce[j, 3] + CROSSING_SCORE)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..kernels.compiled import compiled
+from ..kernels.functions import angle, modulus
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
 from ..quantities import NOT_NEGATIVE, Output, quantity
@@ -46,7 +47,7 @@ def contact_force(part, d, d_dot, spin):
     d [m], d_dot [m/s], spin [rad/s]. Returns the complex force on the journal [N], the normal
     force n [N], the penetration delta [m], its rate [m/s] and the sliding speed v_t [m/s].
     """
-    r = math.sqrt(d.real * d.real + d.imag * d.imag)
+    r = modulus(d)
     delta = r - part.clearance
     if delta <= 0.0:
         return 0.0j, 0.0, delta, 0.0, 0.0
@@ -63,7 +64,7 @@ def contact_force(part, d, d_dot, spin):
 @compiled
 def _tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
     """See `protocol.law`."""
-    r = math.sqrt(d.real * d.real + d.imag * d.imag)
+    r = modulus(d)
     delta = r - part.clearance
     if delta <= 0.0:
         return 0.0j, 0.0j, 0.0j
@@ -98,7 +99,7 @@ def _tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
 @compiled
 def contact_angle(d):
     """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
-    psi = math.atan2(d.imag, d.real)
+    psi = angle(d)
     if psi < 0.0:
         psi += 2.0 * math.pi
     return psi if psi < 2.0 * math.pi else 0.0
@@ -113,7 +114,7 @@ def _force(part, d, d_dot, speed, spin, own):
 @compiled
 def _opening(part, d):
     """See `protocol.law`."""
-    return part.clearance - math.sqrt(d.real * d.real + d.imag * d.imag)
+    return part.clearance - modulus(d)
 
 
 @compiled
@@ -125,7 +126,7 @@ def _length(part):
 @compiled
 def _energy(part, d):
     """See `protocol.law`."""
-    delta = abs(d) - part.clearance
+    delta = modulus(d) - part.clearance
     return 0.5 * part.k * delta * delta if delta > 0.0 else 0.0
 
 
@@ -137,7 +138,7 @@ def _dissipate(part, d, d_dot, speed, spin, own, out):
     out[1] = 0.0
     if delta <= 0.0:
         return 0.0
-    tangential = -(force * d.conjugate()).imag / abs(d)
+    tangential = -(force * d.conjugate()).imag / modulus(d)
     out[0] = (normal - part.k * delta) * rate
     out[1] = tangential * sliding
     return part.journal_radius * tangential
@@ -149,7 +150,7 @@ def _observe(part, d, d_dot, speed, spin, own, out):
     force, normal, _, _, _ = contact_force(part, d, d_dot, spin)
     out[0] = contact_angle(d)
     out[1] = normal
-    out[2] = 0.0 if normal == 0.0 else -(force * d.conjugate()).imag / abs(d)
+    out[2] = 0.0 if normal == 0.0 else -(force * d.conjugate()).imag / modulus(d)
     out[3] = d.real
     out[4] = d.imag
     out[5] = 1.0 if normal > 0.0 else 0.0

@@ -3,11 +3,11 @@ must supply for it."""
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from ..kernels.band import form
 from ..kernels.compiled import compiled
+from ..kernels.functions import direction
 
 
 class Spin(NamedTuple):
@@ -24,7 +24,7 @@ class Spin(NamedTuple):
 @compiled
 def spin_of(omega, alpha, theta):
     """`Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
-    return Spin(omega, alpha, theta, complex(math.cos(theta), math.sin(theta)), omega)
+    return Spin(omega, alpha, theta, direction(theta), omega)
 
 
 @compiled

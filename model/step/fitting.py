@@ -9,10 +9,10 @@ stays, and so does what holds at rest.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled
+from ..kernels.functions import direction
 
 SLOWEST = 1e-4  # Omega h [rad] below which the factors are 1 to rounding
 
@@ -36,7 +36,7 @@ def fitted(scheme, w):
     am, af, beta, gamma = scheme
     if abs(w) < SLOWEST:
         return Fit(1.0, 1.0)
-    z = complex(math.cos(w), math.sin(w))
+    z = direction(w)
     velocity = (1.0 - gamma + gamma * z) / (z - 1.0)  # v over h a
     displacement = (velocity + 0.5 - beta + beta * z) / (z - 1.0)  # q over h^2 a
     balance = (am + (1.0 - am) * z) / (af + (1.0 - af) * z)  # v_dot over a

@@ -15,6 +15,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.compiled import compiled
+from ..kernels.functions import modulus
 from .laws import law_opening, law_tangent
 
 EXPECTED, OPEN, WALL = 0, 1, 2
@@ -142,7 +143,7 @@ def _start(problem, laws, interfaces, place, b_d):
             free = problem.d0[j] + b_d * w
             opening = law_opening(laws, interfaces[j], free)
             if opening < 0.0:
-                w = (free * (1.0 + opening / abs(free)) - problem.d0[j]) / b_d
+                w = (free * (1.0 + opening / modulus(free)) - problem.d0[j]) / b_d
         problem.w[j] = w
 
 
@@ -168,7 +169,7 @@ def solve_interfaces(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
                 problem.force[j] += relax * (
                     problem.p[j] * change + problem.q[j] * change.conjugate()
                 )
-                if not b_d * abs(change) <= TOLERANCE * interfaces[j].length:
+                if not b_d * modulus(change) <= TOLERANCE * interfaces[j].length:
                     is_converged = False
             if is_converged:
                 return True, iterations

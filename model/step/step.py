@@ -14,6 +14,7 @@ import numpy as np
 
 from ..kernels.band import add_product, factorize, solve
 from ..kernels.compiled import compiled
+from ..kernels.functions import modulus
 from .excitation import add_applied, circulation
 from .interface_problem import solve_interfaces
 from .laws import law_force, law_rates, relative
@@ -219,7 +220,7 @@ def _expect(problem, interfaces, old, b_d):
         problem.expected[j] = 0.0
         if old.force[j] != 0.0 and interfaces[j].has_wall == 1:
             ahead = problem.d0[j] + b_d * relative(interfaces[j], old.a)
-            problem.expected[j] = ahead * (abs(relative(interfaces[j], old.q)) / abs(ahead))
+            problem.expected[j] = ahead * (modulus(relative(interfaces[j], old.q)) / modulus(ahead))
 
 
 @compiled

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled
+from ..kernels.functions import direction
 from ..parts import LAWS
 from ..protocol.law import dispatcher
 
@@ -20,7 +21,7 @@ def prepare(structure):
     inertia = numbers.own_inertia
     for i in range(len(structure.unbalances)):
         u = structure.unbalances[i]
-        structure.unbalance[i] = u.mass * u.e * complex(math.cos(u.phase), math.sin(u.phase))
+        structure.unbalance[i] = u.mass * u.e * direction(u.phase)
         inertia += u.spinning_mass * u.e * u.e
     numbers.inertia = inertia
     smallest = math.inf

@@ -19,7 +19,7 @@ _ORDER = (
 )
 
 # Outputs that inputs reach within an instant.
-_DEPENDENT = ("tau", "tau_load", "a")
+DEPENDENT = ("tau", "tau_load", "a")
 
 
 def guid(table: Sequence[Variable], content: str) -> str:
@@ -30,7 +30,7 @@ def guid(table: Sequence[Variable], content: str) -> str:
 def complete(root: Element, table: Sequence[Variable], generated: str) -> Element:
     """Add units, limits, dependencies and initial unknowns to pythonfmu's description `root`."""
     root.set("generationDateAndTime", generated)
-    root.append(_unit_definitions(table))
+    root.append(unit_definitions(table))
     for element, variable in zip(root.find("ModelVariables"), table, strict=True):
         _describe(element, variable)
     root.remove(root.find("ModelStructure"))
@@ -54,7 +54,8 @@ def _describe(element: Element, variable: Variable) -> None:
                 value.set(key, repr(limit))
 
 
-def _unit_definitions(table: Sequence[Variable]) -> Element:
+def unit_definitions(table: Sequence[Variable]) -> Element:
+    """The units that variables have."""
     definitions = Element("UnitDefinitions")
     for used in map(unit, dict.fromkeys(v.unit for v in table if v.kind == "Real")):
         node = SubElement(definitions, "Unit", name=used.name)
@@ -76,7 +77,7 @@ def _model_structure(table: Sequence[Variable]) -> Element:
     outputs = SubElement(structure, "Outputs")
     for index, variable in enumerate(table, 1):
         if variable.causality == "output":
-            depends = " ".join(inputs) if variable.name in _DEPENDENT else ""
+            depends = " ".join(inputs) if variable.name in DEPENDENT else ""
             SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
     unknowns = SubElement(structure, "InitialUnknowns")
     for index, variable in enumerate(table, 1):

@@ -139,6 +139,12 @@ def repack(
     indent(root)
     xml = b'<?xml version="1.0" encoding="UTF-8"?>\n' + tostring(root, encoding="utf-8")
     contents |= {"modelDescription.xml": xml, **documents}
+    return write_archive(target, contents)
+
+
+def write_archive(target: Path, contents: Mapping[str, bytes]) -> Path:
+    """Write files by their path in it into the FMU `target`, sorted and with one date; returns
+    `target`."""
     # written beside its place and moved there, so that nothing half-written is ever found
     unfinished = target.with_suffix(".part")
     with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as sink:

@@ -28,6 +28,18 @@ _REFERENCE = """<h2>A reference result</h2>
 <a href="fmi-ls-ref.txt">fmi-ls-ref.txt</a>.</p>
 """
 
+# What the page says of the host.
+_WITH_PYTHON = """<p>The host runs, or can load, Python 3.11 or newer with <code>numpy</code> and
+<code>scipy</code>, and <code>numba</code> for speed: <code>pip install numpy scipy numba</code>.
+Then, with FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. The first run on a machine
+compiles for about half a minute. A warning or an error is one sentence on standard error, and in
+the host's log where logging is switched on.</p>
+"""
+_WITHOUT_PYTHON = """<p>The host needs nothing but the FMU: its libraries hold the solver as machine
+code. With FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. A warning or an error is one
+sentence on standard error, and in the host's log where logging is switched on.</p>
+"""
+
 # What the page says of the drive, by the input that drives.
 _DRIVES = {
     "speed": "the speed of the shaft and the external loads go in; displacements, contact angles "
@@ -37,7 +49,9 @@ _DRIVES = {
 }
 
 
-def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, bytes]:
+def documents(
+    rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool = True
+) -> dict[str, bytes]:
     """Files of the FMU called `name`, by their path in it."""
     picture = machine_picture(rotor)
     related = related_files(rotor, name)
@@ -46,7 +60,7 @@ def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, b
         "model.png": picture,
         "documentation/model.png": picture,
         "documentation/run_down.png": pages.joinpath("run_down.png").read_bytes(),
-        "documentation/index.html": _index(table, name, bool(related)).encode(),
+        "documentation/index.html": _index(table, name, bool(related), needs_python).encode(),
         "documentation/externalDependencies.txt": DEPENDENCIES.encode(),
         "terminalsAndIcons/terminalsAndIcons.xml": terminals(table),
         **{f"documentation/licenses/{of}.txt": text for of, text in _licences().items()},
@@ -54,7 +68,7 @@ def documents(rotor: Rotor, table: Sequence[Variable], name: str) -> dict[str, b
     }
 
 
-def _index(table: Sequence[Variable], name: str, has_reference: bool) -> str:
+def _index(table: Sequence[Variable], name: str, has_reference: bool, needs_python: bool) -> str:
     page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
     head, *body = rows(table)
     cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
@@ -63,6 +77,7 @@ def _index(table: Sequence[Variable], name: str, has_reference: bool) -> str:
     return Template(page).substitute(
         name=name,
         drive=_DRIVES[table[0].name],
+        start=Template(_WITH_PYTHON if needs_python else _WITHOUT_PYTHON).substitute(name=name),
         version=__version__,
         variables=variables,
         reference=_REFERENCE if has_reference else "",

@@ -49,11 +49,12 @@ class Talk:
 
 
 class Master:
-    """A program that carries out commands on an FMU."""
+    """A program that carries out commands on an FMU; is_alone: with no environment at all."""
 
-    def __init__(self, fmu: Path, c_program: Path | None = None):
+    def __init__(self, fmu: Path, c_program: Path | None = None, is_alone: bool = False):
         self.fmu = fmu
         self.c_program = c_program
+        self.is_alone = is_alone
         self.folder = Path(fmpy.extract(str(fmu)))
         self.description = fmpy.read_model_description(str(self.folder))
         self.refs = {v.name: v.valueReference for v in self.description.modelVariables}
@@ -63,7 +64,7 @@ class Master:
 
     def tell(self, commands, environment=None) -> Talk:
         """Carry out commands, `real speed 300` and the like, in one process."""
-        if self.c_program is not None:
+        if self.c_program is not None and not self.is_alone:
             environment = environment or expanded(ENVIRONMENT)
         done = subprocess.run(
             self.program(),
@@ -72,7 +73,7 @@ class Master:
             text=True,
             check=False,
             timeout=1200,
-            env={**os.environ, **(environment or {})},
+            env={} if self.is_alone else {**os.environ, **(environment or {})},
         )
         return Talk(list(_answers(done.stdout)), done.stderr, done.returncode)
 
@@ -80,7 +81,8 @@ class Master:
         """The master's command line."""
         if self.c_program is None:
             return [sys.executable, str(HERE / "commands.py"), str(self.fmu)]
-        library = self.folder / "binaries" / "linux64" / "RotorBearing.so"
+        name = self.description.coSimulation.modelIdentifier
+        library = self.folder / "binaries" / "linux64" / f"{name}.so"
         resources = f"file://{self.folder}/resources"
         return [str(self.c_program), str(library), resources, self.description.guid]
 

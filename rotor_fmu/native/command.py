@@ -1,0 +1,56 @@
+"""`rotor-fmu core`, and what `rotor-fmu build --native` does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import InputError, RunFailed
+from .core import PLATFORMS, CoreError, library
+from .pack import build_native
+
+Platforms = Annotated[
+    list[str] | None,
+    typer.Option("--platform", help=f"One of {', '.join(PLATFORMS)}; default: all."),
+]
+
+Native = Annotated[
+    bool, typer.Option("--native", help="The FMU that needs no Python, RotorBearingNative.fmu.")
+]
+Fmi = Annotated[int, typer.Option("--fmi", help="With --native: the version of FMI, 2 or 3.")]
+
+
+def core(platforms: Platforms = None) -> None:
+    """Make the native FMU's libraries, which a build otherwise makes where they are missing."""
+    for name in _known(platforms):
+        typer.echo(_made(name))
+
+
+def build_without_python(
+    toml: str, is_free: bool, fmi: int, platforms: list[str] | None, out: Path
+) -> Path:
+    """`build_native`, with one line a library that has to be made first."""
+    if fmi not in (2, 3):
+        raise InputError(f"--fmi {fmi}: must be 2 or 3")
+    names = _known(platforms)
+    for name in names:
+        _made(name)
+    return build_native(out, toml, is_free, fmi, names)
+
+
+def _known(platforms: list[str] | None) -> list[str]:
+    for name in platforms or ():
+        if name not in PLATFORMS:
+            raise InputError(f"--platform {name}: must be one of {', '.join(PLATFORMS)}")
+    return platforms or list(PLATFORMS)
+
+
+def _made(name: str) -> Path:
+    try:
+        return library(
+            PLATFORMS[name], lambda: typer.echo(f"making the library for {name}", err=True)
+        )
+    except CoreError as error:
+        raise RunFailed(str(error)) from error

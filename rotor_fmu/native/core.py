@@ -1,0 +1,234 @@
+"""The library of the native FMU for each platform: kernels -> LLVM IR -> objects -> linked with the
+C skin. Made once for a version of the sources and kept in the user's cache.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
+from pathlib import Path
+
+from .. import model
+from ..model.kernels.user_cache import user_cache
+
+_HERE = Path(__file__).parent
+SKIN = _HERE / "skin"
+_NOT_IN_KERNELS = ("impact", "false_state", "machine/rigs")
+_KEPT_VERSIONS = 8
+_FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+
+
+class CoreError(RuntimeError):
+    """A library that cannot be made; says what is missing or what the linker says."""
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A platform: its folder among an FMU's binaries, of FMI 2.0 and of FMI 3.0; what LLVM and what
+    zig call it; the processor that every machine of the kind has; how its libraries end."""
+
+    fmi2: str
+    fmi3: str
+    triple: str
+    processor: str
+    zig: str
+    suffix: str
+
+    @property
+    def name(self) -> str:
+        """What a user calls it: FMI 2.0's name."""
+        return self.fmi2
+
+
+# FMI 2.0 names no ARM platforms: those are called as in FMI 3.0, the words turned round.
+PLATFORMS = {
+    platform.name: platform
+    for platform in (
+        Platform(
+            "linux64",
+            "x86_64-linux",
+            "x86_64-unknown-linux-gnu",
+            "x86-64",
+            "x86_64-linux-gnu.2.17",
+            ".so",
+        ),
+        Platform(
+            "win64",
+            "x86_64-windows",
+            "x86_64-w64-windows-gnu",
+            "x86-64",
+            "x86_64-windows-gnu",
+            ".dll",
+        ),
+        Platform(
+            "darwin64",
+            "x86_64-darwin",
+            "x86_64-apple-macosx11.0.0",
+            "x86-64",
+            "x86_64-macos",
+            ".dylib",
+        ),
+        Platform(
+            "aarch64-linux",
+            "aarch64-linux",
+            "aarch64-unknown-linux-gnu",
+            "generic",
+            "aarch64-linux-gnu.2.17",
+            ".so",
+        ),
+        Platform(
+            "aarch64-darwin",
+            "aarch64-darwin",
+            "arm64-apple-macosx11.0.0",
+            "apple-m1",
+            "aarch64-macos",
+            ".dylib",
+        ),
+    )
+}
+
+
+def _of_kernels() -> Iterator[Path]:
+    root = Path(model.__file__).parent
+    for file in sorted(root.rglob("*.py")):
+        if not file.relative_to(root).as_posix().startswith(_NOT_IN_KERNELS):
+            yield file
+    yield from (_HERE / name for name in ("flat.py", "settle.py", "sentences.py", "emit.py"))
+
+
+def _digest(files: Iterable[Path], packages: Iterable[str], before: str = "") -> str:
+    digest = hashlib.sha256(before.encode())
+    for package in packages:
+        try:
+            digest.update(f"{package} {version(package)}\0".encode())
+        except PackageNotFoundError:
+            digest.update(f"{package} none\0".encode())
+    for file in files:
+        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _kernels_digest() -> str:
+    return _digest(_of_kernels(), ("numba", "llvmlite"))
+
+
+def core_digest() -> str:
+    """Sixteen characters that follow the sources of the library and the compilers."""
+    others = (*sorted(SKIN.glob("*.[ch]")), _HERE / "core.py", _HERE / "table.py")
+    return _digest(others, ("ziglang",), _kernels_digest())
+
+
+def library(platform: Platform, say: Callable[[], object] = lambda: None) -> Path:
+    """The library for a platform, made if there is none; some minutes for the first one.
+
+    say: called before one is made. Raises `CoreError`.
+    """
+    folder = user_cache() / "native" / f"core-{core_digest()}" / platform.name
+    target = folder / f"core{platform.suffix}"
+    if target.is_file():
+        os.utime(folder.parent)
+        return target
+    if find_spec("ziglang") is None:
+        raise CoreError(
+            "the native library has to be linked and ziglang is not installed: "
+            "pip install 'rotor-fmu[native]'"
+        )
+    say()
+    with _unfinished(folder) as work:
+        _link(platform, _objects(platform, kernels(), work), work / target.name)
+        for left in work.iterdir():  # import libraries and debug files of the linker
+            if left.name != target.name:
+                left.unlink()
+    return target
+
+
+def kernels() -> Path:
+    """The folder with the kernels' LLVM IR, which no platform is in yet."""
+    versions = user_cache() / "native"
+    folder = versions / f"kernels-{_kernels_digest()}"
+    if not folder.is_dir():
+        _forget_old(versions)
+        with _unfinished(folder) as work:
+            _run([sys.executable, "-m", f"{__package__}.emit", str(work)], "the kernels")
+    return folder
+
+
+class _unfinished:
+    """A folder that is moved to its place when all in it is done."""
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+
+    def __enter__(self) -> Path:
+        self._target.parent.mkdir(parents=True, exist_ok=True)
+        self._work = Path(tempfile.mkdtemp(prefix="part-", dir=self._target.parent))
+        return self._work
+
+    def __exit__(self, kind: type | None, *_: object) -> None:
+        if kind is None:
+            try:
+                self._work.rename(self._target)
+            except OSError:  # another process was faster
+                if not self._target.is_dir():
+                    raise
+        shutil.rmtree(self._work, ignore_errors=True)
+
+
+def _forget_old(versions: Path) -> None:
+    if not versions.is_dir():
+        return
+    by_age = sorted(versions.iterdir(), key=lambda p: p.stat().st_mtime, reverse=True)
+    for old in by_age[_KEPT_VERSIONS - 1 :]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def _objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
+    """The kernels for a platform as object files."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(platform.triple)
+    machine = target.create_target_machine(
+        cpu=platform.processor, features="", opt=3, reloc="pic", codemodel="default"
+    )
+    made = []
+    for file in sorted(folder.glob("*.ll")):
+        text = file.read_text(encoding="utf-8")
+        layout = f'target datalayout = "{machine.target_data}"'
+        text = re.sub(r"(?m)^target datalayout = .*$", layout, text)
+        text = re.sub(r"(?m)^target triple = .*$", f'target triple = "{platform.triple}"', text)
+        module = llvm.parse_assembly(text)
+        module.verify()
+        made.append(work / f"{file.stem}.o")
+        made[-1].write_bytes(machine.emit_object(module))
+    return made
+
+
+def _link(platform: Platform, objects: list[Path], target: Path) -> None:
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig, *_FLAGS]
+    command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
+    if platform.suffix == ".dylib":
+        command.append(f"-Wl,-install_name,@rpath/{target.name}")
+    command += [str(file) for file in (*sorted(SKIN.glob("*.c")), *objects)]
+    if platform.suffix == ".so":
+        command.append("-lm")  # of it, what is exact on every system: sqrt, ceil
+    _run(command, f"the library for {platform.name}")
+
+
+def _run(command: list[str], what: str) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or [
+            "no reason given"
+        ]
+        raise CoreError(f"{what} could not be made: {lines[-1].strip()}")

@@ -1,0 +1,111 @@
+"""The functions of the library: of addresses and numbers alone, each returning the code of a
+sentence (`sentences`), 0 where all is well.
+
+block: of a run (`model.march.block`); given: the solver's parameters (`settle`); told: the numbers
+of the sentence, `TOLD` at most.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import types
+
+from ..model.kernels.compiled import compiled
+from ..model.march import entries, equilibrium, march
+from ..model.march.block import LAYOUT
+from . import sentences as say
+from .settle import doubt, is_stable, radius_at_infinity, settle
+
+TOLD = 8
+_BLOCK, _NUMBERS = types.CPointer(types.uint8), types.CPointer(types.float64)
+_REAL = types.float64
+_view = LAYOUT.view
+
+
+@compiled
+def _held_nodes(run):
+    """How many nodes springs or interfaces hold."""
+    structure = run.structure
+    held = 0
+    n = structure.M.shape[0]
+    for dof in range(n):
+        is_held = False
+        for i in range(len(structure.springs)):
+            spring = structure.springs[i]
+            is_held = is_held or (spring.dof == dof and spring.stiffness > 0.0)
+        for j in range(len(structure.interfaces)):
+            force = run.motion.force[j]
+            is_pushing = force.real != 0.0 or force.imag != 0.0
+            is_held = is_held or (structure.interfaces[j].dof == dof and is_pushing)
+        held += 1 if is_held else 0
+    return held
+
+
+@compiled
+def _farthest_node(run):
+    """Number of the node that is farthest away, or the first that is nowhere."""
+    deflections = run.structure.deflections
+    node, farthest = 0, -1.0
+    for i in range(len(deflections)):
+        q = run.motion.q[deflections[i, 0]]
+        square = q.real * q.real + q.imag * q.imag
+        distance = square if math.isfinite(square) else math.inf
+        if distance > farthest:
+            node, farthest = deflections[i, 1], distance
+    return node
+
+
+def rotor_settle(block, given, told):
+    """Take up the solver's parameters."""
+    return settle(_view(block), given, told)
+
+
+def rotor_doubt(block, given, own, told, slot):
+    """What makes a run with one of them doubtful, or, behind the last, with all of them."""
+    return doubt(_view(block), given, own, told, slot)
+
+
+def rotor_start(block, speed, drive, rate, told):
+    """`entries.start`."""
+    status = entries.start(block, speed, drive, rate)
+    if status == equilibrium.HELD:
+        return say.GOOD
+    held = _held_nodes(_view(block))
+    if status == equilibrium.NOT_HELD and held < 2:
+        told[0] = held
+        return say.NOT_HELD
+    return say.NO_REST
+
+
+def rotor_advance(block, t_end, drive, rate, told):
+    """`entries.advance`; a negative code is a warning about a run that goes on."""
+    status = entries.advance(block, t_end, drive, rate)
+    run = _view(block)
+    r = run.memory.record[0]
+    if status == march.DONE:
+        if r.trapped == 0:
+            return say.GOOD
+        told[0] = r.trapped_at
+        return -say.FALSE_STATE
+    told[0], told[1], told[2] = r.failed_at, r.omega, r.failed_h
+    if status == march.NOT_CONVERGED:
+        return say.NOT_CONVERGED
+    told[3], told[4] = _farthest_node(run), run.structure.numbers[0].bound
+    told[5] = radius_at_infinity(run.method.numbers[0])
+    return say.DIVERGED if is_stable(run.method.numbers[0]) else say.DIVERGED_UNSTABLE
+
+
+def rotor_look(block):
+    """`entries.look`."""
+    entries.look(block)
+    return say.GOOD
+
+
+FUNCTIONS = {
+    rotor_settle: (_BLOCK, _NUMBERS, _NUMBERS),
+    rotor_doubt: (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
+    rotor_start: (_BLOCK, _REAL, _REAL, _REAL, _NUMBERS),
+    rotor_advance: (_BLOCK, _REAL, _REAL, _REAL, _NUMBERS),
+    rotor_look: (_BLOCK,),
+}

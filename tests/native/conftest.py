@@ -1,0 +1,50 @@
+"""The native FMU, built once for this machine; its library stays in the user's cache."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from rotor_fmu.native.pack import build_native
+
+from ..fmu.masters import COMPILER, Master, compile_c_host
+
+HERE = "linux64"
+
+
+@pytest.fixture(scope="session")
+def make(tmp_path_factory):
+    """Builds a native FMU of this machine's platform."""
+    if find_spec("ziglang") is None:
+        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[native]')")
+
+    def build(**options) -> Path:
+        return build_native(tmp_path_factory.mktemp("native"), platforms=[HERE], **options)
+
+    return build
+
+
+@pytest.fixture(scope="session")
+def fmu(make) -> Path:
+    return make()
+
+
+@pytest.fixture(scope="session")
+def c_host(fmu, tmp_path_factory):
+    """A plain C master, run without any environment."""
+    if COMPILER is None:
+        pytest.skip("no C compiler on this machine")
+    master = Master(fmu, compile_c_host(tmp_path_factory.mktemp("host")), is_alone=True)
+    yield master
+    master.close()
+
+
+@pytest.fixture(scope="session", params=["FMPy", "C"])
+def master(request, fmu):
+    """FMPy and the C master in turn."""
+    if request.param == "C":
+        yield request.getfixturevalue("c_host")
+        return
+    master = Master(fmu)
+    yield master
+    master.close()

@@ -1,0 +1,32 @@
+"""What goes wrong is told as the FMU in Python tells it, and whatever is called then survives."""
+
+import pytest
+
+from ..fmu.test_failures import (  # noqa: F401  the same tests, with this folder's masters
+    FAILURES,
+    check,
+    march_through,
+    test_a_refused_call_changes_nothing,
+    test_a_step_after_one_that_failed_says_what_to_do,
+    test_an_unstable_scheme_is_warned_of_before_it_diverges,
+)
+
+
+@pytest.fixture(scope="module")
+def grid(master):
+    """Two calls after each failure."""
+    return march_through(master, FAILURES.values(), 2)
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_a_failure_is_told_and_whatever_is_called_then_survives(grid, name):
+    for entry in grid:
+        if entry[0] is FAILURES[name]:
+            check(*entry)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FAILURES)
+def test_so_do_three_calls_after_a_failure(master, name):
+    for entry in march_through(master, [FAILURES[name]], 3):
+        check(*entry)

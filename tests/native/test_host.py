@@ -1,0 +1,259 @@
+"""What hosts do with the native FMU: rightly, wrongly, often, and at the same time."""
+
+import ctypes
+import math
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from urllib.parse import quote
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+from ..fmu.masters import COMPILER
+from .machine import Machine
+
+H = 0.004
+ERROR = 3
+CO_SIMULATION = 1
+
+
+@pytest.fixture(scope="module")
+def folder(fmu, tmp_path_factory):
+    """The FMU in a folder whose name is hard to spell in a URI."""
+    return Path(fmpy.extract(str(fmu), str(tmp_path_factory.mktemp("a folder, 50% é #1"))))
+
+
+class Library:
+    """The C functions themselves."""
+
+    def __init__(self, folder):
+        self.c = ctypes.CDLL(str(folder / "binaries" / "linux64" / "RotorBearingNative.so"))
+        self.c.fmi2Instantiate.restype = ctypes.c_void_p
+        self.resources = f"file://{quote(str(folder))}/resources".encode()
+        self.guid = fmpy.read_model_description(str(folder)).guid.encode()
+
+    def instantiate(self, kind=CO_SIMULATION, guid=None, resources=None):
+        m = self.c.fmi2Instantiate(
+            b"rotor", kind, guid or self.guid, resources or self.resources, None, 0, 0
+        )
+        return m and ctypes.c_void_p(m)
+
+    def ready(self):
+        m = self.instantiate()
+        zero = ctypes.c_double(0.0)
+        assert self.c.fmi2SetupExperiment(m, 0, zero, zero, 0, zero) == 0
+        assert self.c.fmi2EnterInitializationMode(m) == 0
+        assert self.c.fmi2ExitInitializationMode(m) == 0
+        return m
+
+
+@pytest.fixture(scope="module")
+def library(folder):
+    return Library(folder)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_the_description_is_valid(make, fmi):
+    assert validate_fmu(str(make(fmi=fmi))) == []
+
+
+def test_it_runs_from_a_folder_whose_name_is_escaped(library):
+    m = library.instantiate()
+    assert m
+    library.c.fmi2FreeInstance(m)
+
+
+def test_a_stranger_is_not_instantiated(library, capfd):
+    for wrong, words in (
+        ({"guid": b"{another}"}, "the GUID is not this FMU's"),
+        ({"kind": 0}, "for co-simulation alone"),
+        ({"resources": b"file:///nowhere"}, "/nowhere/machine.table: cannot be read"),
+    ):
+        assert not library.instantiate(**wrong)
+        assert words in capfd.readouterr().err
+
+
+def test_a_table_that_is_damaged_is_refused(library, folder, tmp_path, capfd):
+    table = (folder / "resources" / "machine.table").read_bytes()
+    for damaged in (table[:-8], b"", table[:8] + b"x" * 16 + table[24:]):
+        (tmp_path / "machine.table").write_bytes(damaged)
+        assert not library.instantiate(resources=f"file://{tmp_path}".encode())
+        assert "machine.table: " in capfd.readouterr().err
+
+
+def test_null_is_refused_wherever_it_is_given(library):
+    m, c = library.ready(), library.c
+    vr = (ctypes.c_uint * 1)(0)
+    size = ctypes.c_size_t(1)
+    for call in (
+        lambda: c.fmi2GetReal(None, vr, size, None),
+        lambda: c.fmi2GetReal(m, None, size, None),
+        lambda: c.fmi2SetReal(m, vr, size, None),
+        lambda: c.fmi2DoStep(None, ctypes.c_double(0), ctypes.c_double(1), 1),
+        lambda: c.fmi2GetFMUstate(m, None),
+        lambda: c.fmi2SetFMUstate(m, None),
+        lambda: c.fmi2SerializeFMUstate(m, None, None, size),
+        lambda: c.fmi2DeSerializeFMUstate(m, None, size, None),
+        lambda: c.fmi2SetRealInputDerivatives(m, vr, size, None, None),
+        lambda: c.fmi2Terminate(None),
+        lambda: c.fmi2Reset(None),
+    ):
+        assert call() == ERROR
+    c.fmi2FreeInstance(None)
+    c.fmi2FreeInstance(m)
+
+
+def test_wrong_references_and_types_are_refused(library, capfd):
+    m, c = library.ready(), library.c
+    value, size = (ctypes.c_double * 1)(7.0), ctypes.c_size_t(1)
+    for reference in (111111, 2**32 - 1):
+        vr = (ctypes.c_uint * 1)(reference)
+        for call in (c.fmi2GetReal, c.fmi2SetReal, c.fmi2GetString, c.fmi2SetInteger):
+            assert call(m, vr, size, value) == ERROR
+        assert f"value reference {reference}: there is none" in capfd.readouterr().err
+    assert c.fmi2SetBoolean(m, (ctypes.c_uint * 1)(0), size, value) == ERROR
+    assert "speed: is of type Real" in capfd.readouterr().err
+    c.fmi2FreeInstance(m)
+
+
+def test_of_values_that_are_set_together_all_are_taken_or_none(fmu):
+    machine = Machine(fmu).start(speed=300.0)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        machine.fmu.setReal([machine.refs["speed"], machine.refs["disc[1].fx"]], [200.0, math.nan])
+    assert machine.read(["speed"])[0] == 300.0
+    machine.close()
+
+
+def test_integers_can_be_read_as_reals(fmu):
+    machine = Machine(fmu).start()
+    machine.step(H)
+    steps = machine.fmu.getInteger([machine.refs["solver.steps"]])[0]
+    assert machine.read(["solver.steps"])[0] == steps > 0
+    machine.close()
+
+
+def test_with_its_derivative_a_ramp_of_the_speed_is_exact_at_any_step(fmu):
+    """Over steps of 50 ms the angle is the integral; without the derivative the first is not."""
+    rate, h = -100.0, 0.05
+    angles = []
+    for is_told in (True, False):
+        machine = Machine(fmu).start(speed=300.0)
+        for i in range(4):
+            speed = 300.0 + rate * i * h
+            machine.set(speed=speed)
+            if is_told:
+                machine.fmu.setRealInputDerivatives([machine.refs["speed"]], [1], [rate])
+            machine.step(h)
+        angles.append(machine.read(["phi"])[0])
+        machine.close()
+    exact = 300.0 * 4 * h + 0.5 * rate * (4 * h) ** 2
+    assert angles[0] == pytest.approx(exact, rel=1e-14)
+    assert angles[1] != pytest.approx(exact, rel=1e-4)
+
+
+def test_messages_come_by_category_and_only_where_logging_is_on(fmu):
+    heard = []
+
+    def listen(environment, name, status, category, message):
+        heard.append((status, category.decode(), message.decode()))
+
+    folder = fmpy.extract(str(fmu))
+    description = fmpy.read_model_description(folder)
+    for is_on, categories, expected in (
+        (False, None, []),
+        (True, None, [ERROR]),
+        (True, [b"logStatusWarning"], []),
+        (True, [b"logStatusError"], [ERROR]),
+    ):
+        heard.clear()
+        machine = fmpy.instantiate_fmu(
+            folder, description, "CoSimulation", logger=listen, debug_logging=is_on
+        )
+        if categories:
+            machine.fmi2SetDebugLogging(machine.component, 0, 0, None)
+            names = (ctypes.c_char_p * len(categories))(*categories)
+            machine.fmi2SetDebugLogging(machine.component, 1, len(categories), names)
+        with pytest.raises(fmpy.fmi1.FMICallException):
+            machine.doStep(0.0, H)
+        assert [status for status, _, _ in heard] == expected
+        machine.freeInstance()
+
+
+def _run(machine):
+    machine.start(speed=300.0)
+    for _ in range(50):
+        machine.step(H)
+    return machine.read()
+
+
+def test_a_hundred_instances_in_eight_threads_run_as_one_alone(fmu):
+    folder = fmpy.extract(str(fmu))
+    alone = _run(Machine(fmu, folder))
+    machines = [Machine(fmu, folder) for _ in range(100)]
+    with ThreadPoolExecutor(8) as threads:
+        for values in threads.map(_run, machines):
+            assert (values == alone).all()
+    for machine in machines:
+        machine.close()
+
+
+def test_instances_that_are_freed_leave_nothing_behind(library):
+    import resource
+
+    def cycles(count):
+        for _ in range(count):
+            library.c.fmi2FreeInstance(library.ready())
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+    before = cycles(100)
+    assert cycles(1000) - before < 2000  # kB, where one instance has 70
+
+
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+def test_a_c_host_without_any_environment_gets_the_numbers_that_fmpy_gets(c_host, fmu):
+    calls = ["instantiate", "real speed 300", "setup 0", "enter", "exit"]
+    for i in range(25):
+        calls += [f"step {i * H!r} {H!r}", "get disc[3].x"]
+    done = c_host.tell([*calls, "terminate", "free"])
+    assert (done.status, done.stderr) == (0, "")
+    machine = Machine(fmu).start(speed=300.0)
+    expected = []
+    for i in range(25):
+        machine.t = i * H
+        machine.step(H)
+        expected.append(machine.read(["disc[3].x"])[0])
+    assert [answer.value for answer in done.named("get")] == expected
+    machine.close()
+
+
+def test_it_loads_nothing_of_python(folder):
+    """In a process whose Python cannot import this project or numba."""
+    script = (
+        "import ctypes, sys\n"
+        f"c = ctypes.CDLL({str(folder / 'binaries/linux64/RotorBearingNative.so')!r})\n"
+        "c.fmi2GetVersion.restype = ctypes.c_char_p\n"
+        "print(c.fmi2GetVersion().decode(), 'numba' in sys.modules)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-c", script], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["2.0", "False"]
+
+
+def test_a_state_of_fmi_3_goes_on_bit_for_bit(make):
+    machine = Machine(make(fmi=3)).start(speed=300.0)
+    machine.step(H)
+    state, t = machine.fmu.getFMUState(), machine.t
+    data = machine.fmu.serializeFMUState(state)
+    machine.step(H)
+    first = machine.read()
+    machine.fmu.setFMUState(machine.fmu.deserializeFMUState(data))
+    machine.t = t
+    machine.step(H)
+    assert (machine.read() == first).all()
+    assert np.isfinite(first).all()
+    machine.close()

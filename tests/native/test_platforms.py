@@ -1,0 +1,149 @@
+"""The library for every platform: what the kernels ask of a system, and what the files hold."""
+
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import pytest
+
+from rotor_fmu.native.core import PLATFORMS, kernels, library
+from rotor_fmu.native.pack import build_native
+
+# Of a system's library, what is exact everywhere; what LLVM makes of an intrinsic is exact too.
+EXACT = {"sqrt", "ceil", "memset", "memcpy"}
+INTRINSICS = {
+    "ceil",
+    "copysign",
+    "fabs",
+    "sqrt",
+    "floor",
+    "rint",
+    "trunc",
+    "is",
+    "memset",
+    "memcpy",
+}
+INTEGERS = {"smin", "smax", "umin", "umax", "uadd", "sadd", "usub", "umul", "smul", "abs", "ctpop"}
+ENDINGS = {"assume", "lifetime", "experimental", "vector"}
+BITS = Path(__file__).with_name("bits.c")
+EXPORTS = (
+    "fmi2Instantiate",
+    "fmi2DoStep",
+    "fmi2GetReal",
+    "fmi3InstantiateCoSimulation",
+    "fmi3DoStep",
+)
+
+
+def test_the_kernels_ask_a_system_for_nothing_that_it_may_round_in_its_own_way(fmu):
+    """A part that calls another function is named here."""
+    for file in kernels().glob("*.ll"):
+        for name in re.findall(r"(?m)^declare [^@]*@([^(]+)\(", file.read_text()):
+            if name.startswith("llvm."):
+                assert name.split(".")[1] in INTRINSICS | INTEGERS | ENDINGS, (file.stem, name)
+            else:
+                assert name in EXACT, (file.stem, name)
+
+
+def test_the_kernels_contract_no_product_and_sum(fmu):
+    for file in kernels().glob("*.ll"):
+        text = file.read_text()
+        assert "llvm.fma" not in text
+        assert " fast " not in text
+        assert " contract " not in text
+
+
+@pytest.fixture(scope="module")
+def libraries(make):
+    """Of all platforms; the first one for a system takes minutes."""
+    return {name: library(platform) for name, platform in PLATFORMS.items()}
+
+
+def load_commands(data):
+    """Commands of a Mach-O file: (kind, what is behind its head)."""
+    magic, _, _, _, count, _, _, _ = struct.unpack_from("<8I", data)
+    assert magic == 0xFEEDFACF
+    at = 32
+    for _ in range(count):
+        kind, size = struct.unpack_from("<2I", data, at)
+        yield kind, data[at + 8 : at + size]
+        at += size
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["darwin64", "aarch64-darwin"])
+def test_a_library_for_macos_has_its_exports_its_name_and_on_arm_a_signature(libraries, name):
+    data = libraries[name].read_bytes()
+    commands = dict(load_commands(data))
+    symbols, count, strings, _ = struct.unpack_from("<4I", commands[2])
+    exported = set()
+    for i in range(count):
+        place, kind = struct.unpack_from("<IB", data, symbols + 16 * i)
+        if kind == 0x0F:  # defined here, seen from outside
+            end = data.index(b"\0", strings + place)
+            exported.add(data[strings + place : end].decode().removeprefix("_"))
+    assert set(EXPORTS) <= exported
+    assert all(symbol.startswith(("fmi2", "fmi3")) for symbol in exported), exported
+    assert b"@rpath/core.dylib" in commands[0x0D]
+    assert (0x1D in commands) or name == "darwin64"
+
+
+@pytest.mark.slow
+def test_a_library_for_windows_has_its_exports(libraries):
+    names = libraries["win64"].read_bytes()
+    assert names[:2] == b"MZ"
+    assert all(f"{export}\0".encode() in names for export in EXPORTS)
+
+
+@pytest.mark.slow
+def test_all_five_platforms_fit_into_three_megabytes_and_equal_sources_give_equal_bytes(
+    libraries, tmp_path
+):
+    one, other = (build_native(tmp_path / name) for name in ("one", "other"))
+    assert one.stat().st_size < 3e6
+    assert one.read_bytes() == other.read_bytes()
+    with zipfile.ZipFile(one) as archive:
+        folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries")}
+        universal = archive.read("binaries/darwin64/RotorBearingNative.dylib")
+    assert folders == set(PLATFORMS)
+    assert struct.unpack_from(">2I", universal) == (0xCAFEBABE, 2)
+    for i in range(2):
+        _, _, at, size, _ = struct.unpack_from(">5I", universal, 8 + 20 * i)
+        assert at % 0x4000 == 0
+        assert list(load_commands(universal[at : at + size]))
+
+
+ARM = "/usr/aarch64-linux-gnu"  # the C library of Debian's libc6-arm64-cross
+EMULATORS = {"win64": ["wine"], "aarch64-linux": ["qemu-aarch64-static", "-L", ARM]}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EMULATORS)
+def test_another_system_or_processor_computes_the_same_bits(libraries, tmp_path, name):
+    """The outputs of a run, where every contact angle is among them, as the processor has them."""
+    if shutil.which(EMULATORS[name][0]) is None:
+        pytest.skip(f"{EMULATORS[name][0]} is not installed")
+    if name == "aarch64-linux" and not Path(ARM).is_dir():
+        pytest.skip("libc6-arm64-cross is not installed")
+    fmu = build_native(tmp_path, platforms=["linux64", name])
+    folder = fmpy.extract(str(fmu), str(tmp_path / "fmu"))
+    description = fmpy.read_model_description(folder)
+    computed = [v.valueReference for v in description.modelVariables if v.causality != "parameter"]
+    first = str(next(r for r in computed if r > 20))
+    last = str(max(computed) + 1)
+    printed = []
+    for of, emulator in (("linux64", []), (name, EMULATORS[name])):
+        program = tmp_path / f"bits-{of}.exe"
+        command = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[of].zig, "-O1"]
+        subprocess.run([*command, "-o", program, BITS], check=True)
+        library_file = f"{folder}/binaries/{of}/RotorBearingNative{PLATFORMS[of].suffix}"
+        arguments = [library_file, f"file://{folder}/resources", description.guid, first, last]
+        done = subprocess.run([*emulator, program, *arguments], capture_output=True, check=True)
+        printed.append(done.stdout.replace(b"\r", b"").decode())
+    assert len(printed[0].splitlines()) == 150
+    assert printed[0] == printed[1]

@@ -1,0 +1,147 @@
+"""The native FMU computes what the model in Python computes, bit for bit."""
+
+from xml.etree.ElementTree import fromstring
+from zipfile import ZipFile
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+
+from rotor_fmu.packing.bundle import build
+
+from .machine import Machine, observed
+
+H = 0.004
+# Two discs on linear supports, one in a stator: other sizes of everything than the rig's.
+OTHER = """
+name = "on supports"
+gravity = 9.81
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.1, 0.25, 0.4]
+diameters = [0.012, 0.01, 0.012]
+eta_v = 1e-5
+[[disc]]
+node = 2
+diameter = 0.1
+width = 0.02
+e = 20e-6
+[[support]]
+node = 1
+stiffness = 1e6
+damping = 50.0
+[[support]]
+node = 4
+stiffness = 2e6
+damping = 50.0
+[[contact]]
+node = 3
+journal_radius = 6e-3
+clearance = 40e-6
+mu = 0.1
+k = 1e7
+[[unbalance]]
+node = 3
+amount = 1e-5
+phase = 1.0
+"""
+
+
+def run_both(machine, simulation, speeds):
+    """All Reals of both after every step, which has its speed at the beginning."""
+    for speed in speeds:
+        t = machine.t
+        machine.set(speed=speed)
+        machine.step(H)
+        simulation.advance(t + H, speed)
+        yield machine.read(), observed(simulation, machine.computed)
+
+
+def loads(rotor):
+    return np.zeros(sum(1 for part in rotor.parts if part.KIND in ("disc", "coupling")), complex)
+
+
+@pytest.mark.parametrize("toml", [rig_toml(), OTHER], ids=["rig", "on supports"])
+def test_it_starts_and_runs_as_the_simulation_bit_for_bit(make, toml):
+    machine = Machine(make(rotor_toml=toml)).start()
+    simulation = Simulation(parse_rotor(toml), speed=400.0)
+    assert (machine.read() == observed(simulation, machine.computed)).all()
+    for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(60)]):
+        assert (seen == expected).all()
+    assert simulation.read("w") != 400.0
+
+
+@pytest.mark.parametrize("preset", ["robust", "paper", "paper-adaptive", "moderate"])
+def test_so_it_does_with_every_preset(fmu, preset):
+    at = ["robust", "paper", "paper-adaptive", "moderate", "controlled"].index(preset)
+    machine = Machine(fmu).start({"solver.preset": at})
+    simulation = Simulation(rig(), choose(preset), speed=400.0)
+    for seen, expected in run_both(machine, simulation, [400.0] * 20):
+        assert (seen == expected).all()
+
+
+def test_so_it_does_with_every_parameter_changed(fmu):
+    """Slightly, all at once, the rest under loads and the damping that turns included."""
+    rotor = rig()
+    changed = {
+        str(n): 1.01 * v + (v == 0) * 1e-4 for n, q, v in rotor.parameters() if not q.is_switch
+    }
+    machine = Machine(fmu)
+    machine.fmu.setBoolean([machine.refs["shaft.rotating_damping"]], [True])
+    machine.start(speed=100.0, speed_rate=3.0, **changed, **{"disc[2].fy": -5.0})
+    simulation = Simulation(
+        rotor.with_values(changed | {"shaft.rotating_damping": True}),
+        speed=100.0,
+        rate=3.0,
+        loads=np.array([0, -5j, 0, 0]),
+    )
+    assert (machine.read() == observed(simulation, machine.computed)).all()
+    for i in range(10):
+        machine.step(H)
+        simulation.advance((i + 1) * H, 100.0, np.array([0, -5j, 0, 0]))
+        assert (machine.read() == observed(simulation, machine.computed)).all()
+
+
+def test_so_it_does_driven_by_a_torque(make):
+    machine = Machine(make(is_free=True)).start(w_start=200.0, tau_drive=0.1)
+    simulation = Simulation(rig(), speed=200.0, drive_torque=0.1)
+    for i in range(20):
+        machine.step(H)
+        simulation.advance((i + 1) * H, 0.1)
+        assert (machine.read() == observed(simulation, machine.computed)).all()
+
+
+@pytest.mark.slow
+def test_so_it_does_over_the_whole_run_down(fmu):
+    machine = Machine(fmu).start()
+    simulation = Simulation(rig(), speed=400.0)
+    for seen, expected in run_both(machine, simulation, [400 - 10 * H * i for i in range(10_000)]):
+        assert (seen == expected).all()
+    assert simulation.read("w") < 0.1
+
+
+def test_both_versions_of_fmi_give_the_same_bits(make):
+    machines = [Machine(make(fmi=fmi)).start(speed=300.0) for fmi in (2, 3)]
+    for _ in range(20):
+        for machine in machines:
+            machine.step(H)
+        one, other = (machine.read() for machine in machines)
+        assert (one == other).all()
+
+
+@pytest.mark.parametrize("is_free", [False, True])
+def test_its_variables_are_those_of_the_fmu_in_python(make, tmp_path, is_free):
+    described = [
+        fromstring(ZipFile(fmu).read("modelDescription.xml"))
+        for fmu in (make(is_free=is_free), build(tmp_path, is_free=is_free))
+    ]
+    one, other = (
+        [(e.attrib, e[0].tag, e[0].attrib) for e in root.find("ModelVariables")]
+        for root in described
+    )
+    assert one == other
+    assert described[0].find("CoSimulation").get("needsExecutionTool") == "false"

@@ -1,0 +1,64 @@
+"""Parameters written at their places make the machine that was asked for."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.unbalance import Unbalance
+from rotor_fmu.model.protocol.part import Body, Part
+from rotor_fmu.model.quantities import QuantityError, quantity
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.parameters import prepare
+from rotor_fmu.model.structure.places import places
+
+
+def member(structure, path):
+    name, _, rest = path.partition("[")
+    found = getattr(structure, name)
+    return found[int(rest.rstrip("]"))] if rest else found
+
+
+def same(one, other):
+    for a, b in zip(one, other, strict=True):
+        pairs = zip(a, b, strict=True) if isinstance(a, tuple) else [(a, b)]
+        for x, y in pairs:
+            np.testing.assert_array_equal(x, y)
+
+
+@pytest.fixture(scope="module")
+def machine():
+    bare = rig()
+    return replace(bare, parts=(*bare.parts, Unbalance(3, 1e-5, 0.5)), rotating_damping=True)
+
+
+def test_every_parameter_has_a_place(machine):
+    assert [*places(machine)] == [name for name, _, _ in machine.parameters()]
+    assert all(places(machine).values())
+
+
+def test_a_value_at_its_place_is_the_machine_with_that_value(machine):
+    for name, told, value in machine.parameters():
+        changed = (not value) if told.is_switch else 1.25 * value + 0.01
+        structure = assemble(machine)
+        for place in places(machine)[name]:
+            member(structure, place.member)[place.row][place.field] = changed
+        prepare(structure)
+        same(structure, assemble(machine.with_value(str(name), changed)))
+
+
+def test_a_parameter_of_a_matrix_is_refused(machine):
+    @dataclass(frozen=True)
+    class Weight(Part):
+        KIND: ClassVar[str] = "weight"
+        TEXT: ClassVar[str] = "a mass that a user may change"
+        node: int
+        mass: float = quantity("kg", "mass", is_parameter=True)
+
+        def elements(self, where, density):
+            yield Body(self.node, self.mass, 0.0, 0.0)
+
+    heavier = replace(machine, parts=(*machine.parts, Weight(3, 1.0)))
+    with pytest.raises(QuantityError, match=r"mass: is no parameter of an assembled machine"):
+        places(heavier)
