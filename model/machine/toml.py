@@ -16,7 +16,9 @@ from .shaft_tables import Materials, sections_between, sections_in_turn
 from .tables import a_table, make, number, refuse_unknown, tables_of
 
 _SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping")
-_OWN_KEYS = ("name", "gravity", "material", "shaft", "section")
+_OWN_KEYS = (
+    "name", "gravity", "gravity_angle", "inclination", "material", "shaft", "section",
+)  # fmt: skip
 _SAME = 1e-9  # of the shaft's length: positions that are one
 
 
@@ -71,6 +73,8 @@ def parse_rotor(text: str) -> Rotor:
         eta_h=number(shaft.get("eta_h", 0.0)),
         rotating_damping=shaft.get("rotating_damping", False),
         gravity=number(data.get("gravity", 9.81)),
+        gravity_angle=number(data.get("gravity_angle", 0.0)),
+        inclination=number(data.get("inclination", 0.0)),
         name=name,
         start=start,
     )

@@ -50,7 +50,18 @@ class Run(NamedTuple):
 
 
 _SIZES = (
-    *("n", "width", "housings", "size", "deflections", "loads", "probes", "unbalances", "springs"),
+    *(
+        "n",
+        "width",
+        "housings",
+        "size",
+        "deflections",
+        "loads",
+        "probes",
+        "velocities",
+        "unbalances",
+        "springs",
+    ),
     *("interfaces", "own", "stores", "losses", "all_stores", "flows", "most_losses", "outputs"),
     "tables",
     *(f"rows_{law.name}" for law in LAWS),

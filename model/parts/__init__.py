@@ -5,11 +5,13 @@ from ..protocol.part import Part
 from .bearing import Bearing
 from .body import Body, PointMass
 from .clearance_contact import ClearanceContact
+from .conditions import Base, Start
 from .disc import Coupling, Disc
 from .housing import Housing
 from .linear_bearing import LinearBearing, Seal
-from .port import Port
+from .port import Port, Sensor
 from .support import Support
+from .touchdown_bearing import TouchdownBearing
 from .unbalance import Unbalance
 
 _KINDS = [

@@ -16,6 +16,7 @@ from ..quantities import Output, check_all
 if TYPE_CHECKING:
     from .law import Law
 
+BASE = 0  # the node of a port that is the foundation's acceleration
 GROUND = ""  # the name of the housing that does not move
 
 
@@ -54,7 +55,8 @@ class Unbalance(NamedTuple):
 
 
 class Port(NamedTuple):
-    """A node where an external force acts, with what it is called in a text."""
+    """A node where an external force acts, with what it is called in a text; or `BASE`, whose input
+    is the acceleration of the foundation."""
 
     node: int
     where: str
@@ -64,6 +66,22 @@ class Probe(NamedTuple):
     """A node whose displacement and amplitude are observed."""
 
     node: int
+
+
+class Velocity(NamedTuple):
+    """A node whose velocity is observed."""
+
+    node: int
+
+
+class Release(NamedTuple):
+    """The rotor's motion as one body at the start, in the place of equilibrium: of its centre of
+    mass [m], [m/s], and its slope [rad], [rad/s], complex."""
+
+    displacement: complex
+    velocity: complex
+    tilt: complex
+    tilt_rate: complex
 
 
 class Mount(NamedTuple):
@@ -82,7 +100,7 @@ class Interface(NamedTuple):
     housing: str = GROUND
 
 
-Element = Body | Spring | Unbalance | Port | Probe | Mount | Interface
+Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount | Interface
 
 
 PROBE_OUTPUTS = (
@@ -90,6 +108,10 @@ PROBE_OUTPUTS = (
     Output("y", "m", "displacement upwards, at rest below 0 by the sag", True, 1e-4),
     Output("x_amp", "m", "largest abs(x) over the last revolution", nominal=1e-4),
     Output("y_amp", "m", "largest abs(y - y at rest) over the last revolution", nominal=1e-4),
+)
+VELOCITY_OUTPUTS = (
+    Output("vx", "m/s", "velocity to the right", True, 1e-2),
+    Output("vy", "m/s", "velocity upwards", True, 1e-2),
 )
 MOUNT_OUTPUTS = (
     Output("housing_x", "m", "displacement of the housing to the right", nominal=1e-4),
@@ -101,6 +123,8 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
     """What is observed of an element."""
     if isinstance(element, Probe):
         return PROBE_OUTPUTS
+    if isinstance(element, Velocity):
+        return VELOCITY_OUTPUTS
     if isinstance(element, Mount):
         return MOUNT_OUTPUTS
     return element.law.outputs if isinstance(element, Interface) else ()
@@ -123,6 +147,11 @@ class Part(ABC):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """What the part called `where` puts into the machine; density: of the machine's material
         [kg/m3]."""
+
+    @property
+    def label(self) -> str:
+        """The name that a user gave the part, or ""."""
+        return ""
 
     def check(self, where: str) -> None:
         """Raise `QuantityError` for quantities that the part called `where` cannot have."""

@@ -12,6 +12,7 @@ changes does not close.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
@@ -24,6 +25,7 @@ from ..parts import LAWS
 from ..parts.housing import HousingQuantities
 from ..protocol.law import losses_of, stores_of
 from ..protocol.part import (
+    BASE,
     GROUND,
     Body,
     Element,
@@ -31,8 +33,10 @@ from ..protocol.part import (
     Mount,
     Port,
     Probe,
+    Release,
     Spring,
     Unbalance,
+    Velocity,
     outputs_of,
 )
 from ..quantities import quantities
@@ -54,15 +58,17 @@ HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
 # the states of the law begin.
 INTERFACE = _record("law row dof end own states out has_wall", "length")
-# What a machine has one of. Given: eta_v [s], eta_h [1], whether the internal damping turns,
-# gravity [m/s2]; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
-# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, size: a
-# length of the machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia
-# with the eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega
-# kappa_v + sign(Omega) kappa_h; clearance: the smallest [m].
+# What a machine has one of. Given: whether the internal damping turns; base_load: place of the
+# base's acceleration among the loads, or -1; is_released: whether a run starts from `release`;
+# eta_v [s], eta_h [1]; gravity [m/s2], and what share of it acts along x and y; inertia of shaft
+# and bodies about the axis [kg.m2]; lowest_omega: see `_lowest_omega` [rad/s]; bound: displacement
+# that no machine reaches, size: a length of the machine where it has no clearance [m]. Made of it
+# by `parameters.prepare`: inertia with the eccentric masses; kappa_v [s] and kappa_h [1] of the
+# rotating damping, kappa = Omega kappa_v + sign(Omega) kappa_h; clearance: the smallest [m].
 NUMBERS = _record(
-    "rotating_damping",
-    "eta_v eta_h gravity own_inertia lowest_omega bound size inertia kappa_v kappa_h clearance",
+    "rotating_damping base_load is_released",
+    "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound size inertia kappa_v kappa_h "
+    "clearance",
 )
 
 
@@ -74,8 +80,10 @@ class Structure(NamedTuple):
     M_factors: M's, from `band.factorize`.
     mass_share: of the deflections' lumped masses in the rotor's [1]; mass_sum: force of a unit
     acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
+    release: displacement and velocity that a machine is released with.
     deflections: dof and node number, from 1, of every deflection.
-    load_dof: where external forces act; probes: where displacements are observed.
+    load_dof: where external forces act, -1 of the base's acceleration; probes, velocities: where
+    displacements and where velocities are observed.
     unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
     housings; interfaces: between nodes and housings; laws: the records of each law, and the tables.
     stores, losses: which entries of the ledger the machine has, as places in it.
@@ -92,9 +100,11 @@ class Structure(NamedTuple):
     mass_share: Annotated[np.ndarray, float, "n"]
     mass_sum: Annotated[np.ndarray, float, "n"]
     weight: Annotated[np.ndarray, complex, "n"]
+    release: Annotated[np.ndarray, complex, "2", "n"]
     deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
     load_dof: Annotated[np.ndarray, np.int64, "loads"]
     probes: Annotated[np.ndarray, PROBE, "probes"]
+    velocities: Annotated[np.ndarray, PROBE, "velocities"]
     unbalances: Annotated[np.ndarray, UNBALANCE, "unbalances"]
     unbalance: Annotated[np.ndarray, complex, "unbalances"]
     springs: Annotated[np.ndarray, SPRING, "springs"]
@@ -118,6 +128,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "deflections": len(structure.deflections),
         "loads": len(structure.load_dof),
         "probes": len(structure.probes),
+        "velocities": len(structure.velocities),
         "unbalances": len(structure.unbalances),
         "springs": len(structure.springs),
         "interfaces": interfaces,
@@ -165,6 +176,13 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
     numbers[0].gravity = rotor.gravity
+    down = -1j * cmath.exp(1j * rotor.gravity_angle) * math.cos(rotor.inclination)
+    numbers[0].down_x, numbers[0].down_y = down.real, down.imag
+    ports = [port for _, port in _of(Port, elements)]
+    moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
+    numbers[0].base_load = moved_bases[0] if moved_bases else -1
+    releases = [element for _, element in _of(Release, elements)]
+    numbers[0].is_released = bool(releases)
     numbers[0].own_inertia = inertia
     numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, springs, elements)
     numbers[0].bound, numbers[0].size = 0.1 * rotor.length, 1e-4 * rotor.length
@@ -180,9 +198,11 @@ def assemble(rotor: Rotor) -> Structure:
         mass_share=_mass_share(M),
         mass_sum=M[:, ::2].sum(axis=1),
         weight=np.zeros(n, dtype=complex),
+        release=_release(rotor, M, releases),
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
-        load_dof=np.array([_dof(p) for _, p in _of(Port, elements)], dtype=np.int64),
+        load_dof=np.array([-1 if p.node == BASE else _dof(p) for p in ports], dtype=np.int64),
         probes=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Probe, elements)]),
+        velocities=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Velocity, elements)]),
         unbalances=_rows(
             UNBALANCE, [(_dof(u), _dof(u) + (u.offset != 0), *u[1:]) for u in unbalances]
         ),
@@ -276,6 +296,20 @@ def _entries(every: tuple, used: tuple) -> np.ndarray:
     return np.array(found, dtype=np.int64)
 
 
+def _release(rotor: Rotor, M: np.ndarray, releases: list[Release]) -> np.ndarray:
+    """Displacement and velocity of the shaft moving as one body, shape (2, n): its centre of mass
+    and its tilt as the part says that releases it."""
+    along, tilt = np.zeros(len(M)), np.ones(len(M))
+    along[::2] = 1.0
+    tilt[::2] = np.array(rotor.nodes) - rotor.nodes[0]
+    tilt -= (along @ M @ tilt) / (along @ M @ along) * along
+    motion = np.zeros((2, len(M)), dtype=complex)
+    for r in releases:
+        motion[0] += r.displacement * along + r.tilt * tilt
+        motion[1] += r.velocity * along + r.tilt_rate * tilt
+    return motion
+
+
 def _mass_share(M: np.ndarray) -> np.ndarray:
     lumped = np.zeros(len(M))
     lumped[::2] = M[::2, ::2].sum(axis=1)
@@ -305,8 +339,10 @@ def _lowest_omega(
 
 def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
     """The members that name dofs, with each dof at its new place."""
-    changed: dict[str, np.ndarray] = {"load_dof": place(structure.load_dof)}
-    for name in ("probes", "unbalances", "springs", "interfaces"):
+    load_dof = structure.load_dof.copy()
+    load_dof[load_dof >= 0] = place(load_dof[load_dof >= 0])
+    changed: dict[str, np.ndarray] = {"load_dof": load_dof}
+    for name in ("probes", "velocities", "unbalances", "springs", "interfaces"):
         records = getattr(structure, name).copy()
         records.dof = place(records.dof)
         if name == "unbalances":

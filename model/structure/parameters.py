@@ -45,7 +45,9 @@ def _prepare_shaft(structure, numbers):
         for d in range(width):
             structure.C[i, d] = numbers.eta_v * structure.K_shaft[i, d]
             structure.K[i, d] = share * structure.K_shaft[i, d] + structure.K_axial[i, d]
-        structure.weight[i] = complex(0.0, -numbers.gravity * structure.mass_sum[i])
+        structure.weight[i] = (
+            numbers.gravity * structure.mass_sum[i] * complex(numbers.down_x, numbers.down_y)
+        )
     for i in range(len(structure.springs)):
         spring = structure.springs[i]
         structure.K[spring.dof, 0] += spring.stiffness

@@ -21,9 +21,10 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     modes: how many fixed-interface modes; all there are where there are fewer.
     """
     n = len(structure.weight)
-    acted_on = [structure.load_dof]
+    acted_on = [structure.load_dof[structure.load_dof >= 0]]
     acted_on += [
-        getattr(structure, of).dof for of in ("interfaces", "springs", "unbalances", "probes")
+        getattr(structure, of).dof
+        for of in ("interfaces", "springs", "unbalances", "probes", "velocities")
     ]
     acted_on.append(structure.unbalances.slope)
     kept = np.unique(np.concatenate(acted_on))
@@ -61,6 +62,9 @@ def reduced(structure: Structure, modes: int) -> Structure:
     at["interfaces"].end += size - n
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])
+    # a motion as one body needs no mode
+    release = np.zeros((2, size), dtype=complex)
+    release[:, : len(kept)] = structure.release[:, kept]
     share = np.zeros(size)
     moving = deflections[:, 0]  # a slope that is kept has no share
     share[moving] = np.maximum(dense["M"][np.ix_(moving, moving)].sum(axis=1), 0.0)
@@ -71,5 +75,6 @@ def reduced(structure: Structure, modes: int) -> Structure:
         mass_share=share / share.sum(),
         mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
+        release=release,
         deflections=deflections,
     )
