@@ -6,7 +6,15 @@ import random
 
 import mpmath
 import pytest
-from rotor_fmu.model.kernels.functions import angle, direction, modulus, root
+from rotor_fmu.model.kernels.functions import (
+    angle,
+    direction,
+    exponential,
+    logarithm,
+    modulus,
+    power,
+    root,
+)
 
 TRIALS = 2000
 
@@ -83,3 +91,28 @@ def test_roots_are_right_below_one_ulp(random_numbers, n):
 def test_roots_of_nothing_and_of_infinity():
     assert [root(0.0, 3), root(math.inf, 5)] == [0.0, math.inf]
     assert math.isnan(root(math.nan, 3))
+
+
+def test_the_exponential_is_right_within_two_ulp(random_numbers):
+    for _ in range(TRIALS):
+        x = random_numbers.uniform(-690, 690)
+        assert ulps(exponential(x), mpmath.exp(x)) < 2.0, x
+    assert [exponential(-1e9), exponential(1e9)] == [0.0, math.inf]
+
+
+def test_the_logarithm_is_right_within_four_ulp_of_the_larger_of_it_and_one(random_numbers):
+    for _ in range(TRIALS):
+        x = 10.0 ** random_numbers.uniform(-300, 300)
+        exact = mpmath.log(x)
+        assert abs(logarithm(x) - exact) < 4 * math.ulp(max(1.0, abs(float(exact)))), x
+    assert logarithm(1.0) == 0.0
+
+
+def test_powers_are_right_to_rounding_times_the_logarithm(random_numbers):
+    for _ in range(TRIALS):
+        x, y = 10.0 ** random_numbers.uniform(-12, 3), random_numbers.uniform(0, 4)
+        exact = mpmath.power(x, y)
+        bound = 4 * (1 + abs(y * math.log(x)))
+        assert ulps(power(x, y), exact) < bound, (x, y)
+    assert [power(3.0, 0.0), power(3.0, 1.0), power(0.0, 0.7)] == [1.0, 3.0, 0.0]
+    assert power(2.0, 0.5) == math.sqrt(2.0)

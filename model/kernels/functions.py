@@ -162,3 +162,52 @@ def root(x, n):
         power = y * y if n == 3 else y * y * y * y
         y -= (y - x / power) / n
     return scale * y
+
+
+_LN2 = (0.6931471803691238, 1.9082149292705877e-10)  # ln 2 in a part of 32 bits, and the rest
+
+
+@compiled
+def exponential(x):
+    """exp(x), within 2 ulp; 0 below -700, infinite above 700."""
+    if not -700.0 <= x <= 700.0:
+        return math.inf if x > 0.0 else 0.0 if x < 0.0 else math.nan
+    n = math.floor(x * 1.4426950408889634 + 0.5)
+    r = (x - n * _LN2[0]) - n * _LN2[1]
+    tail = 1.0
+    for k in range(14, 0, -1):
+        tail = 1.0 + r * tail / k
+    return tail * 2.0**n
+
+
+@compiled
+def logarithm(x):
+    """ln x of x > 0, within 4 ulp of the larger of it and 1."""
+    if not 0.0 < x < math.inf:
+        return -math.inf if x == 0.0 else math.inf if x > 0.0 else math.nan
+    n = 0
+    while x >= 1.5:
+        x *= 0.5
+        n += 1
+    while x < 0.75:
+        x *= 2.0
+        n -= 1
+    s = (x - 1.0) / (x + 1.0)
+    z = s * s
+    tail = 0.0
+    for k in range(25, 0, -2):
+        tail = 1.0 / k + z * tail
+    return n * _LN2[0] + (n * _LN2[1] + 2.0 * s * tail)
+
+
+@compiled
+def power(x, y):
+    """x^y of x >= 0, to 4 ulp times the logarithm of the result; exact where y is 0 or 1, the root
+    where it is 1/2."""
+    if y == 0.0:
+        return 1.0
+    if y == 1.0:
+        return x
+    if y == 0.5:
+        return math.sqrt(x)
+    return exponential(y * logarithm(x)) if x > 0.0 else 0.0

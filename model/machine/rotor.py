@@ -16,20 +16,27 @@ from ..parts.bearing import Bearing
 from ..parts.disc import Coupling, Disc
 from ..parts.shaft import Material, Section
 from ..parts.support import Support
-from ..protocol.part import GROUND, Interface, Mount, Part
+from ..protocol.part import BASE, GROUND, Element, Interface, Mount, Part, Port, Release
 from ..quantities import (
     ANY,
     NOT_NEGATIVE,
     Quantity,
     QuantityError,
     check,
-    check_all,
     quantities,
     quantity,
     switch,
 )
 
 AnyPart = TypeVar("AnyPart", bound=Part)
+
+
+_TAKEN = ("shaft", "solver", "energy")  # headings of other names
+
+
+def _is_base(element: Element) -> bool:
+    """Whether it is no node that the element acts on but the foundation."""
+    return isinstance(element, Port) and element.node == BASE
 
 
 class Name(NamedTuple):
@@ -62,7 +69,9 @@ class Rotor:
     material: of discs, and of the sections unless they say otherwise; sections: from left to right;
     parts: see `parts`; eta_v: viscous [s] and eta_h: hysteretic [1] internal damping;
     rotating_damping: whether the internal damping turns with the shaft (Zorzi and Nelson 1977);
-    gravity [m/s2], downwards; start: position of the first node along the shaft [m].
+    gravity [m/s2], downwards, unless gravity_angle turns it about the shaft [rad], and of which the
+    inclination of the shaft [rad] leaves the cosine; start: position of the first node along the
+    shaft [m].
 
     Raises `QuantityError` for anything that no machine can be.
     """
@@ -84,6 +93,12 @@ class Rotor:
     gravity: float = quantity(
         "m/s2", "gravity, downwards (-y)", NOT_NEGATIVE, 9.81, is_parameter=True
     )
+    gravity_angle: float = quantity(
+        "rad", "angle of gravity from downwards (-y), x towards y", ANY, 0.0
+    )
+    inclination: float = quantity(
+        "rad", "angle of the shaft to the horizontal; pi / 2: a vertical machine", ANY, 0.0
+    )
     name: str = "rotor"
     start: float = quantity("m", "position of the first node", ANY, 0.0)
 
@@ -91,19 +106,22 @@ class Rotor:
         self._check_shaft()
         housings: set[str] = {GROUND}
         for where, part in self.named_parts():
-            check_all(where, part)
+            part.check(where)
             for element in part.elements(where, self.material.density):
                 if isinstance(element, Mount):
                     if element.name in housings:
                         raise QuantityError(f"{where}: a housing {element.name!r} is there already")
                     housings.add(element.name)
-                else:
+                elif not isinstance(element, Release) and not _is_base(element):
                     self._check_node(where, element.node)
         self._check_singles()
+        self._check_labels()
         self._check_housings(housings)
         for name, heading in OWN.items():
             shown = str(Name(heading, 0, name))
             check(shown, quantities(self)[name], getattr(self, name))
+        for name in ("gravity_angle", "inclination"):
+            check(name, quantities(self)[name], getattr(self, name))
         if self.eta_h > 0 and not self.rotating_damping:
             raise QuantityError(
                 f"shaft.eta_h = {self.eta_h:g}: must be 0 unless shaft.rotating_damping is true "
@@ -120,14 +138,7 @@ class Rotor:
                 raise QuantityError(
                     f"{where}.length = {section.length:g} m: must be > 0 (nodes must ascend)"
                 )
-            check_all(where, section)
-            for side in ("left", "right"):
-                outer, bore = getattr(section, f"outer_{side}"), getattr(section, f"bore_{side}")
-                if bore >= outer:
-                    raise QuantityError(
-                        f"{where}.bore_{side} = {bore:g} m: must be below the outer diameter, "
-                        f"{outer:g} m"
-                    )
+            section.check(where)
 
     def _check_node(self, where: str, node: int) -> None:
         highest = len(self.sections) + 1
@@ -138,6 +149,22 @@ class Rotor:
         for kind in {type(part) for part in self.parts if part.IS_SINGLE}:
             if len(self.of_kind(kind)) > 1:
                 raise QuantityError(f"{kind.KIND}: {len(self.of_kind(kind))} given, 1 may be")
+
+    def _check_labels(self) -> None:
+        kinds = {part.KIND for part in self.parts}
+        seen: set[str] = set()
+        for where, part in self.named_parts():
+            label = part.label
+            if not label:
+                continue
+            if not isinstance(label, str) or not label.isidentifier() or label in _TAKEN:
+                raise QuantityError(
+                    f"{part.KIND}.name = {label!r}: must be a word of letters, digits and _, and "
+                    f"none of {', '.join(_TAKEN)}"
+                )
+            if label in seen | kinds:
+                raise QuantityError(f"{where}: the name {label!r} is there already")
+            seen.add(label)
 
     def _check_housings(self, housings: set[str]) -> None:
         for where, part in self.named_parts():
@@ -152,12 +179,15 @@ class Rotor:
                     )
 
     def indexed_parts(self) -> Iterator[tuple[tuple[str, int], Part]]:
-        """Every part with its kind and its number from 1 (0 of what a machine has one of), in the
-        order of `parts`."""
+        """Every part with its kind and its number from 1 (0 of what a machine has one of), or with
+        its own name and 0, in the order of `parts`."""
         seen: dict[str, int] = {}
         for part in self.parts:
             seen[part.KIND] = seen.get(part.KIND, 0) + 1
-            yield (part.KIND, 0 if part.IS_SINGLE else seen[part.KIND]), part
+            if part.label:
+                yield (part.label, 0), part
+            else:
+                yield (part.KIND, 0 if part.IS_SINGLE else seen[part.KIND]), part
 
     def named_parts(self) -> Iterator[tuple[str, Part]]:
         """Every part with its name, `disc[1]`, in the order of `parts`."""
@@ -209,8 +239,9 @@ class Rotor:
         the parts, of the shaft, gravity."""
         for name, part in self.indexed_parts():
             for told_name, told in quantities(part).items():
-                if told.is_parameter:
-                    yield Name(*name, told_name), told, getattr(part, told_name)
+                value = getattr(part, told_name)
+                if told.is_parameter and not isinstance(value, tuple):
+                    yield Name(*name, told_name), told, value
         for own, heading in OWN.items():
             yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 

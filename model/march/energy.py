@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ..kernels.band import form
 from ..kernels.compiled import compiled
-from ..step.excitation import circulation, drive_torque, internal_torque
+from ..step.excitation import at_unbalance, circulation, drive_torque, internal_torque
 from ..step.laws import OWN_FLOWS, OWN_STORES, add_energy, add_losses, relative
 
 
@@ -25,7 +25,10 @@ def powers(structure, spin, loads, motion, scratch, out):
     q, v = motion.q, motion.v
     external = 0.0
     for i in range(len(loads)):
-        external += (loads[i].conjugate() * v[structure.load_dof[i]]).real
+        if structure.load_dof[i] >= 0:
+            external += (loads[i].conjugate() * v[structure.load_dof[i]]).real
+        else:
+            external -= (loads[i].conjugate() * _momentum(structure, spin, v)).real
     structural = form(structure.C, v[:n], v[:n]).real
     internal = internal_torque(structure, q, v, spin.omega)
     if internal != 0.0:
@@ -46,12 +49,26 @@ def powers(structure, spin, loads, motion, scratch, out):
         braking += add_losses(
             structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own, scratch, out
         )
-    torque = drive_torque(structure, q, v, motion.v_dot, spin, braking)
+    torque = drive_torque(structure, loads, q, v, motion.v_dot, spin, braking)
     out[0] = torque * spin.omega
     out[1] = external
     out[2] = structural
     out[3] = housing
     return torque
+
+
+@compiled
+def _momentum(structure, spin, v):
+    """Of all that the base carries [N.s]."""
+    n = structure.M.shape[0]
+    total = 0.0j
+    for i in range(n):
+        total += structure.mass_sum[i] * v[i]
+    for i in range(len(structure.unbalance)):
+        total += 1j * spin.omega * structure.unbalance[i] * spin.direction
+    for h in range(len(structure.housings)):
+        total += structure.housings[h].mass * v[n + h]
+    return total
 
 
 @compiled
@@ -66,20 +83,21 @@ def total_energy(structure, spin, motion, out):
     kinetic += 0.5 * numbers.inertia * spin.omega * spin.omega
     kinetic -= 0.5 * spin.omega * form(structure.G, rotor_q, rotor_v).imag
     elastic = 0.5 * form(structure.K, rotor_q, rotor_q).real
+    g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     gravity = 0.0
     for i in range(n):
         gravity -= (structure.weight[i].conjugate() * rotor_q[i]).real
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        v = motion.v[structure.unbalances[i].dof]
+        v = at_unbalance(structure.unbalances[i], motion.v)
         kinetic += spin.omega * (arm.conjugate() * v).imag
-        gravity += numbers.gravity * arm.imag
+        gravity -= (g.conjugate() * arm).real
     for h in range(len(structure.housings)):
         housing = structure.housings[h]
         q, v = motion.q[n + h], motion.v[n + h]
         kinetic += 0.5 * housing.mass * (v.real * v.real + v.imag * v.imag)
         elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)
-        gravity += housing.mass * numbers.gravity * q.imag
+        gravity -= housing.mass * (g.conjugate() * q).real
     out[0] = kinetic
     out[1] = elastic
     out[2] = gravity
@@ -87,7 +105,8 @@ def total_energy(structure, spin, motion, out):
         out[i] = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        add_energy(structure.laws, interface, relative(interface, motion.q), out)
+        d, own = relative(interface, motion.q), motion.own[interface.own :]
+        add_energy(structure.laws, interface, d, own, out)
     total = 0.0
     for i in range(len(out)):
         total += out[i]

@@ -10,7 +10,7 @@ from ..structure.parameters import prepare
 from . import march
 from .block import LAYOUT
 from .control import Control
-from .equilibrium import HELD, find_equilibrium
+from .equilibrium import HELD, find_equilibrium, release
 from .observe import observe
 
 _view = LAYOUT.view
@@ -51,11 +51,14 @@ def start(block, speed, drive, rate):
     prepare(run.structure)
     r = run.memory.record[0]
     r.omega = speed
-    status = find_equilibrium(
-        run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
-    )
-    if status != HELD:
-        return status
+    if run.structure.numbers[0].is_released == 1:
+        release(run.structure, run.motion, run.memory.loads)
+    else:
+        status = find_equilibrium(
+            run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
+        )
+        if status != HELD:
+            return status
     for i in range(len(run.structure.probes)):
         run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof].imag
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)

@@ -9,10 +9,10 @@ meanwhile, so that there is no friction.
 
 from __future__ import annotations
 
-from ..kernels.compiled import inlined
+from ..kernels.compiled import compiled, inlined
 from ..kernels.functions import modulus
 from ..schemes.family import Scheme
-from ..step.excitation import resting
+from ..step.excitation import falling, resting
 from ..step.fitting import unfitted
 from ..step.step import try_step
 
@@ -24,6 +24,20 @@ _FAST = 0.1  # of one change to the next: what is slower takes longer steps
 _SMALL = 1e-14  # a change that is rounding, of the largest displacement
 _FALLS = 12  # steps that fail
 _STEADY = 1e-9  # a change that no longer shrinks and is below this is rounding too
+
+
+@compiled
+def release(structure, motion, loads):
+    """Fill motion.q and motion.v with what the machine is released with, its housings at rest on
+    their springs."""
+    n = structure.M.shape[0]
+    for i in range(n):
+        motion.q[i] = structure.release[0, i]
+        motion.v[i] = structure.release[1, i]
+    g = falling(structure, loads)
+    for h in range(len(structure.housings)):
+        housing = structure.housings[h]
+        motion.q[n + h] = housing.mass * complex(g.real / housing.kx, g.imag / housing.ky)
 
 
 @inlined

@@ -161,6 +161,11 @@ def _observe_parts(structure, motion, memory, out):
         for axis in range(2):
             largest = max(peaks[0, axis, i], peaks[1, axis, i], peaks[2, axis, i])
             out[at + 2 + axis] = largest
+    for i in range(len(structure.velocities)):
+        at = structure.velocities[i].out
+        v = motion.v[structure.velocities[i].dof]
+        out[at] = v.real
+        out[at + 1] = v.imag
     for h in range(len(structure.housings)):
         at = structure.housings[h].out
         out[at] = motion.q[n + h].real

@@ -3,11 +3,15 @@
 from ..protocol.law import Law
 from ..protocol.part import Part
 from .bearing import Bearing
+from .body import Body, PointMass
 from .clearance_contact import ClearanceContact
+from .conditions import Base, Start
 from .disc import Coupling, Disc
 from .housing import Housing
-from .port import Port
+from .linear_bearing import LinearBearing, Seal
+from .port import Port, Sensor
 from .support import Support
+from .touchdown_bearing import TouchdownBearing
 from .unbalance import Unbalance
 
 _KINDS = [

@@ -1,4 +1,4 @@
-"""A port: a node where an external force acts and whose displacement is observed."""
+"""Ports and sensors: nodes where an external force acts, and whose motion is observed."""
 
 from __future__ import annotations
 
@@ -10,15 +10,35 @@ from ..protocol import part as of
 
 
 @dataclass(frozen=True)
-class Port(of.Part):
-    """An external force on a node, and the node's displacement."""
+class Sensor(of.Part):
+    """The displacement and the velocity of a node (from 1); `name`: what its variables are called
+    after, in the place of `sensor[1]`."""
 
-    KIND: ClassVar[str] = "port"
-    TEXT: ClassVar[str] = "an external force on a node, and the node's displacement"
+    KIND: ClassVar[str] = "sensor"
+    TEXT: ClassVar[str] = "the displacement and the velocity of a node"
 
     node: int
+    name: str = ""
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return self.name
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
-        """A port and a probe."""
-        yield of.Port(self.node, f"node {self.node}")
+        """Two probes."""
         yield of.Probe(self.node)
+        yield of.Velocity(self.node)
+
+
+@dataclass(frozen=True)
+class Port(Sensor):
+    """An external force on a node (from 1), and the node's displacement and velocity."""
+
+    KIND: ClassVar[str] = "port"
+    TEXT: ClassVar[str] = "an external force on a node, and the node's displacement and velocity"
+
+    def elements(self, where: str, density: float) -> Iterator[of.Element]:
+        """A port and two probes."""
+        yield of.Port(self.node, f"node {self.node}")
+        yield from super().elements(where, density)

@@ -11,21 +11,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import Output
+from ..quantities import Output, check_all
 
 if TYPE_CHECKING:
     from .law import Law
 
+BASE = 0  # the node of a port that is the foundation's acceleration
 GROUND = ""  # the name of the housing that does not move
 
 
 class Body(NamedTuple):
-    """A rigid body on the shaft: mass [kg], diametral and polar moment of inertia [kg.m2]."""
+    """A rigid body on the shaft: mass [kg], diametral and polar moment of inertia about its centre
+    [kg.m2], which lies `offset` [m] beyond the node along the shaft."""
 
     node: int
     mass: float
     diametral: float
     polar: float
+    offset: float = 0.0
 
 
 class Spring(NamedTuple):
@@ -39,7 +42,8 @@ class Spring(NamedTuple):
 class Unbalance(NamedTuple):
     """A rotating unbalance `mass` times `e` [kg.m] at the angle `phase` of a part's quantities.
 
-    spinning_mass [kg] turns on the circle of radius e and adds to the inertia about the axis.
+    spinning_mass [kg] turns on the circle of radius e and adds to the inertia about the axis; both
+    lie `offset` [m] beyond the node along the shaft.
     """
 
     node: int
@@ -47,10 +51,12 @@ class Unbalance(NamedTuple):
     spinning_mass: float
     e: float
     phase: float
+    offset: float = 0.0
 
 
 class Port(NamedTuple):
-    """A node where an external force acts, with what it is called in a text."""
+    """A node where an external force acts, with what it is called in a text; or `BASE`, whose input
+    is the acceleration of the foundation."""
 
     node: int
     where: str
@@ -60,6 +66,22 @@ class Probe(NamedTuple):
     """A node whose displacement and amplitude are observed."""
 
     node: int
+
+
+class Velocity(NamedTuple):
+    """A node whose velocity is observed."""
+
+    node: int
+
+
+class Release(NamedTuple):
+    """The rotor's motion as one body at the start, in the place of equilibrium: of its centre of
+    mass [m], [m/s], and its slope [rad], [rad/s], complex."""
+
+    displacement: complex
+    velocity: complex
+    tilt: complex
+    tilt_rate: complex
 
 
 class Mount(NamedTuple):
@@ -78,7 +100,7 @@ class Interface(NamedTuple):
     housing: str = GROUND
 
 
-Element = Body | Spring | Unbalance | Port | Probe | Mount | Interface
+Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount | Interface
 
 
 PROBE_OUTPUTS = (
@@ -86,6 +108,10 @@ PROBE_OUTPUTS = (
     Output("y", "m", "displacement upwards, at rest below 0 by the sag", True, 1e-4),
     Output("x_amp", "m", "largest abs(x) over the last revolution", nominal=1e-4),
     Output("y_amp", "m", "largest abs(y - y at rest) over the last revolution", nominal=1e-4),
+)
+VELOCITY_OUTPUTS = (
+    Output("vx", "m/s", "velocity to the right", True, 1e-2),
+    Output("vy", "m/s", "velocity upwards", True, 1e-2),
 )
 MOUNT_OUTPUTS = (
     Output("housing_x", "m", "displacement of the housing to the right", nominal=1e-4),
@@ -97,6 +123,8 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
     """What is observed of an element."""
     if isinstance(element, Probe):
         return PROBE_OUTPUTS
+    if isinstance(element, Velocity):
+        return VELOCITY_OUTPUTS
     if isinstance(element, Mount):
         return MOUNT_OUTPUTS
     return element.law.outputs if isinstance(element, Interface) else ()
@@ -119,6 +147,15 @@ class Part(ABC):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """What the part called `where` puts into the machine; density: of the machine's material
         [kg/m3]."""
+
+    @property
+    def label(self) -> str:
+        """The name that a user gave the part, or ""."""
+        return ""
+
+    def check(self, where: str) -> None:
+        """Raise `QuantityError` for quantities that the part called `where` cannot have."""
+        check_all(where, self)
 
     def outline(self) -> Iterator[Shape]:
         """How the part is drawn, z measured from its node."""

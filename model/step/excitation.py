@@ -47,6 +47,24 @@ def circulation(structure, omega):
 
 
 @compiled
+def falling(structure, loads):
+    """Acceleration of what is free, seen from the base [m/s2]: gravity less the base's own, which
+    is among the loads."""
+    numbers = structure.numbers[0]
+    g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
+    return g - loads[numbers.base_load] if numbers.base_load >= 0 else g
+
+
+@compiled
+def at_unbalance(unbalance, z):
+    """Of an unbalance's place on the shaft, z of shape (n,) or longer."""
+    value = z[unbalance.dof]
+    if unbalance.offset != 0.0:
+        value += unbalance.offset * z[unbalance.slope]
+    return value
+
+
+@compiled
 def add_applied(structure, spin, loads, f):
     """f += gravity, unbalance and external loads, shape (n,) [N, N.m]; loads: complex, shape
     (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
@@ -54,9 +72,17 @@ def add_applied(structure, spin, loads, f):
         f[i] += structure.weight[i]
     turning = spin.direction * complex(spin.omega * spin.omega, -spin.alpha)
     for i in range(len(structure.unbalance)):
-        f[structure.unbalances[i].dof] += structure.unbalance[i] * turning
+        unbalance = structure.unbalances[i]
+        force = structure.unbalance[i] * turning
+        f[unbalance.dof] += force
+        if unbalance.offset != 0.0:
+            f[unbalance.slope] += unbalance.offset * force
     for i in range(len(loads)):
-        f[structure.load_dof[i]] += loads[i]
+        if structure.load_dof[i] >= 0:
+            f[structure.load_dof[i]] += loads[i]
+        else:
+            for j in range(len(structure.weight)):
+                f[j] -= structure.mass_sum[j] * loads[i]
 
 
 @compiled
@@ -74,7 +100,7 @@ def internal_torque(structure, q, v, omega):
 
 
 @compiled
-def drive_torque(structure, q, v, a, spin, friction_torque):
+def drive_torque(structure, loads, q, v, a, spin, friction_torque):
     """Torque that the drive must supply to keep the prescribed speed [N.m].
 
     q, v, a: shape (n,) or longer; friction_torque: what brakes the rotor at its
@@ -84,9 +110,10 @@ def drive_torque(structure, q, v, a, spin, friction_torque):
     """
     n = len(structure.weight)
     torque = structure.numbers[0].inertia * spin.alpha + friction_torque
+    g = falling(structure, loads)
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        torque += (arm.conjugate() * a[structure.unbalances[i].dof]).imag
-        torque += structure.numbers[0].gravity * arm.real
+        torque += (arm.conjugate() * at_unbalance(structure.unbalances[i], a)).imag
+        torque += (g.conjugate() * arm).imag
     torque -= 0.5 * form(structure.G, q[:n], a[:n]).imag
     return torque + internal_torque(structure, q, v, spin.omega)

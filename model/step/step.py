@@ -15,7 +15,7 @@ import numpy as np
 from ..kernels.band import add_product, factorize, solve
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
-from .excitation import add_applied, circulation
+from .excitation import add_applied, circulation, falling
 from .interface_problem import solve_interfaces
 from .laws import law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
@@ -81,11 +81,11 @@ def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
 
 
 @compiled
-def _housing_forces(housing, gravity, q, v):
-    """Springs, dampers and weight of a housing [N]."""
+def _housing_forces(housing, g, q, v):
+    """Springs, dampers and weight of a housing [N]; g: see `falling` [m/s2]."""
     spring = by_axis(housing.kx, housing.ky, q)
     damper = by_axis(housing.cx, housing.cy, v)
-    return spring + damper + 1j * housing.mass * gravity
+    return spring + damper - housing.mass * g
 
 
 @compiled
@@ -98,10 +98,11 @@ def accelerate(structure, spin, damping, loads, motion, work):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
     _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
+    g = falling(structure, loads)
     for h in range(len(structure.housings)):
         housing = structure.housings[h]
         q, v = motion.q[n + h], damping * motion.v[n + h]
-        motion.v_dot[n + h] = -_housing_forces(housing, structure.numbers[0].gravity, q, v)
+        motion.v_dot[n + h] = -_housing_forces(housing, g, q, v)
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         d = relative(interface, motion.q)
@@ -203,11 +204,12 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     add_product(structure.M, scratch, free)
     _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
+    g = falling(structure, loads)
     for h in range(len(structure.housings)):
         housing = structure.housings[h]
         at = n + h
         v = fit.damping * new.v[at]
-        force = _housing_forces(housing, structure.numbers[0].gravity, new.q[at], v)
+        force = _housing_forces(housing, g, new.q[at], v)
         force += (am * old.a[at] - af * old.v_dot[at]) * (housing.mass / share)
         new.a[at] = -by_axis(work.housing[h, 0], work.housing[h, 1], force)
     new.a[n + len(structure.housings)] = 0.0
@@ -215,10 +217,13 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
 
 @compiled
 def _expect(problem, interfaces, old, b_d):
-    """Where the nodes that touch a wall will be if they slide on at the same depth."""
+    """Where the nodes that touch a wall will be if they slide on at the same depth, and those
+    without a wall if their accelerations last."""
     for j in range(len(interfaces)):
         problem.expected[j] = 0.0
-        if old.force[j] != 0.0 and interfaces[j].has_wall == 1:
+        if interfaces[j].has_wall == 0:
+            problem.expected[j] = problem.d0[j] + b_d * relative(interfaces[j], old.a)
+        elif old.force[j] != 0.0:
             ahead = problem.d0[j] + b_d * relative(interfaces[j], old.a)
             problem.expected[j] = ahead * (modulus(relative(interfaces[j], old.q)) / modulus(ahead))
 

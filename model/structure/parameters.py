@@ -10,7 +10,7 @@ from ..kernels.functions import direction
 from ..parts import LAWS
 from ..protocol.law import dispatcher
 
-_length_of = dispatcher([law.length for law in LAWS])
+_length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
 
 
 @compiled
@@ -45,8 +45,10 @@ def _prepare_shaft(structure, numbers):
     for i in range(n):
         for d in range(width):
             structure.C[i, d] = numbers.eta_v * structure.K_shaft[i, d]
-            structure.K[i, d] = share * structure.K_shaft[i, d]
-        structure.weight[i] = complex(0.0, -numbers.gravity * structure.mass_sum[i])
+            structure.K[i, d] = share * structure.K_shaft[i, d] + structure.K_axial[i, d]
+        structure.weight[i] = (
+            numbers.gravity * structure.mass_sum[i] * complex(numbers.down_x, numbers.down_y)
+        )
     for i in range(len(structure.springs)):
         spring = structure.springs[i]
         structure.K[spring.dof, 0] += spring.stiffness

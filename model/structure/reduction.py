@@ -12,7 +12,7 @@ import numpy as np
 from ..kernels.band import factorize, to_band, to_dense
 from .assembly import Structure, moved
 
-_MATRICES = ("M", "C", "K", "G", "K_shaft")
+_MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
 
 
 def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -21,10 +21,12 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     modes: how many fixed-interface modes; all there are where there are fewer.
     """
     n = len(structure.weight)
-    acted_on = [structure.load_dof]
+    acted_on = [structure.load_dof[structure.load_dof >= 0]]
     acted_on += [
-        getattr(structure, of).dof for of in ("interfaces", "springs", "unbalances", "probes")
+        getattr(structure, of).dof
+        for of in ("interfaces", "springs", "unbalances", "probes", "velocities")
     ]
+    acted_on.append(structure.unbalances.slope)
     kept = np.unique(np.concatenate(acted_on))
     rest = np.setdiff1d(np.arange(n), kept)
     M, K = to_dense(structure.M), to_dense(structure.K_shaft)
@@ -60,8 +62,12 @@ def reduced(structure: Structure, modes: int) -> Structure:
     at["interfaces"].end += size - n
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])
+    # a motion as one body needs no mode
+    release = np.zeros((2, size), dtype=complex)
+    release[:, : len(kept)] = structure.release[:, kept]
     share = np.zeros(size)
-    share[: len(kept)] = np.maximum(dense["M"][: len(kept), : len(kept)].sum(axis=1), 0.0)
+    moving = deflections[:, 0]  # a slope that is kept has no share
+    share[moving] = np.maximum(dense["M"][np.ix_(moving, moving)].sum(axis=1), 0.0)
     return structure._replace(
         **bands,
         **at,
@@ -69,5 +75,6 @@ def reduced(structure: Structure, modes: int) -> Structure:
         mass_share=share / share.sum(),
         mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
+        release=release,
         deflections=deflections,
     )

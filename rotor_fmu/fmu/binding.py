@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..model.machine.rotor import Rotor
+from ..model.protocol.part import BASE
 from ..model.simulation import Simulation
 from .interface import ports
 from .solver_parameters import settings_of
@@ -14,8 +15,10 @@ from .variables import Variable
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
-    """Names of the inputs (x, y) of the external forces, in the order of `Structure.load_dof`."""
-    return tuple((f"{name}.fx", f"{name}.fy") for name, _ in ports(rotor))
+    """Names of the inputs (x, y) of the external forces and of the base's acceleration, in the
+    order of `Structure.load_dof`."""
+    kinds = ((name, "a" if port.node == BASE else "f") for name, port in ports(rotor))
+    return tuple((f"{name}.{of}x", f"{name}.{of}y") for name, of in kinds)
 
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:

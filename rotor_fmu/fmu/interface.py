@@ -5,10 +5,12 @@ from __future__ import annotations
 
 from ..model.machine.rotor import Name, Rotor
 from ..model.march.observe import observed
-from ..model.protocol.part import Port
+from ..model.protocol.part import BASE, Port
 from ..model.quantities import ANY, Quantity
 from .solver_parameters import solver_parameters
 from .variables import Variable
+
+_DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
 
 def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
@@ -56,7 +58,20 @@ def ports(rotor: Rotor) -> list[tuple[str, Port]]:
 
 
 def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
-    """External forces on a port along both axes [N]."""
+    """External forces on a port along both axes [N], or the acceleration of the base [m/s2]."""
+    if port.node == BASE:
+        return [
+            Variable(
+                f"{name}.a{axis}",
+                "Real",
+                "input",
+                f"acceleration of {port.where}, {direction}",
+                "m/s2",
+                0.0,
+                nominal=1.0,
+            )
+            for axis, direction in _DIRECTIONS
+        ]
     where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
     return [
         Variable(
@@ -68,7 +83,7 @@ def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
             0.0,
             nominal=10.0,
         )
-        for axis, direction in (("x", "to the right (+x)"), ("y", "upwards (+y)"))
+        for axis, direction in _DIRECTIONS
     ]
 
 

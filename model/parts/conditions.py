@@ -1,0 +1,54 @@
+"""What a machine as a whole is subject to: a foundation that moves, a start in the air."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..protocol.part import BASE, Element, Part, Port, Release
+from ..quantities import ANY, quantity
+
+
+@dataclass(frozen=True)
+class Base(Part):
+    """A foundation that moves: its acceleration [m/s2] is an input, and all motion is relative to
+    it."""
+
+    KIND: ClassVar[str] = "base"
+    TEXT: ClassVar[str] = "a foundation that moves with a given acceleration"
+    IS_SINGLE: ClassVar[bool] = True
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """One port, of the base."""
+        yield Port(BASE, "the foundation")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start(Part):
+    """A start in the air, in the place of equilibrium: displacement and velocity of the rotor's
+    centre of mass, and its slope dx/dz, dy/dz with its rate. Housings rest on their springs."""
+
+    KIND: ClassVar[str] = "start"
+    TEXT: ClassVar[str] = (
+        "a start of the rotor in the air, as one body, in the place of equilibrium"
+    )
+    IS_SINGLE: ClassVar[bool] = True
+
+    x: float = quantity("m", "displacement to the right at the start", ANY, 0.0, is_parameter=True)
+    y: float = quantity("m", "displacement upwards at the start", ANY, 0.0, is_parameter=True)
+    vx: float = quantity("m/s", "velocity to the right at the start", ANY, 0.0, is_parameter=True)
+    vy: float = quantity("m/s", "velocity upwards at the start", ANY, 0.0, is_parameter=True)
+    tilt_x: float = quantity("1", "slope dx/dz at the start", ANY, 0.0, is_parameter=True)
+    tilt_y: float = quantity("1", "slope dy/dz at the start", ANY, 0.0, is_parameter=True)
+    rate_x: float = quantity("rad/s", "rate of tilt_x at the start", ANY, 0.0, is_parameter=True)
+    rate_y: float = quantity("rad/s", "rate of tilt_y at the start", ANY, 0.0, is_parameter=True)
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """One release."""
+        yield Release(
+            complex(self.x, self.y),
+            complex(self.vx, self.vy),
+            complex(self.tilt_x, self.tilt_y),
+            complex(self.rate_x, self.rate_y),
+        )
