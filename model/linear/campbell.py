@@ -15,15 +15,18 @@ from .modes import DEFAULT_COUNT, Modes, machine_modes
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _ALIKE = 0.7  # shapes less alike than this are looked at again half-way
-_HALVINGS = 6
+_HALVINGS = 5
+_UNLIKE = 0.3  # less alike than this after all halvings: not the same mode
+_PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
 _GROWING = 1e-9  # damping ratio below minus which a mode grows
 _PRECISION = 1e-12
 
 
 @dataclass(frozen=True)
 class CriticalSpeed:
-    """Where a mode's frequency is `harmonic` times the speed [rad/s]; mode: its place in the
-    diagram, from 0; log_dec: its logarithmic decrement there [1]."""
+    """Where the frequency of a mode that answers with a peak, damping ratio below 1 / sqrt(2), is
+    `harmonic` times the speed [rad/s]; mode: its place in the diagram, from 0; log_dec: its
+    logarithmic decrement there [1]."""
 
     mode: int
     speed: float
@@ -125,9 +128,9 @@ class _Follower:
 
     def onward(self, a: Modes, b: Modes, places: np.ndarray, depth: int = 0) -> np.ndarray:
         """Places in `b` of the modes that have `places` in `a`; -1 of one that is not there."""
-        found, is_sure = _matched(a, b, places)
-        if is_sure or depth == _HALVINGS:
-            return found
+        found, alike = _matched(a, b, places)
+        if (alike > _ALIKE).all() or depth == _HALVINGS:
+            return np.where(alike > _UNLIKE, found, -1)
         middle = self.at((a.speed + b.speed) / 2)
         half = self.onward(a, middle, places, depth + 1)
         return self.onward(middle, b, half, depth + 1)
@@ -143,17 +146,18 @@ def _likeness(a: Modes, b: Modes) -> np.ndarray:
     return products / np.outer(*(np.sum(np.abs(m) ** 2, axis=1) for m in (one, other)))
 
 
-def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Places in `b`, and whether they are beyond doubt."""
-    found = np.full(len(places), -1)
+def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places in `b`, and how alike the shapes are; 1 of what is lost already."""
+    found, alike = np.full(len(places), -1), np.where(places >= 0, 0.0, 1.0)
     known = places >= 0
     if not known.any() or not len(b.eigenvalues):
-        return found, True
+        return found, alike
     likeness = _likeness(a, b)[places[known]]
     far = np.abs(np.log(b.damped[None, :] / a.damped[places[known]][:, None]))
     rows, columns = linear_sum_assignment(1 - likeness + np.minimum(far, 1.0))
-    found[np.flatnonzero(known)[rows]] = columns
-    return found, bool((likeness[rows, columns] > _ALIKE).all()) and known.sum() == len(rows)
+    seen = np.flatnonzero(known)[rows]
+    found[seen], alike[seen] = columns, likeness[rows, columns]
+    return found, alike
 
 
 def _critical(
@@ -162,31 +166,38 @@ def _critical(
     """Critical speeds between two speeds of the diagram."""
     a, b = seen
     found = []
-    for mode, (i, j) in enumerate(zip(*places, strict=True)):
-        if i < 0 or j < 0:
-            continue
-        before = a.damped[i] - harmonic * abs(a.speed)
-        after = b.damped[j] - harmonic * abs(b.speed)
+    for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
+        before = _excess(a, places[0][mode], harmonic)
+        after = _excess(b, places[1][mode], harmonic)
         if before != 0.0 and before * after <= 0:
-            there, at = _meeting(follow, a, i, b, harmonic)
-            found.append(CriticalSpeed(mode, there.speed, there.whirl[at], there.log_dec[at]))
+            there, at = _meeting(follow, a, places[0], mode, b.speed, harmonic)
+            if at >= 0 and there.damping_ratio[at] < _PEAKING:
+                log_dec = float(there.log_dec[at])
+                found.append(CriticalSpeed(int(mode), there.speed, there.whirl[at], log_dec))
     return found
 
 
+def _excess(modes: Modes, place: int, harmonic: float) -> float:
+    """Of a mode's frequency over the harmonic [rad/s]."""
+    return float(modes.damped[place]) - harmonic * abs(modes.speed)
+
+
 def _meeting(
-    follow: _Follower, a: Modes, place: int, b: Modes, harmonic: float
+    follow: _Follower, a: Modes, places: np.ndarray, mode: int, end: float, harmonic: float
 ) -> tuple[Modes, int]:
-    """The modes where that with the place in `a` has its frequency in the harmonic, before `b`."""
+    """The modes where that with the place places[mode] in `a` has its frequency in the harmonic,
+    before the speed `end`, and its place there."""
 
     def seen_at(speed: float) -> tuple[Modes, int]:
         there = follow.at(speed)
-        return there, int(follow.onward(a, there, np.array([place]))[0])
+        return there, int(follow.onward(a, there, places)[mode])
 
     def excess(speed: float) -> float:
         there, at = seen_at(speed)
-        return there.damped[at] - harmonic * abs(speed)
+        return _excess(there, at, harmonic) if at >= 0 else last[0]
 
-    return seen_at(brentq(excess, a.speed, b.speed, xtol=_PRECISION * abs(b.speed), rtol=1e-13))
+    last = [_excess(a, places[mode], harmonic)]
+    return seen_at(brentq(excess, a.speed, end, xtol=_PRECISION * abs(end), rtol=1e-13))
 
 
 def _growth(modes: Modes) -> float:

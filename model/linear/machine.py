@@ -19,6 +19,7 @@ from scipy.sparse.linalg import splu
 
 from ..machine.rotor import Rotor
 from ..protocol.part import Interface, Mount, Spring
+from ..quantities import QuantityError
 from ..structure.assembly import Structure, assemble
 from .tangents import Tangents, tangents
 
@@ -30,7 +31,7 @@ _ITERATIONS = 50
 _CHANGE = 1e-12
 
 
-class LinearError(ValueError):
+class LinearError(QuantityError):
     """A linear answer that the machine cannot have; says which and what to do."""
 
 
@@ -101,6 +102,11 @@ class LinearMachine:
     def has_contacts(self) -> bool:
         """Whether there is a clearance contact."""
         return len(self.pinned) > 0
+
+    @property
+    def support_dofs(self) -> np.ndarray:
+        """The deflections where springs, then interfaces act."""
+        return np.concatenate([self.structure.springs.dof, self.structure.interfaces.dof])
 
     @property
     def nodes(self) -> np.ndarray:

@@ -22,13 +22,15 @@ _DENSE = 220  # states up to which all eigenvalues cost less than a few
 _SHIFT = 0.3  # of the lowest elastic frequency
 _DEGENERATE = 1e-7  # relative distance of two eigenvalues that are one
 _PLANAR = 1e-3  # forwardness below which an orbit is a line
-_REAL = 1e-9  # share of the imaginary part below which an eigenvalue is real
+# Share of the imaginary part below which an eigenvalue is real: two real ones that are equal come
+# out apart by the root of rounding.
+_REAL = 1e-5
 DEFAULT_COUNT = 8
 
 
 @dataclass(frozen=True)
 class Modes:
-    """The lowest modes of a machine at a speed [rad/s], by ascending frequency; m modes, n nodes.
+    """The lowest modes of a machine at a speed [rad/s], by natural frequency; m modes, n nodes.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m], shape (n,); eigenvalues [1/s],
     complex of shape (m,); x, y: shapes, complex of shape (m, n), the largest semi-axis 1; slope_x,
@@ -129,7 +131,7 @@ def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     is_real = np.abs(values.imag) <= _REAL * np.abs(values)
     decays = np.sort(values[is_real].real)[::-1]
     found = np.flatnonzero(oscillates)
-    found = found[np.argsort(values[found].imag)][:count]
+    found = found[np.argsort(np.abs(values[found]))][:count]
     values, shapes = values[found], vectors[:, found]
     degenerate = _untangle(values, shapes, machine)
     return _as_modes(machine, speed, values, shapes, degenerate, decays)

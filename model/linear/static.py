@@ -18,7 +18,7 @@ class Static:
 
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y [m], slope_x, slope_y [rad],
     shape (n,); housings: their names, housing_x, housing_y [m]; supports: names of what bears the
-    shaft; load_x, load_y: what each bears [N], downwards negative.
+    shaft, support_z: where it stands [m]; load_x, load_y: what each bears [N], downwards negative.
     """
 
     speed: float
@@ -32,6 +32,7 @@ class Static:
     housing_x: np.ndarray
     housing_y: np.ndarray
     supports: tuple[str, ...]
+    support_z: np.ndarray
     load_x: np.ndarray
     load_y: np.ndarray
 
@@ -72,6 +73,7 @@ def static(
         housing_x=x[n:-1],
         housing_y=y[n:-1],
         supports=machine.supports.springs + machine.supports.interfaces,
+        support_z=machine.nodes[machine.support_dofs // 2],
         load_x=bears[:, 0],
         load_y=bears[:, 1],
     )
