@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
 
@@ -33,13 +33,15 @@ _HUGE = 1e30  # beyond it, products of such numbers overflow
 @dataclass(frozen=True)
 class Quantity:
     """A number that a user gives: unit ("1" where it has none), what it is, what it may be, whether
-    an FMU takes it as a parameter, and whether it is no number but true or false."""
+    an FMU takes it as a parameter, whether it is no number but true or false, and whether a list of
+    numbers, a column of a table, may stand for it."""
 
     unit: str
     text: str
     rule: Rule = POSITIVE
     is_parameter: bool = False
     is_switch: bool = False
+    may_be_list: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,9 +67,10 @@ def quantity(
     default: Any = MISSING,
     *,
     is_parameter: bool = False,
+    may_be_list: bool = False,
 ) -> Any:
     """A field of a data class that is a `Quantity`."""
-    told = Quantity(unit, text, rule, is_parameter)
+    told = Quantity(unit, text, rule, is_parameter, may_be_list=may_be_list)
     return field(default=default, metadata={"quantity": told})
 
 
@@ -88,8 +91,13 @@ def check(shown: str, told: Quantity, value: Any) -> None:
         if not isinstance(value, bool):
             raise QuantityError(f"{shown} = {value!r}: must be true or false")
         return
+    if told.may_be_list and isinstance(value, (tuple, list)):
+        for i, item in enumerate(value, 1):
+            check(f"{shown}[{i}]", replace(told, may_be_list=False), item)
+        return
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise QuantityError(f"{shown} = {value!r}: must be a number")
+        kinds = "a number or a list of numbers" if told.may_be_list else "a number"
+        raise QuantityError(f"{shown} = {value!r}: must be {kinds}")
     is_finite = isinstance(value, int) or math.isfinite(value)
     if is_finite and abs(value) > _HUGE:
         raise QuantityError(f"{shown}: must not exceed {_HUGE:g} in size")

@@ -84,6 +84,7 @@ class Simulation:
         self._run: RunData = LAYOUT.look(self._block)
         set_method(self._run, self._scheme, settings.control())
         self._has_warned = False
+        self._tables = [(w, p.speed) for w, p in rotor.named_parts() if getattr(p, "speed", ())]
 
         record = self._run.memory.record[0]
         record.t = t
@@ -104,6 +105,7 @@ class Simulation:
         status = entries.start(self._block, float(speed), float(drive), float(rate))
         if status != HELD:
             raise EquilibriumError(self._no_rest(status))
+        self._warn_beyond_tables(speed)
 
     @property
     def structure(self) -> Structure:
@@ -156,6 +158,8 @@ class Simulation:
         status = entries.advance(self._block, float(to), float(drive))
         if status != march.DONE:
             raise StepFailure(self._failure(status))
+        if self._tables:
+            self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
         if self._trapped[0] and not self._has_warned:
             self._has_warned = True
             since = self._run.memory.record[0].trapped_at
@@ -179,6 +183,17 @@ class Simulation:
         if not IS_COMPILED and not _has_said_interpreted:
             _has_said_interpreted = True
             self._warn(INTERPRETED_WARNING)
+
+    def _warn_beyond_tables(self, speed: float) -> None:
+        """Say once of every table that the speed [rad/s] has left it."""
+        for entry in list(self._tables):
+            where, speeds = entry
+            if not speeds[0] <= speed <= speeds[-1]:
+                self._tables.remove(entry)
+                self._warn(
+                    f"{where}: speed {speed:.4g} rad/s lies outside its table, {speeds[0]:g} to "
+                    f"{speeds[-1]:g} rad/s; from there on its coefficients are those of the end"
+                )
 
     def _no_rest(self, status: int) -> str:
         springs, interfaces = self.structure.springs, self.structure.interfaces

@@ -23,7 +23,6 @@ from ..quantities import (
     Quantity,
     QuantityError,
     check,
-    check_all,
     quantities,
     quantity,
     switch,
@@ -91,7 +90,7 @@ class Rotor:
         self._check_shaft()
         housings: set[str] = {GROUND}
         for where, part in self.named_parts():
-            check_all(where, part)
+            part.check(where)
             for element in part.elements(where, self.material.density):
                 if isinstance(element, Mount):
                     if element.name in housings:
@@ -120,14 +119,7 @@ class Rotor:
                 raise QuantityError(
                     f"{where}.length = {section.length:g} m: must be > 0 (nodes must ascend)"
                 )
-            check_all(where, section)
-            for side in ("left", "right"):
-                outer, bore = getattr(section, f"outer_{side}"), getattr(section, f"bore_{side}")
-                if bore >= outer:
-                    raise QuantityError(
-                        f"{where}.bore_{side} = {bore:g} m: must be below the outer diameter, "
-                        f"{outer:g} m"
-                    )
+            section.check(where)
 
     def _check_node(self, where: str, node: int) -> None:
         highest = len(self.sections) + 1
@@ -209,8 +201,9 @@ class Rotor:
         the parts, of the shaft, gravity."""
         for name, part in self.indexed_parts():
             for told_name, told in quantities(part).items():
-                if told.is_parameter:
-                    yield Name(*name, told_name), told, getattr(part, told_name)
+                value = getattr(part, told_name)
+                if told.is_parameter and not isinstance(value, tuple):
+                    yield Name(*name, told_name), told, value
         for own, heading in _OWN.items():
             yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 

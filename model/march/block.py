@@ -52,9 +52,10 @@ class RunData(NamedTuple):
 _SIZES = (
     *("n", "width", "housings", "size", "deflections", "loads", "probes", "unbalances", "springs"),
     *("interfaces", "own", "stores", "losses", "all_stores", "flows", "most_losses", "outputs"),
+    "tables",
     *(f"rows_{law.name}" for law in LAWS),
 )
-_LAWS = [(law.dtype, (f"rows_{law.name}",)) for law in LAWS]
+_LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
 LAYOUT = Layout(
     RunData,
     [
@@ -85,6 +86,9 @@ def new_block(structure: Structure, outputs: int) -> np.ndarray:
         pairs = zip(mine, given, strict=True) if isinstance(given, tuple) else [(mine, given)]
         for target, source in pairs:
             target[...] = source
+    for interface in run.structure.interfaces:
+        starts = LAWS[interface.law].states
+        run.motion.own[interface.own : interface.own + len(starts)] = starts
     run.memory.record[0].trapped_at = np.nan
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan

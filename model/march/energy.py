@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ..kernels.band import form
 from ..kernels.compiled import compiled
-from ..step.excitation import circulation, drive_torque, internal_torque
+from ..step.excitation import at_unbalance, circulation, drive_torque, internal_torque
 from ..step.laws import OWN_FLOWS, OWN_STORES, add_energy, add_losses, relative
 
 
@@ -71,7 +71,7 @@ def total_energy(structure, spin, motion, out):
         gravity -= (structure.weight[i].conjugate() * rotor_q[i]).real
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        v = motion.v[structure.unbalances[i].dof]
+        v = at_unbalance(structure.unbalances[i], motion.v)
         kinetic += spin.omega * (arm.conjugate() * v).imag
         gravity += numbers.gravity * arm.imag
     for h in range(len(structure.housings)):
@@ -87,7 +87,8 @@ def total_energy(structure, spin, motion, out):
         out[i] = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        add_energy(structure.laws, interface, relative(interface, motion.q), out)
+        d, own = relative(interface, motion.q), motion.own[interface.own :]
+        add_energy(structure.laws, interface, d, own, out)
     total = 0.0
     for i in range(len(out)):
         total += out[i]

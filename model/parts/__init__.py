@@ -3,9 +3,11 @@
 from ..protocol.law import Law
 from ..protocol.part import Part
 from .bearing import Bearing
+from .body import Body, PointMass
 from .clearance_contact import ClearanceContact
 from .disc import Coupling, Disc
 from .housing import Housing
+from .linear_bearing import LinearBearing, Seal
 from .port import Port
 from .support import Support
 from .unbalance import Unbalance

@@ -61,7 +61,7 @@ def contact_force(part, d, d_dot, spin):
 
 
 @compiled
-def _tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
+def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
     """See `protocol.law`."""
     r = math.sqrt(d.real * d.real + d.imag * d.imag)
     delta = r - part.clearance
@@ -105,7 +105,7 @@ def contact_angle(d):
 
 
 @compiled
-def _force(part, d, d_dot, speed, spin, own):
+def _force(part, tables, d, d_dot, speed, spin, own):
     """See `protocol.law`."""
     return contact_force(part, d, d_dot, spin)[0]
 
@@ -123,14 +123,14 @@ def _length(part):
 
 
 @compiled
-def _energy(part, d):
+def _energy(part, tables, d, own):
     """See `protocol.law`."""
     delta = abs(d) - part.clearance
-    return 0.5 * part.k * delta * delta if delta > 0.0 else 0.0
+    return (0.5 * part.k * delta * delta if delta > 0.0 else 0.0,)
 
 
 @compiled
-def _dissipate(part, d, d_dot, speed, spin, own, out):
+def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`: contact damping, friction."""
     force, normal, delta, rate, sliding = contact_force(part, d, d_dot, spin)
     out[0] = 0.0
@@ -144,7 +144,7 @@ def _dissipate(part, d, d_dot, speed, spin, own, out):
 
 
 @compiled
-def _observe(part, d, d_dot, speed, spin, own, out):
+def _observe(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`, in the order of `OUTPUTS`."""
     force, normal, _, _, _ = contact_force(part, d, d_dot, spin)
     out[0] = contact_angle(d)
@@ -174,7 +174,7 @@ CLEARANCE_CONTACT = Law(
     length=_length,
     observe=_observe,
     outputs=OUTPUTS,
-    store=Output("compression", "J", "elastic energy of the contacts", nominal=1e-6),
+    stores=(Output("compression", "J", "elastic energy of the contacts", nominal=1e-6),),
     losses=(
         Output("contact", "J", "dissipated by the contacts' damping", nominal=0.1),
         Output("friction", "J", "dissipated by friction", nominal=100.0),

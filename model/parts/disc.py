@@ -1,4 +1,4 @@
-"""Rigid solid cylinders on the shaft: discs, and the coupling at its end."""
+"""Rigid cylinders on the shaft: discs, and the coupling at its end."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..protocol.part import Body, Element, Part, Port, Probe, Shape, Unbalance
-from ..quantities import ANY, NOT_NEGATIVE, quantity
+from ..quantities import ANY, NOT_NEGATIVE, QuantityError, quantity
+from .shaft import Material
 
 
 @dataclass(frozen=True)
 class Disc(Part):
-    """A rigid solid cylinder on the shaft: node (from 1), diameter and width [m]; eccentricity of
-    its mass centre e [m] at the angle `phase` [rad] from the shaft's mark."""
+    """A rigid cylinder on the shaft: node (from 1), diameter and width [m]; eccentricity of its
+    mass centre e [m] at the angle `phase` [rad] from the shaft's mark; bore [m], 0 where it is
+    solid; material: the machine's unless it has one of its own."""
 
     KIND: ClassVar[str] = "disc"
-    TEXT: ClassVar[str] = "a rigid solid cylinder on the shaft, of the machine's material"
+    TEXT: ClassVar[str] = "a rigid cylinder on the shaft, solid or with a bore"
 
     node: int
     diameter: float = quantity("m", "diameter")
@@ -27,17 +29,30 @@ class Disc(Part):
     )
     phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_parameter=True)
 
+    bore: float = quantity("m", "diameter of the bore", NOT_NEGATIVE, 0.0)
+    material: Material | None = None
+
+    def check(self, where: str) -> None:
+        """Raise `QuantityError` for quantities that no disc has, too."""
+        super().check(where)
+        if self.bore >= self.diameter:
+            raise QuantityError(
+                f"{where}.bore = {self.bore:g} m: must be below the diameter, {self.diameter:g} m"
+            )
+
     def mass(self, density: float) -> float:
         """Mass [kg]; density [kg/m3]."""
-        return density * math.pi / 4 * self.diameter**2 * self.width
+        if self.material is not None:
+            density = self.material.density
+        return density * math.pi / 4 * (self.diameter**2 - self.bore**2) * self.width
 
     def polar_inertia(self, density: float) -> float:
         """Moment of inertia about the shaft [kg.m2]; density [kg/m3]."""
-        return self.mass(density) * self.diameter**2 / 8
+        return self.mass(density) * (self.diameter**2 + self.bore**2) / 8
 
     def diametral_inertia(self, density: float) -> float:
         """Moment of inertia about a diameter [kg.m2]; density [kg/m3]."""
-        return self.mass(density) * (self.diameter**2 / 16 + self.width**2 / 12)
+        return self.mass(density) * ((self.diameter**2 + self.bore**2) / 16 + self.width**2 / 12)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """A body with its unbalance, loaded and observed."""
@@ -49,7 +64,7 @@ class Disc(Part):
 
     def outline(self) -> Iterator[Shape]:
         """A block about the shaft."""
-        yield Shape(-self.width / 2, self.width, 0.0, self.diameter / 2, "body")
+        yield Shape(-self.width / 2, self.width, self.bore / 2, self.diameter / 2, "body")
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from ..quantities import NOT_NEGATIVE, QuantityError, check_all, quantity
+from ..quantities import ANY, NOT_NEGATIVE, QuantityError, check_all, quantity
 
 STEEL_POISSON = 0.3
+_OVERLAP = 1e-6  # of diameters, that is rounding
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ class Material:
 @dataclass(frozen=True)
 class Section:
     """The shaft between two nodes, of circular sections that may taper and be hollow: length,
-    outer diameters and bores at its left and right end [m], and its material."""
+    outer diameters and bores at its left and right end [m], its material; axial_force: tension [N];
+    layers: what else lies at the same place, of the same length."""
 
     length: float = quantity("m", "length")
     outer_left: float = quantity("m", "outer diameter at the left end")
@@ -43,11 +45,65 @@ class Section:
     material: Material
     bore_left: float = quantity("m", "bore at the left end", NOT_NEGATIVE, 0.0)
     bore_right: float = quantity("m", "bore at the right end", NOT_NEGATIVE, 0.0)
+    axial_force: float = quantity("N", "tension, negative where it is compressed", ANY, 0.0)
+    layers: tuple[Section, ...] = ()
 
     @classmethod
     def cylinder(cls, length: float, diameter: float, material: Material) -> Section:
         """A solid cylinder; length, diameter [m]."""
         return cls(length, diameter, diameter, material)
+
+    def check(self, where: str) -> None:
+        """Raise `QuantityError` for what no section called `where` can be."""
+        check_all(where, self)
+        for side in ("left", "right"):
+            outer, bore = getattr(self, f"outer_{side}"), getattr(self, f"bore_{side}")
+            if bore >= outer:
+                raise QuantityError(
+                    f"{where}.bore_{side} = {bore:g} m: must be below the outer diameter, "
+                    f"{outer:g} m"
+                )
+            inside = outer
+            for i, layer in enumerate(sorted(self.layers, key=lambda s: s.bore_left), 1):
+                if getattr(layer, f"bore_{side}") < inside * (1 - _OVERLAP):
+                    raise QuantityError(
+                        f"{where}.layer[{i}].bore_{side} = {getattr(layer, f'bore_{side}'):g} m: "
+                        f"must not be below the outer diameter of what lies inside, {inside:g} m"
+                    )
+                inside = getattr(layer, f"outer_{side}")
+        for i, layer in enumerate(self.layers, 1):
+            if layer.length != self.length:
+                raise QuantityError(
+                    f"{where}.layer[{i}].length = {layer.length:g} m: must be the section's, "
+                    f"{self.length:g} m"
+                )
+            layer.check(f"{where}.layer[{i}]")
+
+    def with_layers(self, *layers: Section) -> Section:
+        """The section with these further layers."""
+        return replace(self, layers=layers)
+
+    def part(self, begin: float, end: float) -> Section:
+        """The stretch between two shares of the length, from 0 to 1."""
+
+        def between(name: str, share: float) -> float:
+            left, right = getattr(self, f"{name}_left"), getattr(self, f"{name}_right")
+            return left + share * (right - left)
+
+        return replace(
+            self,
+            length=(end - begin) * self.length,
+            **{
+                f"{name}_{side}": between(name, share)
+                for name in ("outer", "bore")
+                for side, share in (("left", begin), ("right", end))
+            },
+        )
+
+    @property
+    def all_layers(self) -> tuple[Section, ...]:
+        """The section itself and its further layers."""
+        return (self, *self.layers)
 
     @property
     def is_cylinder(self) -> bool:
@@ -56,7 +112,7 @@ class Section:
 
     @property
     def polar_inertia(self) -> float:
-        """Moment of inertia about the axis [kg.m2]."""
+        """Moment of inertia about the axis without that of further layers [kg.m2]."""
 
         def fourth(left: float, right: float) -> float:
             """Mean of the fourth power of a diameter that is linear along the section."""

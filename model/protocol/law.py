@@ -3,22 +3,26 @@
 With the node's displacement relative to the housing d = u + i v [m] and its velocity d', a law is a
 handful of compiled functions of a record `part` with the quantities of the part, by their names:
 
-    force(part, d, d_dot, speed, spin, own)                                         -> F
-    tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)             -> F, p, q
-    energy(part, d)                                                                 -> E
-    dissipate(part, d, d_dot, speed, spin, own, out)                                -> torque
+    force(part, tables, d, d_dot, speed, spin, own)                                 -> F
+    tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)     -> F, p, q
+    energy(part, tables, d, own)                                                    -> energies
+    dissipate(part, tables, d, d_dot, speed, spin, own, out)                        -> torque
+    rates(part, tables, d, d_dot, speed, spin, own, out)
+    observe(part, tables, d, d_dot, speed, spin, own, out)
     opening(part, d)                                                                -> distance
     length(part)                                                                    -> scale
-    rates(part, d, d_dot, speed, spin, own, out)
-    observe(part, d, d_dot, speed, spin, own, out)
 
 F: complex force on the node [N], the housing gets -F. speed: the machine's [rad/s], on which
 coefficients may depend; spin: at which the surfaces slide [rad/s], 0 where equilibrium is sought,
 which has no friction. tangent: dF for by_d dF/dd + by_v dF/dd', as the pair of the real-linear map
-z -> p z + q conj(z). energy: stored [J]. dissipate: fills `out` with the powers dissipated [W], in
-the order of `Law.losses`; returns the torque that brakes the rotor [N.m]. opening: how far d is
-from where the force begins [m], negative where it acts. length: displacement that matters [m], 0
-for that of the machine; of a law with a wall the wall's radius.
+z -> p z + q conj(z). energy: a tuple of what is stored [J], in the order of `Law.stores`.
+dissipate: fills `out` with the powers dissipated [W], in the order of `Law.losses`; returns the
+torque that brakes the rotor [N.m]. opening: how far d is from where the force begins [m], negative
+where it acts. length: displacement that matters [m], 0 for that of the machine; of a law with a
+wall the wall's radius.
+
+tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
+with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
 
 A law may have states of its own, `own`, shape (len(Law.states),): rates fills in their rates. Over
 a step they are implicit, own = free + by_own * rate: `tangent` finds them, fills `own`, and lets
@@ -50,7 +54,7 @@ def always_acts(part, d):
 
 
 @compiled
-def no_rates(part, d, d_dot, speed, spin, own, out):
+def no_rates(part, tables, d, d_dot, speed, spin, own, out):
     """The rates of a law without states."""
     return
 
@@ -59,10 +63,11 @@ def no_rates(part, d, d_dot, speed, spin, own, out):
 class Law:
     """A law: its compiled functions, and what it keeps in the ledger.
 
-    name: of its records; kind: the data class whose quantities the records hold; store: the name of
-    the energy that it stores, with its text; losses: names and texts of what it dissipates; states:
-    start values of its own states; has_wall: whether the force begins at a wall, the circle of
-    radius `length` about the housing.
+    name: of its records; kind: the data class whose quantities the records hold; stores: names and
+    texts of the energies that it stores; losses: of what it dissipates; states: start values of its
+    own states; has_wall: whether the force begins at a wall, the circle of radius `length` about
+    the housing; table: the table of a part, shape (rows, columns), where the law takes one;
+    stiffness: by which a part holds its node at rest [N/m], where the law holds it softly.
     """
 
     name: str
@@ -73,18 +78,21 @@ class Law:
     dissipate: Callable[..., Any]
     observe: Callable[..., Any]
     outputs: tuple[Output, ...]
-    store: Output
+    stores: tuple[Output, ...]
     losses: tuple[Output, ...]
     opening: Callable[..., Any] = always_acts
     length: Callable[..., Any] = no_length
     rates: Callable[..., Any] = no_rates
     states: tuple[float, ...] = ()
     has_wall: bool = False
+    table: Callable[[Any], np.ndarray] | None = None
+    stiffness: Callable[[Any], float] | None = None
 
     @property
     def dtype(self) -> np.dtype:
-        """Of a record: the quantities of the part, by their names."""
-        return np.dtype([(name, "f8") for name in quantities(self.kind)])
+        """Of a record: the quantities of the part, by their names, and where its table lies."""
+        places = [("table", "i8"), ("rows", "i8")] if self.table else []
+        return np.dtype([*((name, "f8") for name in quantities(self.kind)), *places])
 
 
 def unique(entries: Sequence[Output]) -> tuple[Output, ...]:
@@ -94,7 +102,7 @@ def unique(entries: Sequence[Output]) -> tuple[Output, ...]:
 
 def stores_of(laws: Sequence[Law]) -> tuple[Output, ...]:
     """Energies that the laws store, each once."""
-    return unique([law.store for law in laws])
+    return unique([store for law in laws for store in law.stores])
 
 
 def losses_of(laws: Sequence[Law]) -> tuple[Output, ...]:
@@ -118,13 +126,21 @@ def _link(code: int, function: Callable, rest: Callable | None) -> Callable:
     return compiled(call, to_keep=False)
 
 
-def dispatcher(functions: Sequence[Callable]) -> Callable:
+def dispatcher(functions: Sequence[Callable], takes_tables: bool = True) -> Callable:
     """One compiled function `call(laws, interface, ...)` of a function a law.
 
-    laws: the records of each law, in the order of `functions`; interface: a record whose `law` is
-    the place in that order and whose `row` is that of the law's record.
+    laws: the records of each law, in the order of `functions`, and last the tables; interface: a
+    record whose `law` is the place in that order and whose `row` is that of the law's record;
+    takes_tables: whether the functions take the tables behind the record.
     """
     call = None
     for code in reversed(range(len(functions))):
         call = _link(code, functions[code], call)
-    return call
+    if not takes_tables:
+        return call
+    last = len(functions)
+
+    def call_with_tables(laws, interface, *arguments):
+        return call(laws, interface, laws[last], *arguments)
+
+    return compiled(call_with_tables, is_kept=False)

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import Output
+from ..quantities import Output, check_all
 
 if TYPE_CHECKING:
     from .law import Law
@@ -20,12 +20,14 @@ GROUND = ""  # the name of the housing that does not move
 
 
 class Body(NamedTuple):
-    """A rigid body on the shaft: mass [kg], diametral and polar moment of inertia [kg.m2]."""
+    """A rigid body on the shaft: mass [kg], diametral and polar moment of inertia about its centre
+    [kg.m2], which lies `offset` [m] beyond the node along the shaft."""
 
     node: int
     mass: float
     diametral: float
     polar: float
+    offset: float = 0.0
 
 
 class Spring(NamedTuple):
@@ -39,7 +41,8 @@ class Spring(NamedTuple):
 class Unbalance(NamedTuple):
     """A rotating unbalance `mass` times `e` [kg.m] at the angle `phase` of a part's quantities.
 
-    spinning_mass [kg] turns on the circle of radius e and adds to the inertia about the axis.
+    spinning_mass [kg] turns on the circle of radius e and adds to the inertia about the axis; both
+    lie `offset` [m] beyond the node along the shaft.
     """
 
     node: int
@@ -47,6 +50,7 @@ class Unbalance(NamedTuple):
     spinning_mass: float
     e: float
     phase: float
+    offset: float = 0.0
 
 
 class Port(NamedTuple):
@@ -119,6 +123,10 @@ class Part(ABC):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """What the part called `where` puts into the machine; density: of the machine's material
         [kg/m3]."""
+
+    def check(self, where: str) -> None:
+        """Raise `QuantityError` for quantities that the part called `where` cannot have."""
+        check_all(where, self)
 
     def outline(self) -> Iterator[Shape]:
         """How the part is drawn, z measured from its node."""

@@ -47,6 +47,15 @@ def circulation(structure, omega):
 
 
 @compiled
+def at_unbalance(unbalance, z):
+    """Of an unbalance's place on the shaft, z of shape (n,) or longer."""
+    value = z[unbalance.dof]
+    if unbalance.offset != 0.0:
+        value += unbalance.offset * z[unbalance.slope]
+    return value
+
+
+@compiled
 def add_applied(structure, spin, loads, f):
     """f += gravity, unbalance and external loads, shape (n,) [N, N.m]; loads: complex, shape
     (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
@@ -54,7 +63,11 @@ def add_applied(structure, spin, loads, f):
         f[i] += structure.weight[i]
     turning = spin.direction * complex(spin.omega * spin.omega, -spin.alpha)
     for i in range(len(structure.unbalance)):
-        f[structure.unbalances[i].dof] += structure.unbalance[i] * turning
+        unbalance = structure.unbalances[i]
+        force = structure.unbalance[i] * turning
+        f[unbalance.dof] += force
+        if unbalance.offset != 0.0:
+            f[unbalance.slope] += unbalance.offset * force
     for i in range(len(loads)):
         f[structure.load_dof[i]] += loads[i]
 
@@ -86,7 +99,7 @@ def drive_torque(structure, q, v, a, spin, friction_torque):
     torque = structure.numbers[0].inertia * spin.alpha + friction_torque
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        torque += (arm.conjugate() * a[structure.unbalances[i].dof]).imag
+        torque += (arm.conjugate() * at_unbalance(structure.unbalances[i], a)).imag
         torque += structure.numbers[0].gravity * arm.real
     torque -= 0.5 * form(structure.G, q[:n], a[:n]).imag
     return torque + internal_torque(structure, q, v, spin.omega)

@@ -18,11 +18,14 @@ MOST_LOSSES = max(len(law.losses) for law in LAWS)
 
 
 def _storing(law: Law) -> Callable:
-    """Adds a law's energy to its place among `STORES`."""
-    energy, place = law.energy, STORES.index(law.store.name)
+    """Adds a law's energies to their places among `STORES`."""
+    energy, count = law.energy, len(law.stores)
+    places = tuple(STORES.index(store.name) for store in law.stores)
 
-    def add(part, d, out):
-        out[place] += energy(part, d)
+    def add(part, tables, d, own, out):
+        energies = energy(part, tables, d, own)
+        for i in range(count):
+            out[places[i]] += energies[i]
 
     return compiled(add, to_keep=False)
 
@@ -32,8 +35,8 @@ def _dissipating(law: Law) -> Callable:
     dissipate, count = law.dissipate, len(law.losses)
     places = tuple(FLOWS.index(loss.name) for loss in law.losses)
 
-    def add(part, d, d_dot, speed, spin, own, scratch, out):
-        torque = dissipate(part, d, d_dot, speed, spin, own, scratch)
+    def add(part, tables, d, d_dot, speed, spin, own, scratch, out):
+        torque = dissipate(part, tables, d, d_dot, speed, spin, own, scratch)
         for i in range(count):
             out[places[i]] += scratch[i]
         return torque
@@ -43,7 +46,7 @@ def _dissipating(law: Law) -> Callable:
 
 law_force = dispatcher([law.force for law in LAWS])
 law_tangent = dispatcher([law.tangent for law in LAWS])
-law_opening = dispatcher([law.opening for law in LAWS])
+law_opening = dispatcher([law.opening for law in LAWS], takes_tables=False)
 law_rates = dispatcher([law.rates for law in LAWS])
 law_observe = dispatcher([law.observe for law in LAWS])
 add_energy = dispatcher([_storing(law) for law in LAWS])

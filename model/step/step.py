@@ -214,10 +214,13 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
 
 @compiled
 def _expect(problem, interfaces, old, b_d):
-    """Where the nodes that touch a wall will be if they slide on at the same depth."""
+    """Where the nodes that touch a wall will be if they slide on at the same depth, and those
+    without a wall if their accelerations last."""
     for j in range(len(interfaces)):
         problem.expected[j] = 0.0
-        if old.force[j] != 0.0 and interfaces[j].has_wall == 1:
+        if interfaces[j].has_wall == 0:
+            problem.expected[j] = problem.d0[j] + b_d * relative(interfaces[j], old.a)
+        elif old.force[j] != 0.0:
             ahead = problem.d0[j] + b_d * relative(interfaces[j], old.a)
             problem.expected[j] = ahead * (abs(relative(interfaces[j], old.q)) / abs(ahead))
 

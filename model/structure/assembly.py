@@ -47,15 +47,16 @@ def _record(integers: str, numbers: str) -> np.dtype:
 
 
 SPRING = _record("dof", "stiffness damping")
-UNBALANCE = _record("dof", "mass spinning_mass e phase")
+# `slope`: of the node, where there is an offset, otherwise `dof` again
+UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
 PROBE = _record("dof out", "")
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
 # the states of the law begin.
 INTERFACE = _record("law row dof end own states out has_wall", "length")
 # What a machine has one of. Given: eta_v [s], eta_h [1], whether the internal damping turns,
-# gravity [m/s2]; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: of the elastic
-# modes, nodes with interfaces pinned [rad/s]; bound: displacement that no machine reaches, size: a
+# gravity [m/s2]; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
+# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, size: a
 # length of the machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia
 # with the eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega
 # kappa_v + sign(Omega) kappa_h; clearance: the smallest [m].
@@ -68,14 +69,15 @@ NUMBERS = _record(
 class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
-    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft alone;
-    each in band storage, shape (n, width); M_factors: M's, from `band.factorize`.
+    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft's elastic
+    part, K_axial: that of its axial forces; each in band storage, shape (n, width);
+    M_factors: M's, from `band.factorize`.
     mass_share: of the deflections' lumped masses in the rotor's [1]; mass_sum: force of a unit
     acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
     deflections: dof and node number, from 1, of every deflection.
     load_dof: where external forces act; probes: where displacements are observed.
     unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
-    housings; interfaces: between nodes and housings; laws: the records of each law.
+    housings; interfaces: between nodes and housings; laws: the records of each law, and the tables.
     stores, losses: which entries of the ledger the machine has, as places in it.
     numbers: see `NUMBERS`.
     """
@@ -85,6 +87,7 @@ class Structure(NamedTuple):
     K: Annotated[np.ndarray, float, "n", "width"]
     G: Annotated[np.ndarray, float, "n", "width"]
     K_shaft: Annotated[np.ndarray, float, "n", "width"]
+    K_axial: Annotated[np.ndarray, float, "n", "width"]
     M_factors: Annotated[np.ndarray, float, "n", "width"]
     mass_share: Annotated[np.ndarray, float, "n"]
     mass_sum: Annotated[np.ndarray, float, "n"]
@@ -97,7 +100,7 @@ class Structure(NamedTuple):
     springs: Annotated[np.ndarray, SPRING, "springs"]
     housings: Annotated[np.ndarray, HOUSING, "housings"]
     interfaces: Annotated[np.ndarray, INTERFACE, "interfaces"]
-    laws: Annotated[tuple[np.ndarray, ...], "one a law"]
+    laws: Annotated[tuple[np.ndarray, ...], "one a law, tables"]
     stores: Annotated[np.ndarray, np.int64, "stores"]
     losses: Annotated[np.ndarray, np.int64, "losses"]
     numbers: Annotated[np.ndarray, NUMBERS, "1"]
@@ -121,46 +124,49 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "own": int(structure.interfaces.states.sum()),
         "stores": len(structure.stores),
         "losses": len(structure.losses),
-        **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=True)},
+        **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=False)},
+        "tables": len(structure.laws[-1]),
     }
 
 
 def assemble(rotor: Rotor) -> Structure:
     """The matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
     n = 2 * len(rotor.nodes)
-    M, G, K_shaft = (np.zeros((n, n)) for _ in range(3))
+    M, G, K_shaft, K_axial = (np.zeros((n, n)) for _ in range(4))
     inertia = 0.0
     for i, section in enumerate(rotor.sections):
         at = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
-        element = shaft_element(section)
-        M[at] += element.translation + element.tilting
-        G[at] += 2 * element.tilting
-        K_shaft[at] += element.stiffness
-        inertia += section.polar_inertia
+        for layer in section.all_layers:
+            element = shaft_element(layer)
+            M[at] += element.translation + element.tilting
+            G[at] += 2 * element.tilting
+            K_shaft[at] += element.stiffness
+            K_axial[at] += element.tension
+            inertia += layer.polar_inertia
     elements = list(machine_elements(rotor))
     for _, body in _of(Body, elements):
         dof = _dof(body)
         M[dof, dof] += body.mass
-        M[dof + 1, dof + 1] += body.diametral
+        M[dof, dof + 1] += body.mass * body.offset
+        M[dof + 1, dof] += body.mass * body.offset
+        M[dof + 1, dof + 1] += body.diametral + body.mass * body.offset**2
         G[dof + 1, dof + 1] += body.polar
         inertia += body.polar
     springs = _rows(
         SPRING,
         [(_dof(s), s.stiffness, s.damping) for _, s in _of(Spring, elements)],
     )
-    K_springs = np.zeros((n, n))
-    np.add.at(K_springs, (springs.dof, springs.dof), springs.stiffness)
     M_factors = to_band(M, HALF_BANDWIDTH)
     factorize(M_factors)
     outputs = _places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
-    used = [law for law, rows in zip(LAWS, laws, strict=True) if len(rows)]
+    used = [law for law, rows in zip(LAWS, laws, strict=False) if len(rows)]
     numbers = np.zeros(1, NUMBERS).view(np.recarray)
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
     numbers[0].gravity = rotor.gravity
     numbers[0].own_inertia = inertia
-    numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_springs, interfaces.dof)
+    numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, springs, elements)
     numbers[0].bound, numbers[0].size = 0.1 * rotor.length, 1e-4 * rotor.length
     unbalances = [u for _, u in _of(Unbalance, elements)]
     structure = Structure(
@@ -169,6 +175,7 @@ def assemble(rotor: Rotor) -> Structure:
         K=np.zeros((n, HALF_BANDWIDTH + 1)),
         G=to_band(G, HALF_BANDWIDTH),
         K_shaft=to_band(K_shaft, HALF_BANDWIDTH),
+        K_axial=to_band(K_axial, HALF_BANDWIDTH),
         M_factors=M_factors,
         mass_share=_mass_share(M),
         mass_sum=M[:, ::2].sum(axis=1),
@@ -176,7 +183,9 @@ def assemble(rotor: Rotor) -> Structure:
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         load_dof=np.array([_dof(p) for _, p in _of(Port, elements)], dtype=np.int64),
         probes=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Probe, elements)]),
-        unbalances=_rows(UNBALANCE, [(_dof(u), *u[1:]) for u in unbalances]),
+        unbalances=_rows(
+            UNBALANCE, [(_dof(u), _dof(u) + (u.offset != 0), *u[1:]) for u in unbalances]
+        ),
         unbalance=np.zeros(len(unbalances), dtype=complex),
         springs=springs,
         housings=housings,
@@ -218,13 +227,14 @@ def _rows(dtype: np.dtype, rows: list[tuple]) -> np.recarray:
 
 def _mechanism(
     n: int, elements: list[Element], outputs: list[int]
-) -> tuple[np.recarray, np.recarray, tuple[np.recarray, ...]]:
-    """Housings, interfaces, and the records of each law; n: the shaft's dofs."""
+) -> tuple[np.recarray, np.recarray, tuple[np.ndarray, ...]]:
+    """Housings, interfaces, the records of each law and the tables; n: the shaft's dofs."""
     mounts = _of(Mount, elements)
     places = {mount.name: n + h for h, (_, mount) in enumerate(mounts)} | {GROUND: n + len(mounts)}
     housings = [(outputs[i], *_numbers(HousingQuantities, m.source)) for i, m in mounts]
     rows: list[list[tuple]] = [[] for _ in LAWS]
     interfaces = []
+    tables: list[float] = []
     own = 0
     for i, element in _of(Interface, elements):
         code = LAWS.index(element.law)
@@ -242,14 +252,21 @@ def _mechanism(
                 0.0,
             )
         )
-        rows[code].append(_numbers(element.law.kind, element.source))
+        record = _numbers(element.law.kind, element.source)
+        if element.law.table is not None:
+            table = element.law.table(element.source)
+            record = (*record, len(tables), len(table))
+            tables += table.ravel().tolist()
+        rows[code].append(record)
         own += states
     laws = tuple(_rows(law.dtype, of) for law, of in zip(LAWS, rows, strict=True))
-    return _rows(HOUSING, housings), _rows(INTERFACE, interfaces), laws
+    return _rows(HOUSING, housings), _rows(INTERFACE, interfaces), (*laws, np.array(tables))
 
 
 def _numbers(kind: type, source: Any) -> tuple[float, ...]:
-    return tuple(getattr(source, name) for name in quantities(kind))
+    """The quantities of a part, those in its table 0."""
+    values = [getattr(source, name) for name in quantities(kind)]
+    return tuple(0.0 if isinstance(value, tuple) else value for value in values)
 
 
 def _entries(every: tuple, used: tuple) -> np.ndarray:
@@ -265,7 +282,20 @@ def _mass_share(M: np.ndarray) -> np.ndarray:
     return lumped / lumped.sum()
 
 
-def _lowest_omega(M: np.ndarray, K: np.ndarray, pinned: np.ndarray) -> float:
+def _lowest_omega(
+    M: np.ndarray, K_shaft: np.ndarray, springs: np.recarray, elements: list[Element]
+) -> float:
+    """Of the elastic modes on springs and soft laws [rad/s]; where those do not hold the shaft at
+    two nodes, it is pinned to its walls."""
+    interfaces = [interface for _, interface in _of(Interface, elements)]
+    held = np.zeros(len(M))
+    np.add.at(held, springs.dof, springs.stiffness)
+    for i in interfaces:
+        if i.law.stiffness is not None:
+            held[_dof(i)] += max(0.0, i.law.stiffness(i.source))
+    is_held = np.count_nonzero(held) >= 2
+    pinned = [] if is_held else [_dof(i) for i in interfaces if i.law.stiffness is None]
+    K = K_shaft + np.diag(held)
     free = np.setdiff1d(np.arange(len(M)), pinned)
     inverse = np.linalg.inv(np.linalg.cholesky(M[np.ix_(free, free)]))
     squares = np.linalg.eigvalsh(inverse @ K[np.ix_(free, free)] @ inverse.T)
@@ -279,5 +309,7 @@ def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> di
     for name in ("probes", "unbalances", "springs", "interfaces"):
         records = getattr(structure, name).copy()
         records.dof = place(records.dof)
+        if name == "unbalances":
+            records.slope = place(records.slope)
         changed[name] = records
     return changed

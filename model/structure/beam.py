@@ -22,7 +22,8 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 class Element(NamedTuple):
     """Matrices of a shaft element, each of shape (4, 4): mass of the translation, mass of the
-    sections' tilting [kg, kg.m, kg.m2], stiffness [N/m, N, N.m].
+    sections' tilting [kg, kg.m, kg.m2], stiffness, elastic and that of the axial force [N/m, N,
+    N.m].
 
     The gyroscopic matrix is twice that of the tilting, a circular section's polar inertia being
     twice its diametral one.
@@ -31,6 +32,7 @@ class Element(NamedTuple):
     translation: np.ndarray
     tilting: np.ndarray
     stiffness: np.ndarray
+    tension: np.ndarray
 
 
 def shear_coefficient(poisson: float, ratio: float = 0.0) -> float:
@@ -85,6 +87,7 @@ def shaft_element(section: Section) -> Element:
         translation=integral(material.density * area, deflection),
         tilting=integral(material.density * moment, slope),
         stiffness=integral(material.young * moment, curvature) + integral(shear * area, strain),
+        tension=integral(section.axial_force * one, slope + strain),
     )
 
 

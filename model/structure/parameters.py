@@ -9,7 +9,7 @@ from ..kernels.compiled import compiled
 from ..parts import LAWS
 from ..protocol.law import dispatcher
 
-_length_of = dispatcher([law.length for law in LAWS])
+_length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
 
 
 @compiled
@@ -44,7 +44,7 @@ def _prepare_shaft(structure, numbers):
     for i in range(n):
         for d in range(width):
             structure.C[i, d] = numbers.eta_v * structure.K_shaft[i, d]
-            structure.K[i, d] = share * structure.K_shaft[i, d]
+            structure.K[i, d] = share * structure.K_shaft[i, d] + structure.K_axial[i, d]
         structure.weight[i] = complex(0.0, -numbers.gravity * structure.mass_sum[i])
     for i in range(len(structure.springs)):
         spring = structure.springs[i]

@@ -12,7 +12,7 @@ import numpy as np
 from ..kernels.band import factorize, to_band, to_dense
 from .assembly import Structure, moved
 
-_MATRICES = ("M", "C", "K", "G", "K_shaft")
+_MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
 
 
 def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.ndarray]:
@@ -25,6 +25,7 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     acted_on += [
         getattr(structure, of).dof for of in ("interfaces", "springs", "unbalances", "probes")
     ]
+    acted_on.append(structure.unbalances.slope)
     kept = np.unique(np.concatenate(acted_on))
     rest = np.setdiff1d(np.arange(n), kept)
     M, K = to_dense(structure.M), to_dense(structure.K_shaft)
@@ -61,7 +62,8 @@ def reduced(structure: Structure, modes: int) -> Structure:
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])
     share = np.zeros(size)
-    share[: len(kept)] = np.maximum(dense["M"][: len(kept), : len(kept)].sum(axis=1), 0.0)
+    moving = deflections[:, 0]  # a slope that is kept has no share
+    share[moving] = np.maximum(dense["M"][np.ix_(moving, moving)].sum(axis=1), 0.0)
     return structure._replace(
         **bands,
         **at,

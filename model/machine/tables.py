@@ -1,0 +1,65 @@
+"""Tables of a TOML file -> data classes, with one plain line for what is missing, misspelt or of
+another kind."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import MISSING, Field, fields
+from difflib import get_close_matches
+from typing import Any
+
+from ..quantities import QuantityError, quantities
+
+
+def a_table(where: str, value: Any) -> dict[str, Any]:
+    """The value, which must be a table."""
+    if not isinstance(value, dict):
+        raise QuantityError(f"{where} = {value!r}: must be a table, [{where}]")
+    return value
+
+
+def tables_of(where: str, given: Any) -> list[tuple[str, dict[str, Any]]]:
+    """A list of tables, each with its name, `disc[1]`."""
+    if not isinstance(given, list):
+        raise QuantityError(f"{where} = {given!r}: must be a list of tables, [[{where}]]")
+    return [(f"{where}[{i}]", a_table(f"{where}[{i}]", item)) for i, item in enumerate(given, 1)]
+
+
+def number(value: Any) -> Any:
+    """A number as a float, a list as a tuple of such; what is none is left to the check of its
+    quantity."""
+    if isinstance(value, list):
+        return tuple(number(item) for item in value)
+    is_number = isinstance(value, int) and not isinstance(value, bool)
+    return float(value) if is_number and abs(value) < 2**1023 else value
+
+
+def nearest(given: object, known: Collection[str]) -> str:
+    """`did you mean x? `, where a known name is near."""
+    near = get_close_matches(str(given), known, 1)
+    return f"did you mean {near[0]}? " if near else ""
+
+
+def refuse_unknown(where: str, table: dict[str, Any], known: Collection[str]) -> None:
+    """Raise `QuantityError` for the first key that is not known."""
+    for key in table:
+        if key not in known:
+            name = key if key.isprintable() else repr(key)
+            shown = f"{where}.{name}" if where else name
+            hint = nearest(key, known)
+            raise QuantityError(f"{shown}: unknown key; {hint}known are {', '.join(known)}")
+
+
+def _is_optional(field: Field) -> bool:
+    return field.default is not MISSING or field.default_factory is not MISSING
+
+
+def make(kind: type, where: str, value: Any) -> Any:
+    """An instance of a data class from a table with its fields as keys."""
+    table = a_table(where, value)
+    refuse_unknown(where, table, tuple(f.name for f in fields(kind)))
+    for field in fields(kind):
+        if not _is_optional(field) and field.name not in table:
+            raise QuantityError(f"{where}.{field.name} is missing")
+    numbers = quantities(kind)
+    return kind(**{k: number(v) if k in numbers else v for k, v in table.items()})

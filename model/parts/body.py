@@ -1,0 +1,61 @@
+"""Rigid bodies on the shaft that are told by their inertia, and point masses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from ..protocol import part as of
+from ..quantities import ANY, NOT_NEGATIVE, quantity
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body(of.Part):
+    """A rigid body on the shaft at a node (from 1): mass [kg], diametral and polar moment of
+    inertia about its centre of mass [kg.m2], which lies `offset` [m] beyond the node along z and
+    off the axis by e [m] at the angle `phase` [rad] from the shaft's mark.
+
+    The external force and what is observed are those of the node.
+    """
+
+    KIND: ClassVar[str] = "body"
+    TEXT: ClassVar[str] = "a rigid body on the shaft, told by its mass and moments of inertia"
+
+    node: int
+    mass: float = quantity("kg", "mass")
+    I_d: float = quantity("kg.m2", "moment of inertia about a diameter", NOT_NEGATIVE)
+    I_p: float = quantity("kg.m2", "moment of inertia about the axis", NOT_NEGATIVE)
+    offset: float = quantity("m", "position of the centre of mass beyond the node", ANY, 0.0)
+    e: float = quantity(
+        "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
+    )
+    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_parameter=True)
+
+    def elements(self, where: str, density: float) -> Iterator[of.Element]:
+        """A body with its unbalance, loaded and observed."""
+        yield of.Body(self.node, self.mass, self.I_d, self.I_p, self.offset)
+        yield of.Unbalance(self.node, self.mass, self.mass, self.e, self.phase, self.offset)
+        yield of.Port(self.node, where.replace("[", " ").rstrip("]"))
+        yield of.Probe(self.node)
+
+    def outline(self) -> Iterator[of.Shape]:
+        """The solid cylinder of the same mass and inertia, as far as there is one."""
+        radius = (2 * self.I_p / self.mass) ** 0.5
+        width = (max(0.0, 12 * self.I_d / self.mass - 3 * radius**2)) ** 0.5
+        yield of.Shape(self.offset - width / 2, width, 0.0, radius, "body")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointMass(of.Part):
+    """A mass [kg] without moments of inertia at a node (from 1)."""
+
+    KIND: ClassVar[str] = "point_mass"
+    TEXT: ClassVar[str] = "a mass without moments of inertia at a node"
+
+    node: int
+    mass: float = quantity("kg", "mass")
+
+    def elements(self, where: str, density: float) -> Iterator[of.Element]:
+        """A body."""
+        yield of.Body(self.node, self.mass, 0.0, 0.0)

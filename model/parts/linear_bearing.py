@@ -1,0 +1,241 @@
+"""Linear bearings and seals: eight coefficients, each constant or a table over the speed.
+
+With the node's displacement d = u + i v [m] relative to the housing, or to ground,
+
+    F = -(K d + C d'),    K = [[kxx, kxy], [kyx, kyy]],    C = [[cxx, cxy], [cyx, cyy]]
+
+and in complex coordinates K d = k d + l conj(d), with
+k = (kxx + kyy + i (kyx - kxy)) / 2 and l = (kxx - kyy + i (kyx + kxy)) / 2.
+
+The ledger: K0, the symmetric part of K at standstill, stores d^T K0 d / 2; C dissipates d'^T C d';
+what is left, d'^T (K - K0) d, no potential stands for: the work of the cross coupling, and of a
+stiffness that follows the speed. It is an entry of its own, `circulation`, negative where it feeds
+the whirl.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from ..kernels.compiled import compiled
+from ..protocol.law import Law
+from ..protocol.part import GROUND, Element, Interface, Part, Shape
+from ..quantities import ANY, Output, QuantityError, check_all, quantities, quantity
+
+_COLUMNS = 1 + 4 * 8  # of a row: speed, and the cubics of the interval that begins there
+
+
+def _stiffness(direction: str, default: Any = ...) -> Any:
+    optional = {} if default is ... else {"default": default}
+    text = f"stiffness, {direction}"
+    return quantity("N/m", text, ANY, is_parameter=True, may_be_list=True, **optional)
+
+
+def _damping(direction: str, default: Any = ...) -> Any:
+    optional = {} if default is ... else {"default": default}
+    text = f"damping, {direction}"
+    return quantity("N.s/m", text, ANY, is_parameter=True, may_be_list=True, **optional)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Coefficients:
+    """Stiffness [N/m] and damping [N.s/m]: kxy is minus the force to the right by an upward
+    displacement."""
+
+    kxx: float | tuple[float, ...] = _stiffness("horizontal")
+    kxy: float | tuple[float, ...] = _stiffness("horizontal force by vertical displacement", 0.0)
+    kyx: float | tuple[float, ...] = _stiffness("vertical force by horizontal displacement", 0.0)
+    kyy: float | tuple[float, ...] = _stiffness("vertical")
+    cxx: float | tuple[float, ...] = _damping("horizontal")
+    cxy: float | tuple[float, ...] = _damping("horizontal force by vertical velocity", 0.0)
+    cyx: float | tuple[float, ...] = _damping("vertical force by horizontal velocity", 0.0)
+    cyy: float | tuple[float, ...] = _damping("vertical")
+
+
+@compiled
+def _cubic(tables, at, s):
+    """A cubic of s, highest power first."""
+    return ((tables[at] * s + tables[at + 1]) * s + tables[at + 2]) * s + tables[at + 3]
+
+
+@compiled
+def coefficients(part, tables, speed):
+    """Stiffness k, l [N/m] and damping c, e [N.s/m] at a speed [rad/s]: K d = k d + l conj(d),
+    C d' = c d' + e conj(d'). Beyond a table's ends they are those of the end."""
+    kxx, kxy, kyx, kyy = part.kxx, part.kxy, part.kyx, part.kyy
+    cxx, cxy, cyx, cyy = part.cxx, part.cxy, part.cyx, part.cyy
+    rows = part.rows
+    if rows > 0:
+        at, left = part.table, rows
+        while left > 1:  # the last row that does not begin beyond the speed
+            half = left // 2
+            if tables[at + half * _COLUMNS] <= speed:
+                at += half * _COLUMNS
+                left -= half
+            else:
+                left = half
+        s = max(0.0, speed - tables[at])
+        kxx += _cubic(tables, at + 1, s)
+        kxy += _cubic(tables, at + 5, s)
+        kyx += _cubic(tables, at + 9, s)
+        kyy += _cubic(tables, at + 13, s)
+        cxx += _cubic(tables, at + 17, s)
+        cxy += _cubic(tables, at + 21, s)
+        cyx += _cubic(tables, at + 25, s)
+        cyy += _cubic(tables, at + 29, s)
+    k, l = 0.5 * complex(kxx + kyy, kyx - kxy), 0.5 * complex(kxx - kyy, kyx + kxy)  # noqa: E741
+    return k, l, 0.5 * complex(cxx + cyy, cyx - cxy), 0.5 * complex(cxx - cyy, cyx + cxy)
+
+
+@compiled
+def _force(part, tables, d, d_dot, speed, spin, own):
+    """See `protocol.law`."""
+    k, l, c, e = coefficients(part, tables, speed)  # noqa: E741
+    return -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
+
+
+@compiled
+def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
+    """See `protocol.law`."""
+    k, l, c, e = coefficients(part, tables, speed)  # noqa: E741
+    force = -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
+    return force, -(by_d * k + by_v * c), -(by_d * l + by_v * e)
+
+
+@compiled
+def _energy(part, tables, d, own):
+    """See `protocol.law`."""
+    k, l, _, _ = coefficients(part, tables, 0.0)  # noqa: E741
+    return (0.5 * ((k.real * d + l * d.conjugate()) * d.conjugate()).real,)
+
+
+@compiled
+def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
+    """See `protocol.law`: damping, circulation."""
+    k, l, c, e = coefficients(part, tables, speed)  # noqa: E741
+    k0, l0, _, _ = coefficients(part, tables, 0.0)
+    out[0] = ((c * d_dot + e * d_dot.conjugate()) * d_dot.conjugate()).real
+    out[1] = (((k - k0.real) * d + (l - l0) * d.conjugate()) * d_dot.conjugate()).real
+    return 0.0
+
+
+@compiled
+def _observe(part, tables, d, d_dot, speed, spin, own, out):
+    """See `protocol.law`, in the order of `OUTPUTS`."""
+    force = _force(part, tables, d, d_dot, speed, spin, own)
+    out[0] = force.real
+    out[1] = force.imag
+
+
+def _table(part: LinearBearing) -> np.ndarray:
+    """Rows of a speed and the PCHIP cubics from there on, of all coefficients; 0 of constants."""
+    speeds = np.array(part.speed, dtype=float)
+    rows = np.zeros((len(speeds), _COLUMNS))
+    rows[:, 0] = speeds
+    for j, name in enumerate(quantities(Coefficients)):
+        values = getattr(part, name)
+        if isinstance(values, tuple):
+            rows[:-1, 1 + 4 * j : 5 + 4 * j] = PchipInterpolator(speeds, values).c.T
+            rows[-1, 4 + 4 * j] = values[-1]
+    return rows
+
+
+OUTPUTS = (
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0),
+)
+LINEAR_BEARING = Law(
+    name="linear_bearing",
+    kind=Coefficients,
+    force=_force,
+    tangent=_tangent,
+    energy=_energy,
+    dissipate=_dissipate,
+    observe=_observe,
+    outputs=OUTPUTS,
+    stores=(Output("bearings", "J", "elastic energy of linear bearings and seals", nominal=0.01),),
+    losses=(
+        Output("bearings", "J", "dissipated by the damping of linear bearings", nominal=1.0),
+        Output(
+            "circulation",
+            "J",
+            "taken by cross coupling of linear bearings and by their stiffness as it follows the "
+            "speed; negative where it feeds the whirl",
+            nominal=1.0,
+        ),
+    ),
+    table=_table,
+    stiffness=lambda part: float(np.trace(part.matrices(0.0)[0])) / 2,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinearBearing(Coefficients, Part):
+    """A bearing by its eight coefficients, between a node (from 1) and the housing of that name or
+    ground.
+
+    A coefficient is a number, or a list over `speed` [rad/s], ascending: interpolated monotonically
+    (PCHIP: Fritsch and Carlson 1980), constant beyond the ends.
+    """
+
+    KIND: ClassVar[str] = "linear_bearing"
+    TEXT: ClassVar[str] = "a bearing by its stiffness and damping coefficients"
+    LAW: ClassVar[Law] = LINEAR_BEARING
+
+    node: int
+    housing: str = GROUND
+    speed: tuple[float, ...] = quantity(
+        "rad/s", "speeds of the table, ascending", ANY, (), may_be_list=True
+    )
+
+    def check(self, where: str) -> None:
+        """Raise `QuantityError` for what no table can be, too."""
+        check_all(where, self)
+        if not isinstance(self.speed, tuple):
+            raise QuantityError(f"{where}.speed = {self.speed!r}: must be a list of numbers")
+        for i, (low, high) in enumerate(pairwise(self.speed), 2):
+            if not low < high:
+                raise QuantityError(f"{where}.speed[{i}] = {high:g} rad/s: must be above {low:g}")
+        tabulated = [n for n in quantities(Coefficients) if isinstance(getattr(self, n), tuple)]
+        for name in tabulated:
+            count = len(getattr(self, name))
+            if count != len(self.speed):
+                raise QuantityError(
+                    f"{where}.{name}: {count} given, {len(self.speed)} needed, as many as "
+                    f"{where}.speed has"
+                )
+        if tabulated and len(self.speed) < 2:
+            raise QuantityError(f"{where}.speed: {len(self.speed)} given, at least 2 are needed")
+        if self.speed and not tabulated:
+            raise QuantityError(f"{where}.speed: no coefficient is a list over it")
+
+    def matrices(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
+        """K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
+        at = float(np.clip(speed, self.speed[0], self.speed[-1])) if self.speed else speed
+        values = [
+            float(PchipInterpolator(self.speed, v)(at)) if isinstance(v, tuple) else v
+            for v in (getattr(self, name) for name in quantities(Coefficients))
+        ]
+        return np.reshape(values[:4], (2, 2)), np.reshape(values[4:], (2, 2))
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """One interface."""
+        yield Interface(self.node, LINEAR_BEARING, self, self.housing)
+
+    def outline(self) -> Iterator[Shape]:
+        """A spring from the shaft to ground."""
+        yield Shape(0.0, 0.0, 0.0, 0.0, "spring")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Seal(LinearBearing):
+    """A seal: a linear bearing under its own name."""
+
+    KIND: ClassVar[str] = "seal"
+    TEXT: ClassVar[str] = "a seal by its stiffness and damping coefficients"
