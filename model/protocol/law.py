@@ -143,4 +143,4 @@ def dispatcher(functions: Sequence[Callable], takes_tables: bool = True) -> Call
     def call_with_tables(laws, interface, *arguments):
         return call(laws, interface, laws[last], *arguments)
 
-    return compiled(call_with_tables, is_kept=False)
+    return compiled(call_with_tables, to_keep=False)
