@@ -106,7 +106,7 @@ app.command("survey")(survey)
 app.add_typer(impact_command.app, name="impact")
 app.command("drive-train")(drive_train)
 for answer in LINEAR:
-    app.command(answer.__name__)(answer)
+    app.command(answer.__name__.replace("_", "-"))(answer)
 
 
 @app.command("variables")

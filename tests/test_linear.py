@@ -1,9 +1,6 @@
 """Linear answers against textbooks and closed forms."""
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -17,44 +14,16 @@ from rotor_fmu.model.linear import (
 )
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.body import PointMass
+from rotor_fmu.model.parts.disc import Disc
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.shaft import Material, Section
 from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.parts.unbalance import Unbalance
-from rotor_fmu.model.protocol.part import Body, Element, Part
 
 RPM = math.pi / 30
 # Friswell, Penny, Garvey, Lees: Dynamics of Rotating Machines (2010), section 5.9
 STEEL = Material(young=211e9, density=7810.0, poisson=211e9 / (2 * 81.2e9) - 1)
-
-
-@dataclass(frozen=True)
-class Bored(Part):
-    """A disc with a bore."""
-
-    KIND: ClassVar[str] = "bored"
-    TEXT: ClassVar[str] = "a disc with a bore"
-    node: int
-    outer: float
-    bore: float
-    width: float
-
-    def elements(self, where: str, density: float) -> Iterator[Element]:
-        mass = density * math.pi / 4 * (self.outer**2 - self.bore**2) * self.width
-        polar = mass * (self.outer**2 + self.bore**2) / 8
-        yield Body(self.node, mass, polar / 2 + mass * self.width**2 / 12, polar)
-
-
-@dataclass(frozen=True)
-class Mass(Part):
-    """A mass without inertia."""
-
-    KIND: ClassVar[str] = "lump"
-    TEXT: ClassVar[str] = "a mass"
-    node: int
-    mass: float
-
-    def elements(self, where: str, density: float) -> Iterator[Element]:
-        yield Body(self.node, self.mass, 0.0, 0.0)
 
 
 def shaft(elements):
@@ -63,8 +32,8 @@ def shaft(elements):
 
 def two_discs(elements, *supports):
     parts = (
-        Bored(elements // 3 + 1, 0.28, 0.05, 0.07),
-        Bored(2 * elements // 3 + 1, 0.35, 0.05, 0.07),
+        Disc(elements // 3 + 1, 0.28, 0.07, bore=0.05),
+        Disc(2 * elements // 3 + 1, 0.35, 0.07, bore=0.05),
         *supports,
     )
     return Rotor(STEEL, shaft(elements), parts)
@@ -77,11 +46,16 @@ PRINTED = {
         [86.66, 86.66, 274.31, 274.31, 716.78],
         [85.39, 87.80, 251.78, 294.71, 600.18],
     ),
+    "5.9.2": (
+        two_discs(6, *(LinearBearing(node=n, kxx=1e6, kyy=8e5, cxx=0, cyy=0) for n in (1, 7))),
+        [82.65, 86.66, 254.52, 274.31, 679.49],
+        [82.33, 86.86, 239.64, 287.25, 583.49],
+    ),
     "5.9.9": (
         Rotor(
             STEEL,
             shaft(6),
-            (Bored(7, 0.35, 0.05, 0.07), Support(1, 1e7), Support(5, 1e7)),
+            (Disc(7, 0.35, 0.07, bore=0.05), Support(1, 1e7), Support(5, 1e7)),
         ),
         [90.14, 90.14, 830.43, 830.43],
         [76.19, 103.91, 565.99, 647.75],
@@ -93,8 +67,10 @@ PRINTED = {
 def test_natural_frequencies_are_the_textbooks_to_the_digits_printed(case):
     rotor, at_rest, turning = PRINTED[case]
     for speed, printed in ((0.0, at_rest), (4000 * RPM, turning)):
-        found = np.sort(modes(rotor, speed).natural)[: len(printed)]
-        np.testing.assert_allclose(found, printed, atol=0.011)
+        found = modes(rotor, speed).natural
+        # not all that lie between them are printed, and of 716.786 the last digit was cut off
+        for omega in printed:
+            assert np.abs(found - omega).min() < 0.0065
 
 
 def test_damped_frequencies_are_the_textbooks_to_the_digits_printed():
@@ -161,7 +137,7 @@ def test_a_rotor_that_damps_itself_loses_stability_where_zorzi_and_nelson_say():
     rotor = Rotor(
         light,
         (half, half),
-        (Mass(2, mass), Support(1, 1e12), Support(2, 0.0, outer), Support(3, 1e12)),
+        (PointMass(node=2, mass=mass), Support(1, 1e12), Support(2, 0.0, outer), Support(3, 1e12)),
         eta_v=1e-5,
         rotating_damping=True,
     )
@@ -177,7 +153,12 @@ def test_unbalance_moves_jeffcotts_disc_as_it_should():
     light = Material(young=2.1e11, density=1.0)
     half = Section.cylinder(0.2, 0.02, light)
     mass, damping, e = 5.0, 400.0, 1e-4
-    parts = (Mass(2, mass), Support(1, 1e12), Support(2, 0.0, damping), Support(3, 1e12))
+    parts = (
+        PointMass(node=2, mass=mass),
+        Support(1, 1e12),
+        Support(2, 0.0, damping),
+        Support(3, 1e12),
+    )
     rotor = Rotor(light, (half, half), (*parts, Unbalance(2, mass * e, 0.4)))
     rest = static(Rotor(light, (half, half), parts))
     omega = math.sqrt(9.81 / -rest.y[1])
@@ -194,7 +175,12 @@ def test_unbalance_moves_jeffcotts_disc_as_it_should():
 def test_bearings_bear_the_unbalance_and_the_inertia():
     """Newton's law for the whole rotor: what its bearings bear is what pulls less m a."""
     light = Material(young=2.1e11, density=1e-3)
-    parts = (Mass(3, 20.0), Mass(5, 30.0), Support(1, 1e6, 3e3), Support(7, 5e5))
+    parts = (
+        PointMass(node=3, mass=20.0),
+        PointMass(node=5, mass=30.0),
+        Support(1, 1e6, 3e3),
+        Support(7, 5e5),
+    )
     sections = tuple(Section.cylinder(0.25, 0.05, light) for _ in range(6))
     speed, amount = 300.0, 1e-3 * np.exp(0.2j)
     found = unbalance_response(Rotor(light, sections, (*parts, Unbalance(3, 1e-3, 0.2))), [speed])

@@ -96,7 +96,9 @@ def unbalance_response(
     size = machine.across.shape[1] // 2
     pull = np.zeros(size, dtype=complex)
     if unbalances is None:
-        np.add.at(pull, machine.structure.unbalances.dof, machine.structure.unbalance)
+        own, amount = machine.structure.unbalances, machine.structure.unbalance
+        np.add.at(pull, own.dof, amount)
+        np.add.at(pull, own.slope, own.offset * amount)
     for node, amount, phase in unbalances or ():
         pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
     both = np.column_stack([pull, -1j * pull]).ravel()

@@ -12,7 +12,7 @@ import numpy as np
 import typer
 
 from ..errors import InputError, writable_folder
-from ..runs.job import load_rotor, write_json
+from ..runs.job import load_rotor, write_json, write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -145,7 +145,25 @@ def show(
     _tell(listed, listed.table(), answers.show(machine), as_json, out, "show")
 
 
-COMMANDS = (modes, campbell, unbalance, static, show)
+def import_ross(
+    file: Annotated[Path, typer.Argument(help="A rotor that ROSS saved, TOML or JSON.")],
+    out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
+) -> None:
+    """Turn a rotor that ROSS saved into a machine file."""
+    from ..model.machine.writing import toml_text
+    from ..runs.machine_file import import_ross as read
+
+    found = read("FILE", file)
+    writable_folder(out.parent)
+    head = f"# From {file.name}, a rotor that ROSS saved.\n"
+    head += "".join(f"# {note}\n" for note in found.notes)
+    write_text(f"{head}\n{toml_text(found.tables)}", out)
+    for note in found.notes:
+        typer.echo(note)
+    typer.echo(f"written to {out}")
+
+
+COMMANDS = (modes, campbell, unbalance, static, show, import_ross)
 
 
 def _tell(found: Any, table: Table, figure: Figure, as_json: bool, out: Path, name: str) -> None:

@@ -125,7 +125,7 @@ def campbell_figure(found: Campbell) -> Figure:
             fontsize=8,
             color=PURPLE,
         )
-    seen = {word for words in found.whirl for word in words if word}
+    seen = {word for words in found.whirl[1:] for word in words if word}
     handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
     times = "" if found.harmonic == 1 else f"{found.harmonic:g} times "
     label = f"{times}the speed"
@@ -176,6 +176,7 @@ def unbalance_figure(found: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
         for values, dashes in ((found.phase_x, (0, (4, 2))), (found.phase_y, (0, (1, 1.5)))):
             phase = np.degrees(values[:, at])
             phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+            phase[found.speeds == 0] = np.nan
             below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
     handles, _ = above.get_legend_handles_labels()
     for label, dashes, width in (

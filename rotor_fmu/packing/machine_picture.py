@@ -48,9 +48,9 @@ def machine_figure(rotor: Rotor) -> Figure:
         if hasattr(part, "node")
     ]
     numbers = [(z, str(i)) for i, z in enumerate(rotor.nodes, 1)]
-    for z, name, row in _rows(named, 0.5 * line):
+    for z, name, row in _rows(named, 0.34 * line):
         _label(axes, z, high, high + line * (1 + row), name, 9)
-    rows = _rows(numbers, 0.7 * line)
+    rows = _rows(numbers, 0.34 * line)
     for z, name, row in rows:
         _label(axes, z, low, low - line * (1 + row), name, 8)
     deepest = max(row for _, _, row in rows)
