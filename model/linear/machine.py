@@ -146,7 +146,7 @@ class LinearMachine:
     def weight(self) -> np.ndarray:
         """Gravity's force, x, y of every dof, shape (2 size,) [N, N.m]."""
         s = self.structure
-        housings = -1j * s.numbers[0].gravity * s.housings.mass
+        housings = s.weight[0] / s.mass_sum[0] * s.housings.mass  # falling as the shaft does
         return in_plane(np.concatenate([s.weight, housings, [0.0]]))
 
     def _kappa(self, speed: float) -> float:

@@ -16,6 +16,7 @@ from ..model.protocol.part import Shape
 
 _LABEL = "#555555"
 _LINE = 0.035  # height of a line of names, of the machine's size
+_LAYER = "#dddddd"
 _SHAFT, _BODY, _HOUSING = "#bbbbbb", "#56b4e9", "#e69f00"
 
 
@@ -45,7 +46,7 @@ def machine_figure(rotor: Rotor) -> Figure:
     named = [
         (rotor.nodes[part.node - 1], name)
         for name, part in rotor.named_parts()
-        if hasattr(part, "node")
+        if getattr(part, "node", 0) > 0
     ]
     numbers = [(z, str(i)) for i, z in enumerate(rotor.nodes, 1)]
     for z, name, row in _rows(named, 0.34 * line):
@@ -62,8 +63,9 @@ def machine_figure(rotor: Rotor) -> Figure:
         fontsize=8,
         color=_LABEL,
     )
-    axes.plot([], [])
     axes.update_datalim([(rotor.nodes[0] - 3 * line, low - line * (2 + deepest))])
+    drawn = axes.dataLim
+    figure.set_figheight(min(8.0, max(2.8, 9.0 * drawn.height / drawn.width + 1.2)))
     axes.autoscale_view()
     in_mm = FuncFormatter(lambda value, _: f"{value * 1e3:.6g}")
     axes.xaxis.set_major_formatter(in_mm)
@@ -105,11 +107,14 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
     nodes = rotor.nodes
     for z, section in zip(nodes, rotor.sections, strict=False):
         right = z + section.length
+        for layer in sorted(section.layers, key=lambda layer: -layer.outer_left):
+            _tube(axes, (z, right), (layer.outer_left, layer.outer_right), _LAYER)
         _tube(axes, (z, right), (section.outer_left, section.outer_right), _SHAFT)
         if section.bore_left or section.bore_right:
             _tube(axes, (z, right), (section.bore_left, section.bore_right), "white")
     shapes = [(nodes[part.node - 1], s) for part in rotor.parts for s in part.outline()]
-    thickest = max(max(s.outer_left, s.outer_right) for s in rotor.sections) / 2
+    layers = [layer for section in rotor.sections for layer in section.all_layers]
+    thickest = max(max(s.outer_left, s.outer_right) for s in layers) / 2
     tallest = max((s.outer for _, s in shapes), default=thickest)
     size = max(tallest, 0.05 * rotor.length)
     for z, shape in shapes:
