@@ -12,6 +12,7 @@ from .drive_train.command import drive_train
 from .errors import InputError, RunFailed, run, writable_folder
 from .fmu.interface import interface
 from .impact import command as impact_command
+from .linear.command import COMMANDS as LINEAR
 from .model.settings import PRESETS
 from .native.command import Fmi, Native, Platforms, build_without_python, core
 from .packing.bundle import build
@@ -105,6 +106,8 @@ app.command("schemes")(schemes)
 app.command("survey")(survey)
 app.add_typer(impact_command.app, name="impact")
 app.command("drive-train")(drive_train)
+for answer in LINEAR:
+    app.command(answer.__name__.replace("_", "-"))(answer)
 
 
 @app.command("variables")

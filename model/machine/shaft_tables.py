@@ -3,7 +3,7 @@
 Either `[shaft]` gives the nodes' positions and a diameter between any two, or `[[section]]` tables
 tell one stretch after another, each of one or more elements:
 
-    length, elements (1), material, axial_force (0)
+    length, elements (1), material, axial_force (0), shear ("cowper"), taper ("mean")
     outer, or outer_left and outer_right; bore (0), or bore_left and bore_right
     [[section.layer]]: what else lies there, a sleeve say, told in the same way
 """
@@ -19,7 +19,7 @@ from .tables import a_table, make, nearest, number, refuse_unknown, tables_of
 
 _PROFILE_KEYS = (
     "outer", "outer_left", "outer_right", "bore", "bore_left", "bore_right", "material",
-    "axial_force",
+    "axial_force", "shear", "taper",
 )  # fmt: skip
 _SECTION_KEYS = ("length", "elements", *_PROFILE_KEYS, "layer")
 _MOST_ELEMENTS = 10_000
@@ -124,8 +124,12 @@ def _profile(where: str, table: dict[str, Any], length: float, materials: Materi
     material = materials.own
     if "material" in table:
         material = materials.take(f"{where}.material", table["material"])
+    choices = {name: table[name] for name in ("shear", "taper") if name in table}
     section = Section(
-        length=length, material=material, **{name: number(value) for name, value in values.items()}
+        length=length,
+        material=material,
+        **choices,
+        **{name: number(value) for name, value in values.items()},
     )
     section.check(where)
     return section

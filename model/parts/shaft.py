@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from ..quantities import ANY, NOT_NEGATIVE, QuantityError, check_all, quantity
 
 STEEL_POISSON = 0.3
+SHEARS = ("cowper", "hutchinson", "ross-hutchinson", "rigid")
+TAPERS = ("mean", "middle")
 _OVERLAP = 1e-6  # of diameters, that is rounding
 
 
@@ -37,7 +39,9 @@ class Material:
 class Section:
     """The shaft between two nodes, of circular sections that may taper and be hollow: length,
     outer diameters and bores at its left and right end [m], its material; axial_force: tension [N];
-    layers: what else lies at the same place, of the same length."""
+    layers: what else lies at the same place, of the same length; shear: the coefficient of the
+    shear stiffness, one of `SHEARS`; taper: whether the share of shear in the
+    bending is that of the section's `mean` area and moment or of its `middle`."""
 
     length: float = quantity("m", "length")
     outer_left: float = quantity("m", "outer diameter at the left end")
@@ -47,6 +51,8 @@ class Section:
     bore_right: float = quantity("m", "bore at the right end", NOT_NEGATIVE, 0.0)
     axial_force: float = quantity("N", "tension, negative where it is compressed", ANY, 0.0)
     layers: tuple[Section, ...] = ()
+    shear: str = SHEARS[0]
+    taper: str = TAPERS[0]
 
     @classmethod
     def cylinder(cls, length: float, diameter: float, material: Material) -> Section:
@@ -78,6 +84,11 @@ class Section:
                     f"{self.length:g} m"
                 )
             layer.check(f"{where}.layer[{i}]")
+        for name, allowed in (("shear", SHEARS), ("taper", TAPERS)):
+            if getattr(self, name) not in allowed:
+                raise QuantityError(
+                    f"{where}.{name} = {getattr(self, name)!r}: must be one of {', '.join(allowed)}"
+                )
 
     def with_layers(self, *layers: Section) -> Section:
         """The section with these further layers."""

@@ -35,10 +35,16 @@ class Element(NamedTuple):
     tension: np.ndarray
 
 
-def shear_coefficient(poisson: float, ratio: float = 0.0) -> float:
-    """Cowper's shear coefficient of a circular section [1]; ratio: bore over diameter (Cowper
-    1966)."""
+def shear_coefficient(poisson: float, ratio: float = 0.0, name: str = "cowper") -> float:
+    """Shear coefficient of a circular section [1]; ratio: bore over diameter; name: `cowper`
+    (Cowper 1966), `hutchinson` (Hutchinson 2001), or `ross-hutchinson`, ROSS 2's reading of it,
+    which lacks a factor 1 + poisson."""
     ring = (1 + ratio**2) ** 2
+    if name in ("hutchinson", "ross-hutchinson"):
+        solid = 7 + 12 * poisson + 4 * poisson**2
+        hollow = 4 * (5 + 6 * poisson + 2 * poisson**2)
+        factor = (1 + poisson) ** (2 if name == "hutchinson" else 1)
+        return 6 * factor * ring / (solid * ring + hollow * ratio**2)
     return 6 * (1 + poisson) * ring / ((7 + 6 * poisson) * ring + (20 + 12 * poisson) * ratio**2)
 
 
@@ -56,7 +62,7 @@ def shaft_element(section: Section) -> Element:
     bore = section.bore_left + x * (section.bore_right - section.bore_left)
     area, moment = _area_and_moment(outer, bore)
     shear = _shear_stiffness(section)
-    phi = 12 * material.young * (weight @ moment) / (shear * (weight @ area) * length**2)
+    phi = _shear_ratio(section, shear)
     one = np.ones_like(x)
     deflection = np.array(
         [
@@ -92,7 +98,27 @@ def shaft_element(section: Section) -> Element:
 
 
 def _shear_stiffness(section: Section) -> float:
-    """kappa G [Pa] of the section's middle."""
+    """kappa G [Pa] of the section's middle; of one that shear does not bend, 0."""
+    if section.shear == "rigid":
+        return 0.0
     outer = section.outer_left + section.outer_right
     ratio = (section.bore_left + section.bore_right) / outer
-    return shear_coefficient(section.material.poisson, ratio) * section.material.shear
+    return (
+        shear_coefficient(section.material.poisson, ratio, section.shear) * section.material.shear
+    )
+
+
+def _shear_ratio(section: Section, shear: float) -> float:
+    """phi = 12 E I / (kappa G A L^2), deflection by shear over that by bending [1].
+
+    Where diameters change, of the mean area and moment, or, as ROSS has it, of those at the middle.
+    """
+    if section.shear == "rigid":
+        return 0.0
+    x = np.array([0.5]) if section.taper == "middle" else (1 + _POINTS) / 2
+    weight = np.array([1.0]) if section.taper == "middle" else _WEIGHTS / 2
+    outer = section.outer_left + x * (section.outer_right - section.outer_left)
+    bore = section.bore_left + x * (section.bore_right - section.bore_left)
+    area, moment = _area_and_moment(outer, bore)
+    bending = 12 * section.material.young * (weight @ moment)
+    return bending / (shear * (weight @ area) * section.length**2)

@@ -12,7 +12,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 
-from ..errors import InputError, read_text
+from ..errors import InputError
 from ..fmu.binding import build_simulation
 from ..fmu.interface import interface
 from ..fmu.solver_parameters import AS_PRESET, settings_of
@@ -23,6 +23,7 @@ from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
+from .machine_file import machine_text
 from .run_down import Plan, Run, run_direct, run_fmu
 from .signals import make_signals, read_signals
 
@@ -31,7 +32,7 @@ _console = Console(stderr=True)
 
 def load_rotor(path: Path | None) -> tuple[str, Rotor]:
     """TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible one."""
-    text = rig_toml() if path is None else read_text("--rotor", path)
+    text = rig_toml() if path is None else machine_text("--rotor", path)
     try:
         return text, parse_rotor(text)
     except QuantityError as error:
@@ -176,6 +177,11 @@ def write_csv(run: Run, path: Path) -> None:
 
 def write_json(data: Mapping[str, object], path: Path) -> None:
     """A JSON file, whole or not at all."""
+    write_text(json.dumps(data, indent=2) + "\n", path)
+
+
+def write_text(text: str, path: Path) -> None:
+    """A text file, whole or not at all."""
     unfinished = path.with_suffix(".part")
-    unfinished.write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
+    unfinished.write_text(text, encoding="utf-8")
     unfinished.replace(path)

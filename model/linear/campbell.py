@@ -1,0 +1,218 @@
+"""Campbell diagram: the modes over the speed, each followed by its shape; critical speeds; the
+speed at which the machine loses its stability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq, linear_sum_assignment
+
+from ..machine.rotor import Rotor
+from .machine import LinearError, LinearMachine
+from .modes import DEFAULT_COUNT, Modes, machine_modes
+
+_MORE = 6  # modes looked at beyond those asked for, since they change places
+_ALIKE = 0.7  # shapes less alike than this are looked at again half-way
+_HALVINGS = 5
+_UNLIKE = 0.3  # less alike than this after all halvings: not the same mode
+_PEAKING = 0.5**0.5  # damping ratio below which a mode answers with a peak
+_GROWING = 1e-9  # damping ratio below minus which a mode grows
+_PRECISION = 1e-12
+
+
+@dataclass(frozen=True)
+class CriticalSpeed:
+    """Where the frequency of a mode that answers with a peak, damping ratio below 1 / sqrt(2), is
+    `harmonic` times the speed [rad/s]; mode: its place in the diagram, from 0; log_dec: its
+    logarithmic decrement there [1]."""
+
+    mode: int
+    speed: float
+    whirl: str
+    log_dec: float
+
+
+@dataclass(frozen=True)
+class Campbell:
+    """Modes over s speeds [rad/s], each followed by its shape; m modes in their order at the first
+    speed. What was lost sight of is NaN.
+
+    eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonic: multiple of the
+    speed that excites; critical: where a mode meets it, by ascending speed; threshold: lowest speed
+    above which some mode grows [rad/s], None where none does; contacts: `open` or `pinned`.
+    """
+
+    speeds: np.ndarray
+    contacts: str
+    eigenvalues: np.ndarray
+    whirl: tuple[tuple[str, ...], ...]
+    harmonic: float
+    critical: tuple[CriticalSpeed, ...]
+    threshold: float | None
+
+    @property
+    def damped(self) -> np.ndarray:
+        """omega_d, shape (s, m) [rad/s]."""
+        return self.eigenvalues.imag
+
+    @property
+    def natural(self) -> np.ndarray:
+        """omega_n, shape (s, m) [rad/s]."""
+        return np.abs(self.eigenvalues)
+
+    @property
+    def damping_ratio(self) -> np.ndarray:
+        """zeta, shape (s, m) [1]."""
+        return -self.eigenvalues.real / self.natural
+
+    @property
+    def log_dec(self) -> np.ndarray:
+        """Logarithmic decrements, shape (s, m) [1]."""
+        return -2 * np.pi * self.eigenvalues.real / self.eigenvalues.imag
+
+
+def campbell(
+    rotor: Rotor,
+    speeds: Sequence[float],
+    *,
+    count: int = DEFAULT_COUNT,
+    contacts: str | None = None,
+    harmonic: float = 1.0,
+) -> Campbell:
+    """The Campbell diagram of the `count` lowest modes over ascending speeds [rad/s], at least 2.
+
+    harmonic: multiple of the speed that excites, for critical speeds; contacts: `open` or `pinned`;
+    None: open where the machine is held without them. Raises `LinearError`.
+    """
+    speeds = np.array(speeds, dtype=float)
+    if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
+        raise LinearError("speeds: must be at least 2, ascending")
+    if not (np.isfinite(harmonic) and harmonic > 0):
+        raise LinearError(f"harmonic = {harmonic:g}: must be > 0")
+    follow = _Follower(LinearMachine(rotor, contacts), count + _MORE)
+    seen = [follow.at(speeds[0])]
+    places = [np.arange(min(count, len(seen[0].eigenvalues)))]
+    for speed in speeds[1:]:
+        seen.append(follow.at(speed))
+        places.append(follow.onward(seen[-2], seen[-1], places[-1]))
+    critical = [
+        found
+        for i in range(len(speeds) - 1)
+        for found in _critical(follow, seen[i : i + 2], places[i : i + 2], harmonic)
+    ]
+    followed = list(zip(seen, places, strict=True))
+    return Campbell(
+        speeds=speeds,
+        contacts=seen[0].contacts,
+        eigenvalues=np.array(
+            [[m.eigenvalues[p] if p >= 0 else np.nan for p in of] for m, of in followed]
+        ),
+        whirl=tuple(tuple(m.whirl[p] if p >= 0 else "" for p in of) for m, of in followed),
+        harmonic=harmonic,
+        critical=tuple(sorted(critical, key=lambda c: c.speed)),
+        threshold=_threshold(follow, seen),
+    )
+
+
+class _Follower:
+    """Modes of a machine at any speed, and which is which."""
+
+    def __init__(self, machine: LinearMachine, count: int) -> None:
+        self._machine = machine
+        self._count = count
+
+    def at(self, speed: float) -> Modes:
+        return machine_modes(self._machine, float(speed), self._count)
+
+    def onward(self, a: Modes, b: Modes, places: np.ndarray, depth: int = 0) -> np.ndarray:
+        """Places in `b` of the modes that have `places` in `a`; -1 of one that is not there."""
+        found, alike = _matched(a, b, places)
+        if (alike > _ALIKE).all() or depth == _HALVINGS:
+            return np.where(alike > _UNLIKE, found, -1)
+        middle = self.at((a.speed + b.speed) / 2)
+        half = self.onward(a, middle, places, depth + 1)
+        return self.onward(middle, b, half, depth + 1)
+
+
+def _likeness(a: Modes, b: Modes) -> np.ndarray:
+    """Modal assurance criterion of all shapes of a with all of b."""
+    one, other = (
+        np.hstack([m.x, m.y, m.housing_x, m.housing_y, m.slope_x * s, m.slope_y * s])
+        for m, s in ((a, np.ptp(a.z) / 10), (b, np.ptp(b.z) / 10))
+    )
+    products = np.abs(one.conj() @ other.T) ** 2
+    return products / np.outer(*(np.sum(np.abs(m) ** 2, axis=1) for m in (one, other)))
+
+
+def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places in `b`, and how alike the shapes are; 1 of what is lost already."""
+    found, alike = np.full(len(places), -1), np.where(places >= 0, 0.0, 1.0)
+    known = places >= 0
+    if not known.any() or not len(b.eigenvalues):
+        return found, alike
+    likeness = _likeness(a, b)[places[known]]
+    far = np.abs(np.log(b.damped[None, :] / a.damped[places[known]][:, None]))
+    rows, columns = linear_sum_assignment(1 - likeness + np.minimum(far, 1.0))
+    seen = np.flatnonzero(known)[rows]
+    found[seen], alike[seen] = columns, likeness[rows, columns]
+    return found, alike
+
+
+def _critical(
+    follow: _Follower, seen: Sequence[Modes], places: Sequence[np.ndarray], harmonic: float
+) -> list[CriticalSpeed]:
+    """Critical speeds between two speeds of the diagram."""
+    a, b = seen
+    found = []
+    for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
+        before = _excess(a, places[0][mode], harmonic)
+        after = _excess(b, places[1][mode], harmonic)
+        if before != 0.0 and before * after <= 0:
+            there, at = _meeting(follow, a, places[0], mode, b.speed, harmonic)
+            if at >= 0 and there.damping_ratio[at] < _PEAKING:
+                log_dec = float(there.log_dec[at])
+                found.append(CriticalSpeed(int(mode), there.speed, there.whirl[at], log_dec))
+    return found
+
+
+def _excess(modes: Modes, place: int, harmonic: float) -> float:
+    """Of a mode's frequency over the harmonic [rad/s]."""
+    return float(modes.damped[place]) - harmonic * abs(modes.speed)
+
+
+def _meeting(
+    follow: _Follower, a: Modes, places: np.ndarray, mode: int, end: float, harmonic: float
+) -> tuple[Modes, int]:
+    """The modes where that with the place places[mode] in `a` has its frequency in the harmonic,
+    before the speed `end`, and its place there."""
+
+    def seen_at(speed: float) -> tuple[Modes, int]:
+        there = follow.at(speed)
+        return there, int(follow.onward(a, there, places)[mode])
+
+    def excess(speed: float) -> float:
+        there, at = seen_at(speed)
+        return _excess(there, at, harmonic) if at >= 0 else last[0]
+
+    last = [_excess(a, places[mode], harmonic)]
+    return seen_at(brentq(excess, a.speed, end, xtol=_PRECISION * abs(end), rtol=1e-13))
+
+
+def _growth(modes: Modes) -> float:
+    """Largest share of growth of a mode, Re lambda / |lambda|; of what does not oscillate, its
+    sign."""
+    growing = [1.0] if (modes.decays > 0).any() else []
+    return max([*(-modes.damping_ratio), *growing], default=-1.0)
+
+
+def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:
+    growth = [_growth(m) - _GROWING for m in seen]
+    if growth[0] > 0:
+        return float(seen[0].speed)
+    for i in range(1, len(seen)):
+        if growth[i] > 0:
+            low, high = seen[i - 1].speed, seen[i].speed
+            return brentq(lambda s: _growth(follow.at(s)) - _GROWING, low, high, rtol=1e-12)
+    return None

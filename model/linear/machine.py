@@ -1,0 +1,310 @@
+"""The machine linearized about its equilibrium, at any speed, as sparse real matrices.
+
+The unknowns are x, y in turn of every deflection and slope of the shaft, then of the housings:
+
+    M u'' + D u' + K u = f,   D = C + Omega G - dF/dd',   K = K_shaft + springs + kappa K_c - dF/dd
+
+A clearance contact is open (as if it were not there), or pinned (the journal moves as its housing
+does). The laws of all other interfaces are linearized where gravity holds them at that speed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from ..machine.rotor import Rotor
+from ..protocol.part import Interface, Mount, Spring
+from ..quantities import QuantityError
+from ..structure.assembly import Structure, assemble
+from .tangents import Tangents, tangents
+
+OPEN, PINNED = "open", "pinned"
+CONTACTS = (OPEN, PINNED)
+_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
+_SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
+_ITERATIONS = 50
+_CHANGE = 1e-12
+
+
+class LinearError(QuantityError):
+    """A linear answer that the machine cannot have; says which and what to do."""
+
+
+class Linear(NamedTuple):
+    """The machine at one speed [rad/s]: sparse matrices of the unknowns, shape (N, N), the
+    displacements at rest, shape (N,) [m, rad], 0 where nothing holds the machine, and what the
+    interfaces do there (those that are open or pinned: nothing)."""
+
+    speed: float
+    M: sp.csc_matrix
+    D: sp.csc_matrix
+    K: sp.csc_matrix
+    rest: np.ndarray
+    laws: Tangents
+
+
+class Supports(NamedTuple):
+    """What holds the shaft, in the order of the parts: names of springs to ground, of interfaces;
+    housings' names."""
+
+    springs: tuple[str, ...]
+    interfaces: tuple[str, ...]
+    housings: tuple[str, ...]
+
+
+class LinearMachine:
+    """A machine whose linear answers are asked for.
+
+    contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
+    pinned. Raises `LinearError` for another word.
+    """
+
+    def __init__(self, rotor: Rotor, contacts: str | None = None) -> None:
+        if contacts not in (None, *CONTACTS):
+            raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
+        self.rotor = rotor
+        self.structure = assemble(rotor)
+        self.supports = _supports(rotor)
+        self._full = _matrices(self.structure)
+        self._set_contacts(contacts or OPEN)
+        if contacts is None and self.has_contacts and not self.is_held:
+            self._set_contacts(PINNED)
+
+    def _set_contacts(self, contacts: str) -> None:
+        s = self.structure
+        self.contacts = contacts
+        self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
+        self._acts = s.interfaces.has_wall == 0
+        size = len(s.weight) + len(s.housings) + 1
+        pairs = s.interfaces[self.pinned if contacts == PINNED else []]
+        self.expand = _expansion(size, zip(pairs.dof, pairs.end, strict=True))
+        self.M = (self.expand.T @ self._full.M @ self.expand).tocsc()
+        self._K, self._D, self._circulation, self._gyroscopic = (
+            (self.expand.T @ matrix @ self.expand).tocsc()
+            for matrix in (
+                self._full.K,
+                self._full.C,
+                self._full.circulation,
+                self._full.gyroscopic,
+            )
+        )
+        ends = [(dof, end) for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)]
+        self.across = _differences(size, ends)
+        self._across = (self.across @ self.expand).tocsr()
+        self.is_held = self._holds(self.at_zero_load(0.0).K)
+
+    @property
+    def has_contacts(self) -> bool:
+        """Whether there is a clearance contact."""
+        return len(self.pinned) > 0
+
+    @property
+    def support_dofs(self) -> np.ndarray:
+        """The deflections where springs, then interfaces act."""
+        return np.concatenate([self.structure.springs.dof, self.structure.interfaces.dof])
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Positions of the nodes along the shaft [m]."""
+        return np.array(self.rotor.nodes)
+
+    def at(self, speed: float) -> Linear:
+        """The machine at a speed [rad/s], linearized where gravity holds it; where nothing does, or
+        no law needs it, at no displacement. Raises `LinearError` if Newton's method finds no
+        equilibrium."""
+        needs_rest = self.is_held and self._acts.any()
+        return self.loaded(speed) if needs_rest else self.at_zero_load(speed)
+
+    def at_zero_load(self, speed: float) -> Linear:
+        """The machine at a speed [rad/s] linearized at no displacement."""
+        return self._linear(speed, np.zeros(self.expand.shape[1]))
+
+    def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
+        """The machine at a speed [rad/s] linearized where gravity and `loads` hold it; loads: x, y
+        of every dof, shape (2 size,) [N, N.m]."""
+        if not self.is_held:
+            raise LinearError(self.why_not_held())
+        given = self.weight if loads is None else self.weight + loads
+        force = self.expand.T @ given
+        rest = np.zeros(self.expand.shape[1])
+        for _ in range(_ITERATIONS):
+            linear = self._linear(speed, rest)
+            of_laws = self._across.T @ in_plane(linear.laws.force)
+            others = self._constant_stiffness(speed) @ rest
+            change = splu(linear.K).solve(force + of_laws - others)
+            rest = rest + change
+            if np.abs(change).max(initial=0.0) <= _CHANGE * np.abs(rest).max(initial=0.0):
+                return linear._replace(rest=rest)
+        raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
+
+    @property
+    def weight(self) -> np.ndarray:
+        """Gravity's force, x, y of every dof, shape (2 size,) [N, N.m]."""
+        s = self.structure
+        housings = s.weight[0] / s.mass_sum[0] * s.housings.mass  # falling as the shaft does
+        return in_plane(np.concatenate([s.weight, housings, [0.0]]))
+
+    def _kappa(self, speed: float) -> float:
+        numbers = self.structure.numbers[0]
+        return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
+
+    def _constant_stiffness(self, speed: float) -> sp.csc_matrix:
+        """All but the interfaces."""
+        return (self._K + self._kappa(speed) * self._circulation).tocsc()
+
+    def _linear(self, speed: float, at: np.ndarray) -> Linear:
+        """The matrices linearized at the displacements `at`."""
+        K = self._constant_stiffness(speed)
+        D = (self._D + speed * self._gyroscopic).tocsc()
+        m = len(self._acts)
+        laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
+        if self._acts.any():
+            found = tangents(self.structure, to_complex(self._across @ at), speed)
+            laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in found))
+            across = self._across
+            K = (K - across.T @ sp.block_diag(list(laws.by_d)) @ across).tocsc()
+            D = (D - across.T @ sp.block_diag(list(laws.by_v)) @ across).tocsc()
+        return Linear(speed, self.M, D, K, at, laws)
+
+    def loads(self, linear: Linear, u: np.ndarray, force: np.ndarray, omega: float) -> np.ndarray:
+        """What springs, then interfaces bear, x and y, shape (springs + interfaces, 2) [N].
+
+        The machine moves as Re(u exp(i omega t)) under `force`, x, y of every dof; at omega = 0 it
+        rests.
+        """
+        s = self.structure
+        whole = self.expand @ u
+        motion = np.column_stack([whole[::2], whole[1::2]])
+        factor = s.springs.stiffness + 1j * omega * s.springs.damping
+        springs = factor[:, None] * motion[s.springs.dof]
+        d = (self._across @ u).reshape(-1, 2)
+        tangent = linear.laws.by_d + 1j * omega * linear.laws.by_v
+        acting = -np.einsum("jab,jb->ja", tangent, d).astype(complex)
+        if omega == 0.0:
+            acting = -in_plane(linear.laws.force).reshape(-1, 2).astype(complex)
+        if self.contacts == PINNED and len(self.pinned):
+            acting[self.pinned] = self._reactions(linear.speed, whole, force, omega, acting)
+        return np.concatenate([springs, acting])
+
+    def _reactions(self, speed, whole, force, omega, acting) -> np.ndarray:
+        """What the pins bear: that which all else leaves, shape (pins, 2)."""
+        full = self._full
+        stiffness = full.K + self._kappa(speed) * full.circulation
+        damping = full.C + speed * full.gyroscopic
+        left = force - stiffness @ whole - 1j * omega * (damping @ whole)
+        left = left + omega**2 * (full.M @ whole) - self.across.T @ acting.ravel()
+        rows = np.column_stack([2 * self.pinned, 2 * self.pinned + 1]).ravel()
+        found = _forces_of_pins(self.across[rows], left)
+        return found.reshape(-1, 2)
+
+    def _holds(self, K: sp.csc_matrix) -> bool:
+        """Whether the stiffness resists every motion as a rigid body."""
+        soft = _SOFT * self.structure.numbers[0].lowest_omega ** 2
+        nodes, size = self.nodes, self.across.shape[1] // 2
+        n = 2 * len(nodes)
+        motions = np.zeros((2 * size, 4))
+        for plane in range(2):
+            motions[plane : 2 * n : 4, plane] = 1.0
+            motions[plane : 2 * n : 4, 2 + plane] = nodes - nodes.mean()
+            motions[2 + plane : 2 * n : 4, 2 + plane] = 1.0
+        rigid = self.expand.T @ motions
+        moved = splu((K + soft * self.M).tocsc()).solve(soft * (self.M @ rigid))
+        return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
+
+    def why_not_held(self) -> str:
+        """One line about what holds the machine, and what does not."""
+        held = len(self.supports.springs) + int(self._acts.sum())
+        if self.contacts == PINNED:
+            held += len(self.pinned)
+        return (
+            f"the machine is not held: with its contacts {self.contacts} it has {held} bearings or "
+            "supports, and moves as a rigid body; at least 2 nodes must be held"
+        )
+
+
+class _Full(NamedTuple):
+    """Matrices of x, y of every dof, housing and ground, before anything is pinned."""
+
+    M: sp.csr_matrix
+    C: sp.csr_matrix
+    K: sp.csr_matrix
+    circulation: sp.csr_matrix
+    gyroscopic: sp.csr_matrix
+
+
+def _matrices(s: Structure) -> _Full:
+    housings = s.housings
+    both, turned = np.eye(2), -_TURN
+
+    def full(band: np.ndarray, matrix: np.ndarray, x: np.ndarray, y: np.ndarray) -> sp.csr_matrix:
+        n, width = band.shape
+        below = [band[: n - d, d] for d in range(width)]
+        offsets = list(range(width))
+        half = sp.diags_array(below[1:], offsets=[-d for d in offsets[1:]], shape=(n, n))
+        plane = half + half.T + sp.diags_array(band[:, 0])
+        own = np.append(np.column_stack([x, y]).ravel(), [0.0, 0.0])
+        return sp.block_diag([sp.kron(plane, matrix), sp.diags_array(own)]).tocsr()
+
+    none = np.zeros(len(housings))
+    return _Full(
+        M=full(s.M, both, housings.mass, housings.mass),
+        C=full(s.C, both, housings.cx, housings.cy),
+        K=full(s.K, both, housings.kx, housings.ky),
+        circulation=full(s.K_shaft, turned, none, none),
+        gyroscopic=full(s.G, turned, none, none),
+    )
+
+
+def _expansion(size: int, pairs: object) -> sp.csr_matrix:
+    """From the unknowns to all dofs, of which ground, the last, stays; pairs: (dof, end) that move
+    as one."""
+    leader = np.arange(size)
+    for dof, end in pairs:
+        kept, merged = sorted((leader[dof], leader[end]))
+        if kept == leader[-1] or merged == leader[-1]:
+            kept, merged = leader[-1], kept + merged - leader[-1]
+        leader[leader == merged] = kept
+    moving = leader != leader[-1]
+    unknowns, column = np.unique(leader[moving], return_inverse=True)
+    row = np.flatnonzero(moving)
+    plain = sp.csr_array((np.ones(len(row)), (row, column)), shape=(size, len(unknowns)))
+    return sp.kron(plain, np.eye(2)).tocsr()
+
+
+def _differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:
+    """x, y of each pair's first less its second."""
+    matrix = sp.lil_array((len(pairs), size))
+    for j, (dof, end) in enumerate(pairs):
+        matrix[j, dof] = 1.0
+        matrix[j, end] = -1.0
+    return sp.kron(matrix, np.eye(2)).tocsr()
+
+
+def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
+    """Forces f of the pins with across^T f = left, ground's rows aside."""
+    rows = across.toarray().T[:-2]
+    return np.linalg.lstsq(rows, left[:-2], rcond=None)[0]
+
+
+def in_plane(z: np.ndarray) -> np.ndarray:
+    """x, y in turn of complex numbers, shape (2 n,)."""
+    return np.column_stack([z.real, z.imag]).ravel()
+
+
+def to_complex(u: np.ndarray) -> np.ndarray:
+    """x + i y of x, y in turn, shape (n,)."""
+    return u[::2] + 1j * u[1::2]
+
+
+def _supports(rotor: Rotor) -> Supports:
+    names: dict[type, list[str]] = {Spring: [], Interface: [], Mount: []}
+    for where, part in rotor.named_parts():
+        for element in part.elements(where, rotor.material.density):
+            if type(element) in names:
+                names[type(element)].append(element.name if type(element) is Mount else where)
+    return Supports(*(tuple(names[kind]) for kind in (Spring, Interface, Mount)))

@@ -1,0 +1,32 @@
+"""The ellipse of a node that moves as x = Re(X exp(i w t)), y = Re(Y exp(i w t)).
+
+In complex coordinates x + i y = f exp(i w t) + b exp(-i w t), with f = (X + i Y) / 2 that turns
+with and b = conj(X - i Y) / 2 that turns against the shaft.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """f of complex amplitudes."""
+    return (x + 1j * y) / 2
+
+
+def backward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """b of complex amplitudes."""
+    return np.conj(x - 1j * y) / 2
+
+
+def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Major and minor semi-axis; the minor one is negative where the node whirls backward."""
+    forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
+    return forward + backward, forward - backward
+
+
+def inclination(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Angle of the major axis from x [rad], in (-pi / 2, pi / 2]."""
+    both = np.angle(forward_part(x, y)) + np.angle(backward_part(x, y))
+    angle = np.mod(both / 2, np.pi)
+    return np.where(angle > np.pi / 2, angle - np.pi, angle)

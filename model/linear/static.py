@@ -1,0 +1,87 @@
+"""Static deflection under gravity and loads, and what the bearings bear."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from .machine import LinearError, LinearMachine
+from .modes import check_speed
+
+
+@dataclass(frozen=True)
+class Static:
+    """A machine at rest under gravity and loads while it turns at `speed` [rad/s]; n nodes.
+
+    contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y [m], slope_x, slope_y [rad],
+    shape (n,); housings: their names, housing_x, housing_y [m]; supports: names of what bears the
+    shaft, support_z: where it stands [m]; load_x, load_y: what each bears [N], downwards negative.
+    """
+
+    speed: float
+    contacts: str
+    z: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    slope_x: np.ndarray
+    slope_y: np.ndarray
+    housings: tuple[str, ...]
+    housing_x: np.ndarray
+    housing_y: np.ndarray
+    supports: tuple[str, ...]
+    support_z: np.ndarray
+    load_x: np.ndarray
+    load_y: np.ndarray
+
+
+def static(
+    rotor: Rotor,
+    speed: float = 0.0,
+    *,
+    contacts: str | None = None,
+    loads: Sequence[tuple[int, float, float]] = (),
+) -> Static:
+    """Where gravity and loads hold a machine that turns at a speed [rad/s].
+
+    loads: (node from 1, force to the right, force upwards) [N]; contacts: `open` or `pinned`; None:
+    open where the machine is held without them. Raises `LinearError` for a machine that is not
+    held and for a node that is none.
+    """
+    check_speed(speed)
+    machine = LinearMachine(rotor, contacts)
+    force = np.zeros(machine.across.shape[1])
+    for node, x, y in loads:
+        at = 4 * (check_node(machine, node) - 1)
+        force[at : at + 2] += x, y
+    linear = machine.loaded(speed, force)
+    whole = machine.expand @ linear.rest
+    x, y = whole[::2], whole[1::2]
+    n = 2 * len(machine.nodes)
+    bears = machine.loads(linear, linear.rest, machine.weight + force, 0.0).real
+    return Static(
+        speed=speed,
+        contacts=machine.contacts,
+        z=machine.nodes,
+        x=x[:n:2],
+        y=y[:n:2],
+        slope_x=x[1:n:2],
+        slope_y=y[1:n:2],
+        housings=machine.supports.housings,
+        housing_x=x[n:-1],
+        housing_y=y[n:-1],
+        supports=machine.supports.springs + machine.supports.interfaces,
+        support_z=machine.nodes[machine.support_dofs // 2],
+        load_x=bears[:, 0],
+        load_y=bears[:, 1],
+    )
+
+
+def check_node(machine: LinearMachine, node: int) -> int:
+    """The node, if it is one; raises `LinearError`."""
+    highest = len(machine.nodes)
+    if not 1 <= node <= highest:
+        raise LinearError(f"node = {node}: must be an integer from 1 to {highest}")
+    return node

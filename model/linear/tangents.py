@@ -1,0 +1,58 @@
+"""Forces and tangents of all interfaces at given displacements, at rest."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernels.compiled import compiled
+from ..parts import LAWS
+from ..step.laws import law_tangent
+from ..structure.assembly import Structure
+
+
+class Tangents(NamedTuple):
+    """Of m interfaces: force on the node [N], complex of shape (m,); real 2x2 matrices of (x, y),
+    shape (m, 2, 2): dF/dd [N/m] and dF/dd' [N.s/m]."""
+
+    force: np.ndarray
+    by_d: np.ndarray
+    by_v: np.ndarray
+
+
+@compiled
+def _fill(laws, interfaces, d, speed, free, own, force, p, q):
+    """Forces, and both tangents as p z + q conj(z); p, q of shape (2, m): by d, by d'."""
+    for j in range(len(interfaces)):
+        interface = interfaces[j]
+        at = interface.own
+        for i in range(2):
+            found = law_tangent(
+                laws,
+                interface,
+                d[j],
+                0.0j,
+                speed,
+                0.0,
+                1.0 - i,
+                1.0 * i,
+                0.0,
+                free[at:],
+                own[at:],
+            )
+            force[j], p[i, j], q[i, j] = found
+
+
+def tangents(structure: Structure, d: np.ndarray, speed: float) -> Tangents:
+    """Linearize the laws at relative displacements d, complex of shape (m,) [m], at rest, at the
+    machine's speed [rad/s]; surfaces do not slide, a law's own states are those of its start."""
+    interfaces = structure.interfaces
+    m = len(interfaces)
+    states = [s for i in interfaces for s in LAWS[i.law].states]
+    free, own = np.array(states, float), np.array(states, float)
+    force, p, q = (np.zeros(shape, complex) for shape in (m, (2, m), (2, m)))
+    _fill(structure.laws, interfaces, d.astype(complex), float(speed), free, own, force, p, q)
+    matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+    by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
+    return Tangents(force, by_d, by_v)

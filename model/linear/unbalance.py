@@ -1,0 +1,135 @@
+"""Steady response to unbalance: the harmonic problem solved exactly, anisotropic bearings included.
+
+An unbalance U = m e exp(i phase) pulls with U Omega^2 exp(i Omega t) in x + i y, so that the real
+equations have the complex amplitudes Omega^2 U in x, -i Omega^2 U in y:
+
+    (K + i Omega D - Omega^2 M) u = f,   u(t) = Re(u exp(i Omega t))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from ..machine.rotor import Rotor
+from . import orbit
+from .machine import LinearMachine
+from .modes import check_speed
+from .static import check_node
+
+
+@dataclass(frozen=True)
+class UnbalanceResponse:
+    """Steady whirl at s speeds [rad/s] of n nodes: complex amplitudes, x(t) = Re(x exp(i Omega t)),
+    whose angles are measured from the shaft's mark, a lag negative.
+
+    contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y: shape (s, n) [m]; housings:
+    names, housing_x, housing_y, shape (s, housings) [m]; supports: names of what bears the shaft;
+    load_x, load_y: what each bears, shape (s, supports) [N].
+    """
+
+    speeds: np.ndarray
+    contacts: str
+    z: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    housings: tuple[str, ...]
+    housing_x: np.ndarray
+    housing_y: np.ndarray
+    supports: tuple[str, ...]
+    load_x: np.ndarray
+    load_y: np.ndarray
+
+    @property
+    def forward(self) -> np.ndarray:
+        """What turns with the shaft, complex of shape (s, n) [m]."""
+        return orbit.forward_part(self.x, self.y)
+
+    @property
+    def backward(self) -> np.ndarray:
+        """What turns against it, complex of shape (s, n) [m]."""
+        return orbit.backward_part(self.x, self.y)
+
+    @property
+    def major(self) -> np.ndarray:
+        """Major semi-axes of the orbits, shape (s, n) [m]."""
+        return orbit.semi_axes(self.x, self.y)[0]
+
+    @property
+    def minor(self) -> np.ndarray:
+        """Minor semi-axes, negative where a node whirls backward, shape (s, n) [m]."""
+        return orbit.semi_axes(self.x, self.y)[1]
+
+    @property
+    def inclination(self) -> np.ndarray:
+        """Angles of the major axes from x, shape (s, n) [rad]."""
+        return orbit.inclination(self.x, self.y)
+
+    @property
+    def phase_x(self) -> np.ndarray:
+        """Angle by which x leads the shaft's mark, shape (s, n) [rad]."""
+        return np.angle(self.x)
+
+    @property
+    def phase_y(self) -> np.ndarray:
+        """Angle by which y leads the shaft's mark, -pi / 2 more than x of a circle [rad]."""
+        return np.angle(self.y)
+
+
+def unbalance_response(
+    rotor: Rotor,
+    speeds: Sequence[float],
+    *,
+    contacts: str | None = None,
+    unbalances: Sequence[tuple[int, float, float]] | None = None,
+) -> UnbalanceResponse:
+    """Steady response at speeds [rad/s] to the machine's unbalances, or to those given in their
+    place.
+
+    unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
+    `pinned`; None: open where the machine is held without them. Raises `LinearError`.
+    """
+    machine = LinearMachine(rotor, contacts)
+    size = machine.across.shape[1] // 2
+    pull = np.zeros(size, dtype=complex)
+    if unbalances is None:
+        own, amount = machine.structure.unbalances, machine.structure.unbalance
+        np.add.at(pull, own.dof, amount)
+        np.add.at(pull, own.slope, own.offset * amount)
+    for node, amount, phase in unbalances or ():
+        pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
+    both = np.column_stack([pull, -1j * pull]).ravel()
+    found, bears = [], []
+    for speed in speeds:
+        check_speed(speed)
+        linear = machine.at(speed)
+        force = speed**2 * both
+        dynamic = linear.K + 1j * speed * linear.D - speed**2 * linear.M
+        u = splu(dynamic.tocsc()).solve(machine.expand.T @ force)
+        found.append(machine.expand @ u)
+        bears.append(machine.loads(linear, u, force, speed) if speed else _nothing(machine))
+    whole = np.array(found).reshape(-1, size, 2)
+    load = np.array(bears).reshape(len(whole), -1, 2)
+    n = 2 * len(machine.nodes)
+    return UnbalanceResponse(
+        speeds=np.array(speeds, float),
+        contacts=machine.contacts,
+        z=machine.nodes,
+        x=whole[:, :n:2, 0],
+        y=whole[:, :n:2, 1],
+        housings=machine.supports.housings,
+        housing_x=whole[:, n:-1, 0],
+        housing_y=whole[:, n:-1, 1],
+        supports=machine.supports.springs + machine.supports.interfaces,
+        load_x=load[:, :, 0],
+        load_y=load[:, :, 1],
+    )
+
+
+def _nothing(machine: LinearMachine) -> np.ndarray:
+    """The loads of what rests."""
+    supports = machine.supports
+    return np.zeros((len(supports.springs) + len(supports.interfaces), 2), dtype=complex)

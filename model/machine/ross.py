@@ -1,0 +1,328 @@
+"""Rotors as ROSS (petrobras/ross) saves them -> the tables of a machine file, without ROSS.
+
+One table an element, keyed `{Class}_{tag}`; SI units, nodes from 0, x and y transverse. Elements of
+one `n` lie in layers. A bearing's `n_link` beyond the shaft is a pedestal: a point mass on a second
+bearing to ground; here a housing. What cannot be carried over is refused by name.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from ..quantities import QuantityError
+from .tables import nearest
+
+_SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
+_BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
+_COEFFICIENTS = tuple(f"{of}{axes}" for of in "kc" for axes in ("xx", "xy", "yx", "yy"))
+_MASSES = ("mxx", "mxy", "myx", "myy")
+_AXIAL = ("kzz", "czz", "mzz")
+# What draws, names or repeats, and what the classes know besides the coefficients.
+_IDLE = ("tag", "color", "scale_factor", "radial_clearance", "interpolation")
+_HEAD = ("ross_version", "parameters", "_note")
+_SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
+
+
+class Imported(NamedTuple):
+    """A machine from ROSS: the tables of a machine file, and what is worth saying about it."""
+
+    tables: dict[str, Any]
+    notes: tuple[str, ...]
+
+
+def is_ross(data: Mapping[str, Any]) -> bool:
+    """Whether the content of a TOML or JSON file is a rotor that ROSS saved."""
+    return "ross_version" in data or any(key.startswith(f"{_SHAFT}_") for key in data)
+
+
+def parse_ross(text: str, name: str = "rotor", *, is_json: bool = False) -> Imported:
+    """Read a rotor that ROSS 2.3 or 3.x saved as TOML or JSON, to be called `name`.
+
+    Raises `QuantityError` naming the element, its value and what is allowed.
+    """
+    try:
+        data = json.loads(text) if is_json else tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        kind = "JSON" if is_json else "TOML"
+        raise QuantityError(f"not valid {kind}: {' '.join(str(error).split())}") from error
+    if not isinstance(data, dict) or not is_ross(data):
+        raise QuantityError("not a rotor that ROSS saved: no ross_version and no ShaftElement_...")
+    return _Reader(data, name).read()
+
+
+class _Element(NamedTuple):
+    """One table of the file: its key, its class, what stands in it."""
+
+    where: str
+    kind: str
+    values: dict[str, Any]
+
+    def number(self, key: str, default: float | None = None) -> float:
+        """A finite number."""
+        value = self.values.get(key, default)
+        value = default if value is None else value
+        if value is None:
+            raise QuantityError(f"{self.where}.{key} is missing")
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise QuantityError(f"{self.where}.{key} = {value!r}: must be a number")
+        if not math.isfinite(value):
+            raise QuantityError(f"{self.where}.{key} = {value}: must be finite")
+        return float(value)
+
+    def node(self, key: str = "n") -> int:
+        """A node, from 0."""
+        value = self.values.get(key)
+        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+            raise QuantityError(f"{self.where}.{key} = {value!r}: must be an integer from 0")
+        return value
+
+    def column(self, key: str) -> float | list[float]:
+        """A coefficient: a number, or a list over the speed."""
+        value = self.values.get(key, 0.0)
+        if value is None or value == []:
+            return 0.0
+        if not isinstance(value, list):
+            return self.number(key, 0.0)
+        if any(isinstance(item, list) for item in value):
+            raise QuantityError(
+                f"{self.where}.{key}: a table over the speed and the whirl frequency has no "
+                "meaning in time; save it over the speed alone"
+            )
+        cells = [self._replace(values={key: item}).number(key) for item in value]
+        return cells[0] if len(set(cells)) == 1 else cells
+
+    def refuse_others(self, *known: str) -> None:
+        """Raise `QuantityError` for a key that is not known."""
+        for key in self.values:
+            if key not in (*known, *_IDLE):
+                hint = nearest(key, known)
+                raise QuantityError(f"{self.where}.{key}: unknown key, {hint}not carried over")
+
+
+class _Reader:
+    """The file, element by element."""
+
+    def __init__(self, data: dict[str, Any], name: str) -> None:
+        self._name = name
+        self._is_3 = not str(data.get("ross_version", "2")).startswith(("0.", "1.", "2"))
+        self._notes: list[str] = []
+        self._elements = []
+        for key, value in data.items():
+            if key in _HEAD:
+                continue
+            kind = key.partition("_")[0]
+            if kind not in (_SHAFT, _DISC, _MASS, *_BEARINGS):
+                raise QuantityError(
+                    f"{key}: a {kind} of ROSS has no part here; take it out, or save its "
+                    "coefficients as a BearingElement"
+                )
+            if not isinstance(value, dict):
+                raise QuantityError(f"{key} = {value!r}: must be a table")
+            self._elements.append(_Element(key, kind, value))
+
+    def read(self) -> Imported:
+        """The tables of a machine file."""
+        tables: dict[str, Any] = {"name": self._name, "material": {}, "shaft": {}}
+        shaft = self._of(_SHAFT)
+        tables["section"] = self._sections(shaft, tables["material"])
+        beta = {element.number("beta", 0.0) for element in shaft}
+        if len(beta) > 1:
+            raise QuantityError("beta: is not the same of all shaft elements; here one eta_v is")
+        tables["shaft"]["eta_v"] = beta.pop()
+        last = len(tables["section"])
+        pedestals = self._pedestals(last)
+        tables["housing"] = [table for table, _ in pedestals.values()]
+        for element in self._of(_DISC):
+            element.refuse_others("n", "m", "Id", "Ip")
+            body = {"mass": element.number("m"), "I_d": element.number("Id")}
+            body["I_p"] = element.number("Ip")
+            self._append(tables, "body", self._on_shaft(element, last) | body)
+        for element in self._of(_MASS):
+            if element.node() not in pedestals:
+                mass = {"mass": self._mass(element)}
+                self._append(tables, "point_mass", self._on_shaft(element, last) | mass)
+        grounded = [bearing for _, bearing in pedestals.values()]
+        for element in self._of(*_BEARINGS):
+            if element not in grounded:
+                self._append(
+                    tables, _BEARINGS[element.kind], self._bearing(element, last, pedestals)
+                )
+        return Imported({k: v for k, v in tables.items() if v != []}, tuple(self._notes))
+
+    def _of(self, *kinds: str) -> list[_Element]:
+        return [element for element in self._elements if element.kind in kinds]
+
+    @staticmethod
+    def _append(tables: dict[str, Any], kind: str, table: dict[str, Any]) -> None:
+        tables.setdefault(kind, []).append(table)
+
+    @staticmethod
+    def _on_shaft(element: _Element, last: int) -> dict[str, Any]:
+        if element.node() > last:
+            raise QuantityError(f"{element.where}.n = {element.node()}: the shaft ends at {last}")
+        return {"node": element.node() + 1}
+
+    def _sections(self, shaft: list[_Element], materials: dict[str, Any]) -> list[dict[str, Any]]:
+        """Sections from left to right, the inmost layer first."""
+        if not shaft:
+            raise QuantityError("no ShaftElement_... is there")
+        at: dict[int, list[dict[str, Any]]] = {}
+        for element in shaft:
+            at.setdefault(element.node(), []).append(self._section(element, materials))
+        for n in range(max(at) + 1):
+            if n not in at:
+                raise QuantityError(f"ShaftElement: none with n = {n}; the shaft must be whole")
+        sections = []
+        for n in sorted(at):
+            core, *layers = sorted(at[n], key=lambda section: section["bore_left"])
+            for layer in layers:
+                if layer.pop("length") != core["length"]:
+                    raise QuantityError(f"ShaftElement with n = {n}: layers of different L")
+            sections.append(core | ({"layer": layers} if layers else {}))
+        return sections
+
+    def _section(self, element: _Element, materials: dict[str, Any]) -> dict[str, Any]:
+        flags = ("shear_effects", "rotary_inertia", "gyroscopic")
+        sides = ("idl", "odl", "idr", "odr")
+        loads = ("axial_force", "torque", "alpha", "beta")
+        element.refuse_others("L", "n", "material", "shear_method_calc", *sides, *flags, *loads)
+        for flag in flags[1:]:
+            if element.values.get(flag, True) is not True:
+                raise QuantityError(f"{element.where}.{flag} = false: a shaft here always has it")
+        for load in ("torque", "alpha"):
+            if element.number(load, 0.0) != 0:
+                raise QuantityError(
+                    f"{element.where}.{load} = {element.number(load):g}: must be 0; no part here "
+                    "stands for it"
+                )
+        method = element.values.get("shear_method_calc", "cowper")
+        if method not in _SHEARS:
+            raise QuantityError(
+                f"{element.where}.shear_method_calc = {method!r}: must be cowper or hutchinson"
+            )
+        bore, outer = element.number("idl"), element.number("odl")
+        return {
+            "length": element.number("L"),
+            "material": self._material(element, materials),
+            "outer_left": outer,
+            "outer_right": element.number("odr", outer),
+            "bore_left": bore,
+            "bore_right": element.number("idr", bore),
+            "axial_force": element.number("axial_force", 0.0),
+            "shear": _SHEARS[method] if element.values.get("shear_effects", True) else "rigid",
+            "taper": "middle",
+        }
+
+    @staticmethod
+    def _material(element: _Element, materials: dict[str, Any]) -> str:
+        values = element.values.get("material")
+        if not isinstance(values, dict):
+            raise QuantityError(f"{element.where}.material = {values!r}: must be a table")
+        inner = _Element(f"{element.where}.material", "Material", values)
+        young, shear = inner.number("E"), inner.number("G_s")
+        if not shear > 0:
+            raise QuantityError(f"{inner.where}.G_s = {shear:g} Pa: must be > 0")
+        table = {
+            "young": young,
+            "density": inner.number("rho"),
+            "poisson": young / (2 * shear) - 1,
+        }
+        name = base = str(values.get("name", "material"))
+        count = 1
+        while materials.setdefault(name, table) != table:
+            count += 1
+            name = f"{base} {count}"
+        return name
+
+    def _mass(self, element: _Element) -> float:
+        element.refuse_others("n", "m", "mx", "my", "mz")
+        plain = element.values.get("m")
+        x, y = (element.number(key, plain) for key in ("mx", "my"))
+        if x != y:
+            raise QuantityError(
+                f"{element.where}: mx = {x:g} kg and my = {y:g} kg: must be the same in x and y"
+            )
+        return x
+
+    def _pedestals(self, last: int) -> dict[int, tuple[dict[str, Any], _Element]]:
+        """Housings by their nodes, with the bearings that hold them to ground."""
+        found = {}
+        linked = {
+            e.node("n_link"): e
+            for e in self._of(*_BEARINGS)
+            if e.values.get("n_link") is not None and e.node("n_link") > last
+        }
+        for n, user in linked.items():
+            holding = [e for e in self._of(*_BEARINGS) if e.node() == n]
+            mass = sum(self._mass(e) for e in self._of(_MASS) if e.node() == n)
+            if len(holding) != 1 or mass <= 0:
+                raise QuantityError(
+                    f"{user.where}.n_link = {n}: a pedestal must be a PointMass on one "
+                    f"BearingElement to ground; there is {mass:g} kg on {len(holding)} of them"
+                )
+            ground = holding[0]
+            coefficients = self._coefficients(ground)
+            crossed = [k for k in ("kxy", "kyx", "cxy", "cyx") if coefficients.get(k, 0.0) != 0]
+            tabled = [k for k, v in coefficients.items() if isinstance(v, list)]
+            if crossed or tabled or ground.values.get("n_link") is not None:
+                what = (crossed + tabled + ["n_link"])[0]
+                raise QuantityError(
+                    f"{ground.where}.{what}: a pedestal here stands on constant springs and "
+                    "dampers in x and y to ground"
+                )
+            housing = {"name": f"pedestal {n}", "mass": mass}
+            housing |= {f"{of}{a}": coefficients[f"{of}{a}{a}"] for of in "kc" for a in "xy"}
+            found[n] = housing, ground
+        return found
+
+    def _coefficients(self, element: _Element) -> dict[str, Any]:
+        """The eight coefficients, and the speeds where they are tables."""
+        axes = ("frequency", "speed")
+        element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_AXIAL)
+        for key in _MASSES:
+            if element.column(key) != 0:
+                raise QuantityError(
+                    f"{element.where}.{key}: must be 0; added mass has no place in a bearing here, "
+                    "take a PointMass"
+                )
+        if any(element.column(key) != 0 for key in _AXIAL):
+            self._notes.append(f"{element.where}: kzz, czz, mzz act along the axis, left out")
+        own = {key: element.column(key) for key in _COEFFICIENTS}
+        tables = {key: column for key, column in own.items() if isinstance(column, list)}
+        if not tables:
+            return own
+        axis = "speed" if self._is_3 else "frequency"
+        if self._is_3 and isinstance(element.column("frequency"), list):
+            raise QuantityError(
+                f"{element.where}.frequency: a table over the whirl frequency has no meaning in "
+                "time; save it over the speed alone"
+            )
+        way = element.values.get("interpolation", "pchip") or "pchip"
+        if way != "pchip":
+            raise QuantityError(f"{element.where}.interpolation = {way!r}: must be pchip")
+        speeds = element.column(axis)
+        if not isinstance(speeds, list):
+            raise QuantityError(f"{element.where}.{axis}: must be a list, as {next(iter(tables))}")
+        if not self._is_3:
+            self._notes.append(
+                f"{element.where}: between the points of its table PCHIP, where ROSS 2 has a spline"
+            )
+        return own | {"speed": speeds}
+
+    def _bearing(
+        self, element: _Element, last: int, pedestals: Mapping[int, tuple[dict[str, Any], _Element]]
+    ) -> dict[str, Any]:
+        table = self._on_shaft(element, last)
+        if element.values.get("n_link") is not None:
+            n = element.node("n_link")
+            if n not in pedestals:
+                raise QuantityError(
+                    f"{element.where}.n_link = {n}: a bearing between two shaft nodes has no part "
+                    "here"
+                )
+            table["housing"] = pedestals[n][0]["name"]
+        return table | self._coefficients(element)

@@ -1,0 +1,138 @@
+"""Linear answers about a machine, for Python: the objects of `model.linear`, which a notebook shows
+as a table and a picture.
+
+    from rotor_fmu.linear.answers import campbell, modes
+
+    modes("machine.toml", 300.0).log_dec
+
+A machine is a `Rotor`, or the path of its file.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..model import linear
+from ..model.machine.rotor import Rotor
+from ..packing.machine_picture import machine_figure
+from ..runs.job import load_rotor
+from . import figures, tables
+
+Machine = Rotor | Path | str
+
+
+class _Shown:
+    """Something with a table and a picture."""
+
+    def table(self) -> tables.Table:
+        """Its numbers in a few columns."""
+        raise NotImplementedError
+
+    def figure(self) -> Figure:
+        """Its picture."""
+        raise NotImplementedError
+
+    def _repr_html_(self) -> str:
+        return self.table().html()
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.figure().savefig(buffer, format="png", metadata={"Software": None})
+        return buffer.getvalue()
+
+
+class Modes(linear.Modes, _Shown):
+    """`model.linear.Modes`, shown."""
+
+    def table(self) -> tables.Table:
+        """A row a mode."""
+        return tables.modes_table(self)
+
+    def figure(self) -> Figure:
+        """The shapes."""
+        return figures.modes_figure(self)
+
+
+class Campbell(linear.Campbell, _Shown):
+    """`model.linear.Campbell`, shown."""
+
+    def table(self) -> tables.Table:
+        """A row a critical speed."""
+        return tables.campbell_table(self)
+
+    def figure(self) -> Figure:
+        """The diagram."""
+        return figures.campbell_figure(self)
+
+
+class UnbalanceResponse(linear.UnbalanceResponse, _Shown):
+    """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
+
+    def nodes(self) -> list[int]:
+        """Up to three nodes (from 1) with the largest orbits."""
+        largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
+        return sorted((largest + 1).tolist())
+
+    def table(self, nodes: Sequence[int] | None = None) -> tables.Table:
+        """Rows of speed and node."""
+        return tables.unbalance_table(self, nodes or self.nodes())
+
+    def figure(self, nodes: Sequence[int] | None = None) -> Figure:
+        """Amplitudes and phases."""
+        return figures.unbalance_figure(self, nodes or self.nodes())
+
+
+class Static(linear.Static, _Shown):
+    """`model.linear.Static`, shown."""
+
+    def table(self) -> tables.Table:
+        """A row a node, a row a support."""
+        return tables.static_table(self)
+
+    def figure(self) -> Figure:
+        """The deflection."""
+        return figures.static_figure(self)
+
+
+def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
+    """`model.linear.modes` of a machine."""
+    return _shown(Modes, linear.modes(rotor_of(machine), speed, **options))
+
+
+def campbell(machine: Machine, speeds: Sequence[float], **options: Any) -> Campbell:
+    """`model.linear.campbell` of a machine."""
+    return _shown(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
+
+
+def unbalance_response(
+    machine: Machine, speeds: Sequence[float], **options: Any
+) -> UnbalanceResponse:
+    """`model.linear.unbalance_response` of a machine."""
+    found = linear.unbalance_response(rotor_of(machine), speeds, **options)
+    return _shown(UnbalanceResponse, found)
+
+
+def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
+    """`model.linear.static` of a machine."""
+    return _shown(Static, linear.static(rotor_of(machine), speed, **options))
+
+
+def show(machine: Machine) -> Figure:
+    """The picture of a machine."""
+    return machine_figure(rotor_of(machine))
+
+
+def rotor_of(machine: Machine) -> Rotor:
+    """The machine, read if need be; raises `InputError`."""
+    return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
+
+
+def _shown(kind: type, found: Any) -> Any:
+    return kind(**{field.name: getattr(found, field.name) for field in fields(found)})

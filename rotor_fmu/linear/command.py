@@ -1,0 +1,248 @@
+"""`rotor-fmu modes`, `campbell`, `unbalance`, `static`, `show`: each a table and a picture."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+
+from ..errors import InputError, writable_folder
+from ..runs.job import load_rotor, write_json, write_text
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..model.machine.rotor import Rotor
+    from .tables import Table
+
+# The answers themselves are imported where they are asked for: a user with bad input, or of another
+# command, should not wait for them.
+
+_UNIT = "rad/s|rpm|hz"
+_UNITS = {"rad/s": 1.0, "rpm": math.pi / 30, "hz": 2 * math.pi}
+_POINTS, _MOST_POINTS = 101, 100_000
+
+RotorFile = Annotated[
+    Path | None, typer.Option("--rotor", help="Machine as TOML; default: the paper's rig.")
+]
+Contacts = Annotated[
+    str | None,
+    typer.Option(
+        help="Clearance contacts open or pinned; default: open where the machine is held without."
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="All numbers in SI units, in place of a table.")]
+One = Annotated[str, typer.Option("--speed", help="Speed: 300, 3000rpm, 50Hz; rad/s by itself.")]
+Range = Annotated[
+    str | None,
+    typer.Option("--speed", help="FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz behind."),
+]
+Count = Annotated[int, typer.Option(help="How many modes.")]
+
+
+def modes(
+    rotor: RotorFile = None,
+    speed: One = "0",
+    count: Count = 8,
+    contacts: Contacts = None,
+    as_json: Json = False,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
+) -> None:
+    """Natural frequencies, damping, logarithmic decrements, whirl and shapes at a speed."""
+    at, (_, machine) = one_speed(speed), load_rotor(rotor)
+    from . import answers
+
+    _check_count(count)
+    found = answers.modes(machine, at, count=count, contacts=contacts)
+    _tell(found, found.table(), found.figure(), as_json, out, "modes")
+
+
+def campbell(
+    rotor: RotorFile = None,
+    speed: Range = None,
+    count: Count = 8,
+    contacts: Contacts = None,
+    harmonic: Annotated[float, typer.Option(help="Multiple of the speed that excites.")] = 1.0,
+    as_json: Json = False,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
+) -> None:
+    """Modes over the speed, critical speeds, and where the machine loses its stability."""
+    speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
+    from . import answers
+
+    _check_count(count)
+    if len(speeds) == 1:
+        raise InputError(f"--speed {speed}: must be FROM:TO, more than one speed")
+    if len(speeds) == 0:
+        speeds = np.linspace(0.0, _highest(machine, contacts), 41)
+    found = answers.campbell(machine, speeds, count=count, contacts=contacts, harmonic=harmonic)
+    _tell(found, found.table(), found.figure(), as_json, out, "campbell")
+
+
+def unbalance(
+    rotor: RotorFile = None,
+    speed: Range = None,
+    node: Annotated[
+        list[int] | None, typer.Option(help="Node (from 1) to be told, repeatable.")
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--unbalance",
+            help="NODE:AMOUNT[:DEGREES] in kg m, in the place of the machine's own; repeatable.",
+        ),
+    ] = None,
+    contacts: Contacts = None,
+    as_json: Json = False,
+    out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
+) -> None:
+    """Steady response to unbalance: x, y, largest semi-axis and phase at any node."""
+    speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
+    given = [_unbalance(text) for text in at] if at else None
+    from . import answers
+
+    for number in node or []:
+        if not 1 <= number <= len(machine.nodes):
+            raise InputError(f"--node {number}: must be from 1 to {len(machine.nodes)}")
+    if len(speeds) == 0:
+        speeds = np.linspace(0.0, _highest(machine, contacts), 401)
+    found = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
+    nodes = node or found.nodes()
+    _tell(found, found.table(nodes), found.figure(nodes), as_json, out, "unbalance")
+
+
+def static(
+    rotor: RotorFile = None,
+    speed: One = "0",
+    contacts: Contacts = None,
+    as_json: Json = False,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
+) -> None:
+    """Deflection under gravity, and what each bearing bears."""
+    at, (_, machine) = one_speed(speed), load_rotor(rotor)
+    from . import answers
+
+    found = answers.static(machine, at, contacts=contacts)
+    _tell(found, found.table(), found.figure(), as_json, out, "static")
+
+
+def show(
+    rotor: RotorFile = None,
+    as_json: Json = False,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
+) -> None:
+    """A picture of the machine to scale, and what it is made of."""
+    _, machine = load_rotor(rotor)
+    from . import answers
+    from .inventory import inventory
+
+    listed = inventory(machine)
+    _tell(listed, listed.table(), answers.show(machine), as_json, out, "show")
+
+
+def import_ross(
+    file: Annotated[Path, typer.Argument(help="A rotor that ROSS saved, TOML or JSON.")],
+    out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
+) -> None:
+    """Turn a rotor that ROSS saved into a machine file."""
+    from ..model.machine.writing import toml_text
+    from ..runs.machine_file import import_ross as read
+
+    found = read("FILE", file)
+    writable_folder(out.parent)
+    head = f"# From {file.name}, a rotor that ROSS saved.\n"
+    head += "".join(f"# {note}\n" for note in found.notes)
+    write_text(f"{head}\n{toml_text(found.tables)}", out)
+    for note in found.notes:
+        typer.echo(note)
+    typer.echo(f"written to {out}")
+
+
+COMMANDS = (modes, campbell, unbalance, static, show, import_ross)
+
+
+def _tell(found: Any, table: Table, figure: Figure, as_json: bool, out: Path, name: str) -> None:
+    """Print the table or the numbers, and write numbers and picture."""
+    from ..figures import save
+    from .tables import numbers
+
+    data = numbers(found)
+    writable_folder(out)
+    save(figure, out / f"{name}.png")
+    write_json(data, out / f"{name}.json")
+    typer.echo(json.dumps(data) if as_json else table.text())
+    if not as_json:
+        typer.echo(f"written to {out}")
+
+
+def one_speed(text: str) -> float:
+    """A speed [rad/s] of `300`, `3000rpm`, `50Hz`; `InputError` for anything else."""
+    plain, factor = _without_unit(text)
+    try:
+        value = float(plain) * factor
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"--speed {text}: must be a number, in rad/s or with rpm or Hz behind it")
+    return value
+
+
+def _without_unit(text: str) -> tuple[str, float]:
+    """The text without the unit that stands in it, and what that is in rad/s."""
+    found = {unit.lower() for unit in re.findall(_UNIT, text, re.I)}
+    if len(found) > 1:
+        raise InputError(f"--speed {text}: must have one unit, not {' and '.join(sorted(found))}")
+    return re.sub(_UNIT, "", text, flags=re.I), _UNITS[found.pop() if found else "rad/s"]
+
+
+def speed_range(text: str | None, points: int) -> np.ndarray:
+    """Speeds [rad/s] of `FROM:TO[:POINTS]`, or of a single one; none of None."""
+    if text is None:
+        return np.array([])
+    plain, factor = _without_unit(text)
+    ends = plain.split(":")
+    if len(ends) == 1:
+        return np.array([one_speed(text)])
+    try:
+        low, high = (float(end) * factor for end in ends[:2])
+        count = int(ends[2]) if len(ends) > 2 else points
+        is_range = len(ends) <= 3 and math.isfinite(low) and math.isfinite(high)
+    except ValueError:
+        is_range = False
+    if not is_range:
+        raise InputError(f"--speed {text}: must be FROM:TO or FROM:TO:POINTS")
+    if not low < high:
+        raise InputError(f"--speed {text}: FROM must be below TO")
+    if not 2 <= count <= _MOST_POINTS:
+        raise InputError(f"--speed {text}: POINTS must be an integer from 2 to {_MOST_POINTS}")
+    return np.linspace(low, high, count)
+
+
+def _unbalance(text: str) -> tuple[int, float, float]:
+    try:
+        node, amount, *phase = text.split(":")
+        found = int(node), float(amount), math.radians(float(phase[0])) if phase else 0.0
+        is_known = len(phase) < 2 and all(map(math.isfinite, found))
+    except ValueError:
+        is_known = False
+    if not is_known:
+        raise InputError(f"--unbalance {text}: must be NODE:AMOUNT or NODE:AMOUNT:DEGREES")
+    return found
+
+
+def _check_count(count: int) -> None:
+    if not 1 <= count <= 1000:
+        raise InputError(f"--count {count}: must be from 1 to 1000")
+
+
+def _highest(machine: Rotor, contacts: str | None) -> float:
+    """A speed [rad/s] above the lowest critical ones, for who names none."""
+    from ..model import linear
+
+    damped = linear.modes(machine, count=4, contacts=contacts).damped
+    return 1.25 * float(damped[-1]) if len(damped) else 1000.0

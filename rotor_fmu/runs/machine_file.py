@@ -1,0 +1,91 @@
+"""Machine files as a user has them: our own TOML, one that extends another, or a rotor from ROSS.
+
+`extends = "base.toml"` at the head of a file takes what stands in another, also one from ROSS: its
+tables are added to, its numbers and words replaced, its lists of parts continued.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, read_text
+from ..model.machine.ross import Imported, is_ross, parse_ross
+from ..model.machine.toml import parse_rotor
+from ..model.machine.writing import toml_text
+from ..model.quantities import QuantityError
+
+_EXTENDS = "extends"
+_MOST = 8  # files that extend one another
+
+
+def machine_text(option: str, path: Path) -> str:
+    """The whole machine as TOML text; `InputError` for a file that cannot be read or merged."""
+    text = read_text(option, path)
+    data = _content(path, text)
+    if data is None or not (_EXTENDS in data or is_ross(data)):
+        return text
+    return toml_text(_tables(path, data, text, ()))
+
+
+def import_ross(option: str, path: Path) -> Imported:
+    """A rotor from ROSS, checked to be a machine; `InputError` otherwise."""
+    text = read_text(option, path)
+    try:
+        found = parse_ross(text, path.stem, is_json=_is_json(path, text))
+        parse_rotor(toml_text(found.tables))
+    except QuantityError as error:
+        raise InputError(f"{path}: {error}") from error
+    return found
+
+
+def _is_json(path: Path, text: str) -> bool:
+    return path.suffix.lower() == ".json" or text.lstrip().startswith("{")
+
+
+def _content(path: Path, text: str) -> dict[str, Any] | None:
+    """What stands in a file, None where it is neither TOML nor JSON: its reader says why."""
+    try:
+        data = json.loads(text) if _is_json(path, text) else tomllib.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    return data if isinstance(data, dict) else None
+
+
+def _tables(path: Path, data: dict[str, Any], text: str, above: tuple[Path, ...]) -> dict[str, Any]:
+    """The tables of a file with those of what it extends."""
+    if is_ross(data):
+        return import_ross("--rotor", path).tables
+    base = data.get(_EXTENDS)
+    if base is None:
+        return data
+    if not isinstance(base, str):
+        raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
+    other = path.parent / base
+    if other.resolve() in (p.resolve() for p in (*above, path)) or len(above) >= _MOST:
+        raise InputError(f"{path}: {_EXTENDS} = {base!r}: goes round, or too deep")
+    inner_text = read_text(f"{path}: {_EXTENDS}", other)
+    inner = _content(other, inner_text)
+    if inner is None:
+        raise InputError(f"{path}: {_EXTENDS} = {base!r}: is not valid TOML")
+    own = {key: value for key, value in data.items() if key != _EXTENDS}
+    return _merged(_tables(other, inner, inner_text, (*above, path)), own)
+
+
+def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(base)
+    for key, value in own.items():
+        before = merged.get(key)
+        if isinstance(before, dict) and isinstance(value, dict):
+            merged[key] = _merged(before, value)
+        elif isinstance(before, list) and isinstance(value, list) and _has_tables(value):
+            merged[key] = [*before, *value]
+        else:
+            merged[key] = value
+    return merged
+
+
+def _has_tables(value: list[Any]) -> bool:
+    return all(isinstance(item, dict) for item in value)

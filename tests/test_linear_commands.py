@@ -1,0 +1,146 @@
+"""The commands that tell linear answers, the objects of Python, and files that extend others."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import Modes
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.writing import toml_text
+
+from rotor_fmu.cli import app
+from rotor_fmu.errors import InputError
+from rotor_fmu.linear import answers
+from rotor_fmu.linear.command import one_speed, speed_range
+from rotor_fmu.runs.machine_file import machine_text
+
+ROSS = Path(__file__).parent / "reference" / "ross"
+PNG = b"\x89PNG"
+
+
+@pytest.fixture
+def command(tmp_path, capsys):
+    """A command carried out, its output told."""
+
+    def run(*arguments):
+        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
+        return capsys.readouterr().out
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["modes", "--speed", "3000rpm"], "Modes at 314.16 rad/s (3000 rev/min), contacts pinned"),
+        (
+            ["campbell", "--speed", "0:60Hz:7", "--count", "4"],
+            "Critical speeds between 0 and 376.99",
+        ),
+        (["unbalance", "--speed", "20:40Hz:5", "--node", "5"], "Response to unbalance, contacts"),
+        (["static"], "on bearing[1]"),
+        (["show"], "zigulic2003: 8 nodes, 330 mm"),
+    ],
+)
+def test_each_command_tells_a_table_and_writes_a_picture(command, tmp_path, arguments, expected):
+    assert expected in command(*arguments)
+    name = arguments[0]
+    assert (tmp_path / "out" / f"{name}.png").read_bytes().startswith(PNG)
+    assert json.loads((tmp_path / "out" / f"{name}.json").read_text())
+
+
+def test_numbers_of_the_rig_are_those_of_the_paper(command):
+    """Its 29.4 and 32.5 Hz."""
+    natural = json.loads(command("modes", "--json"))["natural"]
+    np.testing.assert_allclose(np.array(natural[:2]) / (2 * math.pi), [29.4, 32.5], rtol=0.006)
+
+
+def test_json_says_all_in_si(command):
+    told = json.loads(command("unbalance", "--json", "--speed", "30Hz"))
+    found = answers.unbalance_response(rig(), [60 * math.pi])
+    np.testing.assert_allclose(np.array(told["x"]) @ [1, 1j], found.x)
+
+
+def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
+    direct = command("modes", "--rotor", str(ROSS / "on_pedestals.json"))
+    machine = tmp_path / "machine.toml"
+    app(
+        ["import-ross", str(ROSS / "on_pedestals.json"), "--out", str(machine)],
+        standalone_mode=False,
+    )
+    told = command("modes", "--rotor", str(machine))
+    assert told.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
+
+
+def test_a_notebook_shows_a_table_and_a_picture():
+    found = answers.modes(rig(), 100.0, count=2)
+    assert isinstance(found, Modes)
+    assert found._repr_html_().startswith("<table><caption>Modes at 100 rad/s")
+    assert found._repr_png_().startswith(PNG)
+
+
+def test_speeds_are_read_in_any_unit():
+    assert one_speed("-3e2") == -300
+    assert one_speed("60 rpm") == pytest.approx(2 * math.pi)
+    np.testing.assert_allclose(speed_range("0:10Hz:3", 9), [0, 10 * math.pi, 20 * math.pi])
+    assert len(speed_range("0:10", 9)) == 9
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["modes", "--speed", "fast"], "--speed fast: must be a number"),
+        (["modes", "--speed", "nan"], "--speed nan: must be a number"),
+        (["modes", "--count", "0"], "--count 0: must be from 1"),
+        (["modes", "--contacts", "ajar"], "contacts = ajar: must be one of open, pinned"),
+        (["modes", "--rotor", "none.toml"], "none.toml: cannot be read"),
+        (["campbell", "--speed", "10"], "--speed 10: must be FROM:TO"),
+        (["campbell", "--speed", "10:5"], "FROM must be below TO"),
+        (["campbell", "--speed", "0:5:1"], "POINTS must be an integer from 2"),
+        (["campbell", "--speed", "0rpm:5Hz"], "must have one unit"),
+        (["campbell", "--harmonic", "-1"], "harmonic = -1: must be > 0"),
+        (["unbalance", "--unbalance", "5"], "--unbalance 5: must be NODE:AMOUNT"),
+        (["unbalance", "--node", "12"], "--node 12: must be from 1 to 8"),
+        (["static", "--contacts", "open"], "the machine is not held"),
+    ],
+)
+def test_impossible_wishes_are_refused(command, tmp_path, arguments, expected):
+    with pytest.raises((InputError, ValueError)) as refused:
+        command(*arguments)
+    assert expected in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_file_extends_another(tmp_path):
+    (tmp_path / "base.toml").write_text((ROSS / "compressor.toml").read_text())
+    (tmp_path / "middle.toml").write_text(
+        'extends = "base.toml"\nname = "rubbing"\n[[contact]]\nnode = 4\njournal_radius = 0.06\n'
+        "clearance = 2e-4\nk = 1e8\nmu = 0.1\n"
+    )
+    (tmp_path / "top.toml").write_text(
+        'extends = "middle.toml"\n[shaft]\neta_v = 1e-6\n[[point_mass]]\nnode = 1\nmass = 1.0\n'
+        "[[seal]]\nnode = 2\nkxx = 1.0\nkyy = 1.0\ncxx = 1.0\ncyy = 1.0\n"
+    )
+    rotor = answers.rotor_of(tmp_path / "top.toml")
+    assert (rotor.name, rotor.eta_v) == ("rubbing", 1e-6)
+    kinds = [part.KIND for part in rotor.parts]
+    assert [kinds.count(k) for k in ("contact", "seal", "point_mass", "body")] == [1, 2, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("base", "expected"),
+    [
+        ("own.toml", "goes round"),
+        ("none.toml", "cannot be read"),
+        (3, "must be the name of a file"),
+    ],
+)
+def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
+    own = tmp_path / "own.toml"
+    own.write_text(toml_text({"extends": base}))
+    with pytest.raises(InputError) as refused:
+        machine_text("--rotor", own)
+    assert expected in str(refused.value)
