@@ -7,7 +7,7 @@ import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import PRESETS, SettingsError
-from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.simulation import Simulation, StepFailure
 
 from rotor_fmu.fmu.face import face
 from rotor_fmu.fmu.instance import FmuError, Instance
@@ -149,7 +149,7 @@ ALLOWED = {
 
 def in_phase(phase):
     """An instance in the phase named."""
-    host = Host("robust")
+    host = Host("paper")
     if phase == "instantiated":
         return host
     if phase == "failed":
@@ -159,8 +159,8 @@ def in_phase(phase):
         return host
     host.fmu.exit_initialization()
     if phase == "failed":
-        with pytest.raises(RuntimeError):
-            host.fmu.step(0.0, 1.0)
+        with pytest.raises(StepFailure, match="diverged"):
+            host.fmu.step(0.0, 2.0)
     elif phase == "terminated":
         host.fmu.terminate()
     return host
