@@ -61,10 +61,6 @@ def run_both(machine, simulation, speeds):
         yield machine.read(), observed(simulation, machine.computed)
 
 
-def loads(rotor):
-    return np.zeros(sum(1 for part in rotor.parts if part.KIND in ("disc", "coupling")), complex)
-
-
 @pytest.mark.parametrize("toml", [rig_toml(), OTHER], ids=["rig", "on supports"])
 def test_it_starts_and_runs_as_the_simulation_bit_for_bit(make, toml):
     machine = Machine(make(rotor_toml=toml)).start()
@@ -100,18 +96,18 @@ def test_so_it_does_with_every_parameter_changed(fmu):
         loads=np.array([0, -5j, 0, 0]),
     )
     assert (machine.read() == observed(simulation, machine.computed)).all()
-    for i in range(10):
+    for _ in range(10):
         machine.step(H)
-        simulation.advance((i + 1) * H, 100.0, np.array([0, -5j, 0, 0]))
+        simulation.advance(machine.t, 100.0, np.array([0, -5j, 0, 0]))
         assert (machine.read() == observed(simulation, machine.computed)).all()
 
 
 def test_so_it_does_driven_by_a_torque(make):
     machine = Machine(make(is_free=True)).start(w_start=200.0, tau_drive=0.1)
     simulation = Simulation(rig(), speed=200.0, drive_torque=0.1)
-    for i in range(20):
+    for _ in range(20):
         machine.step(H)
-        simulation.advance((i + 1) * H, 0.1)
+        simulation.advance(machine.t, 0.1)
         assert (machine.read() == observed(simulation, machine.computed)).all()
 
 
@@ -140,8 +136,15 @@ def test_its_variables_are_those_of_the_fmu_in_python(make, tmp_path, is_free):
         for fmu in (make(is_free=is_free), build(tmp_path, is_free=is_free))
     ]
     one, other = (
-        [(e.attrib, e[0].tag, e[0].attrib) for e in root.find("ModelVariables")]
+        [(e.attrib, e[0].tag, _numbers(e[0].attrib)) for e in root.find("ModelVariables")]
         for root in described
     )
     assert one == other
     assert described[0].find("CoSimulation").get("needsExecutionTool") == "false"
+
+
+def _numbers(attributes):
+    """0, 0.0 and 0e0 are the same start."""
+    start = attributes.get("start", "true")
+    is_number = start not in ("true", "false")
+    return attributes | ({"start": float(start)} if is_number else {})
