@@ -25,10 +25,10 @@ def tables_of(where: str, given: Any) -> list[tuple[str, dict[str, Any]]]:
     return [(f"{where}[{i}]", a_table(f"{where}[{i}]", item)) for i, item in enumerate(given, 1)]
 
 
-def number(value: Any) -> Any:
-    """A number as a float, a list as a tuple of such; what is none is left to the check of its
-    quantity."""
-    if isinstance(value, list):
+def number(value: Any, may_be_list: bool = False) -> Any:
+    """A number as a float, a list as a tuple of such where it may be one; what is none is left to
+    the check of its quantity."""
+    if may_be_list and isinstance(value, list):
         return tuple(number(item) for item in value)
     is_number = isinstance(value, int) and not isinstance(value, bool)
     return float(value) if is_number and abs(value) < 2**1023 else value
@@ -62,4 +62,9 @@ def make(kind: type, where: str, value: Any) -> Any:
         if not _is_optional(field) and field.name not in table:
             raise QuantityError(f"{where}.{field.name} is missing")
     numbers = quantities(kind)
-    return kind(**{k: number(v) if k in numbers else v for k, v in table.items()})
+    return kind(
+        **{
+            key: number(value, numbers[key].may_be_list) if key in numbers else value
+            for key, value in table.items()
+        }
+    )

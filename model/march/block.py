@@ -59,6 +59,7 @@ _SIZES = (
         "loads",
         "probes",
         "velocities",
+        "releases",
         "unbalances",
         "springs",
     ),

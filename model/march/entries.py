@@ -51,7 +51,7 @@ def start(block, speed, drive, rate):
     prepare(run.structure)
     r = run.memory.record[0]
     r.omega = speed
-    if run.structure.numbers[0].is_released == 1:
+    if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
     else:
         status = find_equilibrium(

@@ -31,9 +31,11 @@ def release(structure, motion, loads):
     """Fill motion.q and motion.v with what the machine is released with, its housings at rest on
     their springs."""
     n = structure.M.shape[0]
+    r = structure.releases[0]
     for i in range(n):
-        motion.q[i] = structure.release[0, i]
-        motion.v[i] = structure.release[1, i]
+        along, tilt = structure.one_body[0, i], structure.one_body[1, i]
+        motion.q[i] = along * complex(r.x, r.y) + tilt * complex(r.tilt_x, r.tilt_y)
+        motion.v[i] = along * complex(r.vx, r.vy) + tilt * complex(r.rate_x, r.rate_y)
     g = falling(structure, loads)
     for h in range(len(structure.housings)):
         housing = structure.housings[h]

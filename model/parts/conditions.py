@@ -47,8 +47,5 @@ class Start(Part):
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One release."""
         yield Release(
-            complex(self.x, self.y),
-            complex(self.vx, self.vy),
-            complex(self.tilt_x, self.tilt_y),
-            complex(self.rate_x, self.rate_y),
+            self.x, self.y, self.vx, self.vy, self.tilt_x, self.tilt_y, self.rate_x, self.rate_y
         )

@@ -76,12 +76,16 @@ class Velocity(NamedTuple):
 
 class Release(NamedTuple):
     """The rotor's motion as one body at the start, in the place of equilibrium: of its centre of
-    mass [m], [m/s], and its slope [rad], [rad/s], complex."""
+    mass [m], [m/s], and its slope [1] with its rate [rad/s]."""
 
-    displacement: complex
-    velocity: complex
-    tilt: complex
-    tilt_rate: complex
+    x: float
+    y: float
+    vx: float
+    vy: float
+    tilt_x: float
+    tilt_y: float
+    rate_x: float
+    rate_y: float
 
 
 class Mount(NamedTuple):

@@ -54,19 +54,20 @@ SPRING = _record("dof", "stiffness damping")
 # `slope`: of the node, where there is an offset, otherwise `dof` again
 UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
 PROBE = _record("dof out", "")
+RELEASE = _record("", " ".join(Release._fields))
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
 # the states of the law begin.
 INTERFACE = _record("law row dof end own states out has_wall", "length")
 # What a machine has one of. Given: whether the internal damping turns; base_load: place of the
-# base's acceleration among the loads, or -1; is_released: whether a run starts from `release`;
-# eta_v [s], eta_h [1]; gravity [m/s2], and what share of it acts along x and y; inertia of shaft
-# and bodies about the axis [kg.m2]; lowest_omega: see `_lowest_omega` [rad/s]; bound: displacement
-# that no machine reaches, size: a length of the machine where it has no clearance [m]. Made of it
-# by `parameters.prepare`: inertia with the eccentric masses; kappa_v [s] and kappa_h [1] of the
-# rotating damping, kappa = Omega kappa_v + sign(Omega) kappa_h; clearance: the smallest [m].
+# base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share
+# of it acts along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
+# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, size: a length of the
+# machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia with the
+# eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v +
+# sign(Omega) kappa_h; clearance: the smallest [m].
 NUMBERS = _record(
-    "rotating_damping base_load is_released",
+    "rotating_damping base_load",
     "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound size inertia kappa_v kappa_h "
     "clearance",
 )
@@ -80,7 +81,8 @@ class Structure(NamedTuple):
     M_factors: M's, from `band.factorize`.
     mass_share: of the deflections' lumped masses in the rotor's [1]; mass_sum: force of a unit
     acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
-    release: displacement and velocity that a machine is released with.
+    releases: what the machine starts with in the place of equilibrium, if at all; one_body: its
+    motions as one body, by a unit displacement and by a unit tilt about the centre of mass.
     deflections: dof and node number, from 1, of every deflection.
     load_dof: where external forces act, -1 of the base's acceleration; probes, velocities: where
     displacements and where velocities are observed.
@@ -100,7 +102,8 @@ class Structure(NamedTuple):
     mass_share: Annotated[np.ndarray, float, "n"]
     mass_sum: Annotated[np.ndarray, float, "n"]
     weight: Annotated[np.ndarray, complex, "n"]
-    release: Annotated[np.ndarray, complex, "2", "n"]
+    releases: Annotated[np.ndarray, RELEASE, "releases"]
+    one_body: Annotated[np.ndarray, float, "2", "n"]
     deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
     load_dof: Annotated[np.ndarray, np.int64, "loads"]
     probes: Annotated[np.ndarray, PROBE, "probes"]
@@ -129,6 +132,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "loads": len(structure.load_dof),
         "probes": len(structure.probes),
         "velocities": len(structure.velocities),
+        "releases": len(structure.releases),
         "unbalances": len(structure.unbalances),
         "springs": len(structure.springs),
         "interfaces": interfaces,
@@ -181,8 +185,6 @@ def assemble(rotor: Rotor) -> Structure:
     ports = [port for _, port in _of(Port, elements)]
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
-    releases = [element for _, element in _of(Release, elements)]
-    numbers[0].is_released = bool(releases)
     numbers[0].own_inertia = inertia
     numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, springs, elements)
     numbers[0].bound, numbers[0].size = 0.1 * rotor.length, 1e-4 * rotor.length
@@ -198,7 +200,8 @@ def assemble(rotor: Rotor) -> Structure:
         mass_share=_mass_share(M),
         mass_sum=M[:, ::2].sum(axis=1),
         weight=np.zeros(n, dtype=complex),
-        release=_release(rotor, M, releases),
+        releases=_rows(RELEASE, [tuple(element) for _, element in _of(Release, elements)]),
+        one_body=_one_body(rotor, M),
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         load_dof=np.array([-1 if p.node == BASE else _dof(p) for p in ports], dtype=np.int64),
         probes=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Probe, elements)]),
@@ -296,18 +299,13 @@ def _entries(every: tuple, used: tuple) -> np.ndarray:
     return np.array(found, dtype=np.int64)
 
 
-def _release(rotor: Rotor, M: np.ndarray, releases: list[Release]) -> np.ndarray:
-    """Displacement and velocity of the shaft moving as one body, shape (2, n): its centre of mass
-    and its tilt as the part says that releases it."""
+def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:
+    """Displacement and tilt of the shaft as one body about its centre of mass, shape (2, n)."""
     along, tilt = np.zeros(len(M)), np.ones(len(M))
     along[::2] = 1.0
     tilt[::2] = np.array(rotor.nodes) - rotor.nodes[0]
     tilt -= (along @ M @ tilt) / (along @ M @ along) * along
-    motion = np.zeros((2, len(M)), dtype=complex)
-    for r in releases:
-        motion[0] += r.displacement * along + r.tilt * tilt
-        motion[1] += r.velocity * along + r.tilt_rate * tilt
-    return motion
+    return np.array([along, tilt])
 
 
 def _mass_share(M: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from ..machine.rotor import OWN, Name, Rotor
 from ..parts import LAWS
 from ..parts.housing import HousingQuantities
-from ..protocol.part import Element, Interface, Mount, Part, Unbalance
+from ..protocol.part import Element, Interface, Mount, Part, Release, Unbalance
 from ..quantities import QuantityError, quantities
 
 _CHANGE = 2.0**-10
@@ -42,7 +42,7 @@ def places(rotor: Rotor) -> dict[Name, tuple[Place, ...]]:
             member = _member(element)
             rows[member] = rows.get(member, 0) + 1
         for name, told in quantities(part).items():
-            if told.is_parameter:
+            if told.is_parameter and not isinstance(getattr(part, name), tuple):
                 found[Name(*key, name)] = tuple(_of_part(str(key), part, name, density, begin))
     for name, heading in OWN.items():
         if quantities(rotor)[name].is_parameter:
@@ -81,6 +81,8 @@ def _member(element: Element) -> str:
         return f"laws[{LAWS.index(element.law)}]"
     if isinstance(element, Mount):
         return "housings"
+    if isinstance(element, Release):
+        return "releases"
     return "unbalances" if isinstance(element, Unbalance) else ""
 
 

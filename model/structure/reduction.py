@@ -63,8 +63,8 @@ def reduced(structure: Structure, modes: int) -> Structure:
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])
     # a motion as one body needs no mode
-    release = np.zeros((2, size), dtype=complex)
-    release[:, : len(kept)] = structure.release[:, kept]
+    one_body = np.zeros((2, size))
+    one_body[:, : len(kept)] = structure.one_body[:, kept]
     share = np.zeros(size)
     moving = deflections[:, 0]  # a slope that is kept has no share
     share[moving] = np.maximum(dense["M"][np.ix_(moving, moving)].sum(axis=1), 0.0)
@@ -75,6 +75,6 @@ def reduced(structure: Structure, modes: int) -> Structure:
         mass_share=share / share.sum(),
         mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
-        release=release,
+        one_body=one_body,
         deflections=deflections,
     )

@@ -7,12 +7,12 @@ def rigid(mass=1.0, gravity=0.0, parts="", rest=""):
     """A point mass amid a shaft of 1e-4 kg, nodes 1 to 3, 2 in the middle: together `mass` [kg].
 
     It stands for one rigid body. What acts at its middle moves the shaft along; what the bearings
-    below do at the ends, 2 % of their force, bends it, 7.5e7 N/m: 3e-6 of a stiffness of 1e4 N/m.
+    below do at the ends, 2 % of their force, bends it, 7.5e6 N/m: 6e-7 of a stiffness of 1e4 N/m.
     """
     return f"""
 gravity = {gravity}
 [material]
-young = 2.1e11
+young = 2.1e10
 density = {SHAFT / (3.141592653589793 / 4 * 0.02**2 * 0.1)}
 [shaft]
 nodes = [0.0, 0.05, 0.1]

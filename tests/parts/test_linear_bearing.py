@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.linear_bearing import LINEAR_BEARING, coefficients
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
@@ -60,6 +61,12 @@ def run(machine, times, *, speed=0.0, rate=0.0, h=1e-4, loads=None, method="newm
     return np.array(z), sim
 
 
+def laws_of(machine):
+    """The records of the linear bearings, and the tables."""
+    laws = assemble(machine).laws
+    return laws[LAWS.index(LINEAR_BEARING)], laws[-1]
+
+
 def pulled(cross=0.0):
     """The rigid body on bearings, with a port in its middle."""
     k, c = OMEGA**2, 2 * DAMPING * OMEGA
@@ -68,8 +75,8 @@ def pulled(cross=0.0):
 
 def test_a_table_is_scipys_pchip_and_constant_beyond_its_ends():
     machine = parse_rotor(FLEXIBLE + TABLE)
-    *_, tables = assemble(machine).laws
-    record = assemble(machine).laws[-2][0]
+    records, tables = laws_of(machine)
+    record = records[0]
     part = machine.parts[1]
     for speed in (-50.0, 0.0, 37.0, 100.0, 140.0, 399.0, 400.0, 1e4):
         at = min(max(speed, 0.0), 400.0)
@@ -83,7 +90,7 @@ def test_a_table_is_scipys_pchip_and_constant_beyond_its_ends():
 
 
 def test_the_tangent_is_the_derivative_of_the_force():
-    *_, records, tables = assemble(parse_rotor(FLEXIBLE + TABLE)).laws
+    records, tables = laws_of(parse_rotor(FLEXIBLE + TABLE))
     d, v, none = 3e-5 - 1e-5j, 0.01 + 0.02j, np.zeros(0)
     f, p, q = LINEAR_BEARING.tangent(
         records[0], tables, d, v, 130.0, 0.0, 2.0, 7.0, 0.0, none, none
