@@ -13,6 +13,7 @@ from .errors import InputError, RunFailed, run, writable_folder
 from .fmu.interface import interface
 from .impact import command as impact_command
 from .linear.command import COMMANDS as LINEAR
+from .machine_file.command import schema_command
 from .model.settings import PRESETS
 from .native.command import Fmi, Native, Platforms, build_without_python, core
 from .packing.bundle import build
@@ -137,6 +138,7 @@ def warm_command(
 
 
 app.command("core")(core)
+app.command("schema")(schema_command)
 
 
 @app.command("build")

@@ -1,0 +1,65 @@
+"""docs/machine.md: everything that a machine file may say."""
+
+from __future__ import annotations
+
+from .tables import Key, Table, own_tables, part_tables
+
+_HEAD = """# A machine file
+
+A machine is one TOML file in SI units: a material, a shaft, and parts on it and beside it. This
+page is made from the declarations that the reader itself uses (`rotor-fmu schema --page`); for editors
+that check TOML, `rotor-fmu schema` prints the same as a JSON schema.
+
+    rotor-fmu show --rotor machine.toml        # a picture, and whether it can be read
+    rotor-fmu modes --rotor machine.toml       # trust its linear answers first
+    rotor-fmu run-down --rotor machine.toml    # then let it rub
+
+A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`. What is missing,
+misspelt or impossible is told in one line with the name, the value and what is allowed.
+"""
+
+
+def page() -> str:
+    """The page in Markdown."""
+    lines = [_HEAD]
+    for table in (*own_tables(), *part_tables()):
+        lines += _section(table)
+    return "\n".join(lines)
+
+
+def _section(table: Table) -> list[str]:
+    heading = f"## `{table.heading}`" if table.heading else "## The machine itself"
+    several = " Any number." if table.is_list else ""
+    text = f"{table.text[0].upper()}{table.text[1:].rstrip('.')}.{several}"
+    lines = [heading, "", text, ""]
+    if table.keys:
+        lines += [
+            "| key | unit | default | what it is | allowed |",
+            "| --- | --- | --- | --- | --- |",
+        ]
+        lines += [_row(key) for key in table.keys]
+        lines.append("")
+    return lines
+
+
+def _row(key: Key) -> str:
+    told = key.told
+    unit = "" if told is None or told.unit == "1" else told.unit
+    default = "(needed)" if key.is_needed else _shown(key.default)
+    if told is not None:
+        allowed = "true or false" if told.is_switch else told.rule.words.removeprefix("must be ")
+        allowed += ", or a list of such" if told.may_be_list else ""
+    else:
+        allowed = ", ".join(key.choices) or {"tables": "tables", "numbers": "numbers"}.get(
+            key.kind, key.kind
+        )
+    mark = " *FMU*" if told is not None and told.is_parameter else ""
+    return f"| `{key.name}` | {unit} | {default} | {key.text}{mark} | {allowed} |"
+
+
+def _shown(default: object) -> str:
+    if default is None or default == ():
+        return ""
+    if isinstance(default, bool):
+        return str(default).lower()
+    return f"{default:g}" if isinstance(default, (int, float)) else f"`{default}`"

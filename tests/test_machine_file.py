@@ -1,0 +1,74 @@
+"""The page and the schema of machine files say what the reader takes."""
+
+import json
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.quantities import QuantityError
+
+from rotor_fmu.machine_file.page import page
+from rotor_fmu.machine_file.schema import schema
+from rotor_fmu.machine_file.tables import own_tables, part_tables
+
+ROOT = Path(__file__).parents[1]
+MACHINES = [*ROOT.glob("examples/*/*.toml"), *ROOT.glob("model/machine/rigs/*.toml")]
+VALIDATOR = jsonschema.Draft202012Validator(schema())
+
+
+def test_the_page_is_made_from_the_declarations():
+    assert (ROOT / "docs" / "machine.md").read_text(encoding="utf-8") == page() + "\n"
+
+
+def test_the_schema_is_one_and_is_json():
+    jsonschema.Draft202012Validator.check_schema(json.loads(json.dumps(schema())))
+
+
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda path: path.stem)
+def test_every_machine_of_the_project_fits_the_schema(machine):
+    VALIDATOR.validate(tomllib.loads(machine.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        ("clearance = 50e-6", "clearance = -50e-6"),
+        ("clearance = 50e-6", 'clearance = "wide"'),
+        ("clearance = 50e-6", "clearence = 50e-6"),
+        ("e = 80e-6", "e = -80e-6"),
+        ("node = 8\n", ""),
+        ("[coupling]", "[cuppling]"),
+    ],
+)
+def test_what_the_schema_refuses_the_reader_refuses_too(before, after):
+    text = rig_toml()
+    assert before in text
+    changed = text.replace(before, after, 1)
+    assert not VALIDATOR.is_valid(tomllib.loads(changed))
+    with pytest.raises(QuantityError):
+        parse_rotor(changed)
+
+
+def test_every_key_of_the_page_is_known_to_the_reader():
+    """The reader names what it knows when it meets what it does not."""
+    for table in (*own_tables(), *part_tables()):
+        if table.name in ("", "material", "section"):
+            continue
+        odd = f"[[{table.name}]]\nodd = 1\n" if table.is_list else f"[{table.name}]\nodd = 1\n"
+        text = rig_toml()
+        if table.name == "shaft":
+            text = text.replace("[shaft]\n", "[shaft]\nodd = 1\n")
+        elif not table.is_list and f"[{table.name}]" in text:
+            text = text.replace(f"[{table.name}]", f"[{table.name}]\nodd = 1")
+        else:
+            # in the place of the tables of this kind that the rig has
+            text = text.replace(f"[[{table.name}]]\n", f"[[{table.name}]]\nodd = 1\n", 1)
+            if odd.strip() not in text:
+                text += "\n" + odd
+        with pytest.raises(QuantityError, match="odd: unknown key") as refused:
+            parse_rotor(text)
+        known = set(str(refused.value).split("known are ")[1].split(", ")) - {""}
+        mine = {key.name for key in table.keys} - {"z"}
+        assert known == mine, table.name
