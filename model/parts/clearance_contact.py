@@ -128,6 +128,16 @@ def touch(part, d, d_dot):
 
 
 @compiled
+def _outward(gradient):
+    """How steep the clearance is where it is touched [1], and its unit normal in the frame along
+    e."""
+    if gradient.imag == 0.0:  # round
+        return 1.0, complex(1.0, 0.0)
+    steep = modulus(gradient)
+    return steep, gradient * (1.0 / steep)
+
+
+@compiled
 def rubbing_force(part, d, d_dot, surface):
     """Contact with a surface past which the journal's own moves with the speed `surface` [m/s] if
     its centre rests.
@@ -138,8 +148,7 @@ def rubbing_force(part, d, d_dot, surface):
     delta, rate, n, n_k, _, _, e, local, gradient, _, _ = touch(part, d, d_dot)
     if delta <= 0.0:
         return 0.0j, 0.0, 0.0, 0.0, delta, 0.0, 0.0
-    steep = math.sqrt(1.0 + gradient.imag * gradient.imag)
-    normal = gradient * (1.0 / steep)
+    steep, normal = _outward(gradient)
     v_t = (normal.conjugate() * local).imag + surface
     if n <= 0.0:
         return 0.0j, 0.0, 0.0, -n_k, delta, rate, v_t
@@ -164,8 +173,7 @@ def contact_force(part, d, d_dot, spin):
 @compiled
 def _column(z, z_v, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, give):
     """dF in the frame along e by a displacement z and a velocity z_v."""
-    steep = abs(gradient)
-    normal = gradient * (1.0 / steep)
+    steep, normal = _outward(gradient)
     d_gradient = complex(h * z.imag, h * z.real + h_b * z.imag)
     d_rate = (d_gradient.conjugate() * local + gradient.conjugate() * z_v).real
     d_n = n_a * (gradient.conjugate() * z).real + c * d_rate
@@ -212,8 +220,7 @@ def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)
     delta, _, n, _, n_a, c, e, local, gradient, h, h_b = touch(part, d, d_dot)
     if delta <= 0.0 or n <= 0.0:
         return 0.0j, 0.0j, 0.0j
-    steep = math.sqrt(1.0 + gradient.imag * gradient.imag)
-    normal = gradient * (1.0 / steep)
+    steep, normal = _outward(gradient)
     v_t = (normal.conjugate() * local).imag + part.journal_radius * spin
     mu_t, slope = friction(part, v_t)
     p, q = contact_tangent(e, local, n, n_a, c, gradient, h, h_b, mu_t, slope, 1.0, by_d, by_v)

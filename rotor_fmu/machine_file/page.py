@@ -7,8 +7,8 @@ from .tables import Key, Table, own_tables, part_tables
 _HEAD = """# A machine file
 
 A machine is one TOML file in SI units: a material, a shaft, and parts on it and beside it. This
-page is made from the declarations that the reader itself uses (`rotor-fmu schema --page`); for editors
-that check TOML, `rotor-fmu schema` prints the same as a JSON schema.
+page is made from the declarations that the reader itself uses (`rotor-fmu schema --page`); for
+editors that check TOML, `rotor-fmu schema` prints the same as a JSON schema.
 
     rotor-fmu show --rotor machine.toml        # a picture, and whether it can be read
     rotor-fmu modes --rotor machine.toml       # trust its linear answers first
