@@ -46,7 +46,7 @@ class Section:
     length: float = quantity("m", "length")
     outer_left: float = quantity("m", "outer diameter at the left end")
     outer_right: float = quantity("m", "outer diameter at the right end")
-    material: Material
+    material: Material  # type: ignore[misc]  # to mypy, any call stands for a default
     bore_left: float = quantity("m", "bore at the left end", NOT_NEGATIVE, 0.0)
     bore_right: float = quantity("m", "bore at the right end", NOT_NEGATIVE, 0.0)
     axial_force: float = quantity("N", "tension, negative where it is compressed", ANY, 0.0)

@@ -31,11 +31,10 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
     """Add units, limits, dependencies and initial unknowns to pythonfmu's description `root`."""
     root.set("generationDateAndTime", generated)
     root.append(unit_definitions(table))
-    for element, variable in zip(root.find("ModelVariables"), table, strict=True):
+    for element, variable in zip(root.iterfind("ModelVariables/*"), table, strict=True):
         _describe(element, variable)
-    root.remove(root.find("ModelStructure"))
-    root.append(_model_structure(table))
-    root[:] = sorted(root, key=lambda child: _ORDER.index(child.tag))
+    kept = [child for child in root if child.tag != "ModelStructure"]
+    root[:] = sorted([*kept, _model_structure(table)], key=lambda child: _ORDER.index(child.tag))
     return root
 
 

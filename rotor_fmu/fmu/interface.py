@@ -124,7 +124,7 @@ def _parameter(name: Name, told: Quantity, value: float | bool) -> Variable:
 
 
 def _part_of(name: Name) -> str:
-    return f"{name.kind} {name.index}: " if name.index else ""
+    return f"{name.kind} {name.number}: " if name.number else ""
 
 
 def _real(name: str, unit: str, start: float, text: str, low: float | None) -> Variable:
