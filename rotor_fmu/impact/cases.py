@@ -109,8 +109,10 @@ def carried_out(
 def finish(
     reports: Sequence[Report], chosen: Sequence[ImpactCase], failures: Sequence[str], out: Path
 ) -> None:
-    """Print the tables, what is to be said of the parameters, and where things are; fail if a run
-    ended early that was not meant to."""
+    """Print the tables, what is to be said of the parameters, and where things are.
+
+    Raises `RunFailed` with what ended early and was not meant to.
+    """
     for report in reports:
         report.print(console)
     for case in chosen:
