@@ -148,6 +148,7 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
                 f"{_part_of(name)}{output.text}",
                 output.unit,
                 nominal=output.nominal,
+                reached_by=output.reached_by,
             )
         )
     return table
