@@ -32,6 +32,7 @@ def _root(name: str, is_free: bool, **attributes: str) -> Element:
     drive = "a torque" if is_free else "its speed"
     return Element(
         "fmiModelDescription",
+        attributes,
         modelName=name,
         description="Flexible rotor with discs that rubs in two clearance bearings with dry "
         f"friction, driven by {drive}",
@@ -42,7 +43,6 @@ def _root(name: str, is_free: bool, **attributes: str) -> Element:
         generationTool=f"rotor-fmu {__version__}",
         generationDateAndTime=RELEASED,
         variableNamingConvention="structured",
-        **attributes,
     )
 
 
