@@ -7,12 +7,12 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-all test-processors lint bench clean
+.PHONY: run-down reproduce survey reference test test-all test-processors lint types coverage bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage]"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made
 
@@ -42,6 +42,17 @@ test-processors: $(VENV)/made
 lint: $(VENV)/made
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(MAKE) types
+
+# `rotor_fmu.model` lies in model/, `rotor_fmu.examples` in examples/: links make one tree of them
+types: $(VENV)/made
+	rm -rf build/types
+	mkdir -p build/types/rotor_fmu
+	ln -s $(CURDIR)/rotor_fmu/* $(CURDIR)/model $(CURDIR)/examples build/types/rotor_fmu
+	$(BIN)/python -m mypy
+
+coverage: $(VENV)/made
+	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
 
 # what a run costs beside other programs; stopped with Ctrl-C it goes on from there
 bench: $(VENV)/made

@@ -27,6 +27,7 @@ class Rule:
 POSITIVE = Rule(lambda v: v > 0, "must be > 0 and finite")
 NOT_NEGATIVE = Rule(lambda v: v >= 0, "must be >= 0 and finite")
 ANY = Rule(lambda v: True, "must be a finite number")
+NOTHING, SPEED, ALL = "nothing", "speed", "all"
 _HUGE = 1e30  # beyond it, products of such numbers overflow
 
 
@@ -49,7 +50,8 @@ class Output:
     """A number that a model computes: its name within its part, unit, what it is.
 
     kind: Real, Integer or Boolean; is_output: whether it is among the few that every run records;
-    nominal: its usual size [unit], of a Real.
+    nominal: its usual size [unit], of a Real; reached_by: what changes it within an instant, the
+    motion being what it is: `NOTHING`, the machine's `SPEED`, or that and every load, `ALL`.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Output:
     is_output: bool = False
     nominal: float | None = None
     kind: str = "Real"
+    reached_by: str = NOTHING
 
 
 def quantity(

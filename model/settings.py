@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Any
 
 from .march.control import ADAPTIVE, CONTROLLED, FIXED, Control
 from .march.paper_control import (
@@ -187,7 +188,7 @@ PRESETS = {
 DEFAULT_PRESET = "controlled"
 
 
-def choose(preset: str = DEFAULT_PRESET, **changes: str | float | bool) -> Settings:
+def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
     """A preset with some settings changed.
 
     Raises `SettingsError` for impossible ones, for a method without the parameters that it takes,

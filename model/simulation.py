@@ -84,7 +84,11 @@ class Simulation:
         self._run: RunData = LAYOUT.look(self._block)
         set_method(self._run, self._scheme, settings.control())
         self._has_warned = False
-        self._tables = [(w, p.speed) for w, p in rotor.named_parts() if getattr(p, "speed", ())]
+        self._tables = [
+            (where, speeds)
+            for where, part in rotor.named_parts()
+            if (speeds := getattr(part, "speed", ()))
+        ]
 
         record = self._run.memory.record[0]
         record.t = t

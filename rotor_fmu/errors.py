@@ -35,7 +35,7 @@ _BAD_INPUTS = (
 )
 
 
-def run(app: Callable[..., object]) -> None:
+def run(app: Callable[..., int | None]) -> None:
     """Run a typer application; end the process with a status and, if it failed, one line."""
     try:
         status = app(standalone_mode=False) or 0

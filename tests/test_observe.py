@@ -6,7 +6,9 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.observe import observed
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
+from rotor_fmu.model.quantities import ALL, NOTHING, SPEED
 from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -98,3 +100,38 @@ def test_counters_count():
     assert sim.read("solver.rejected") == 0
     assert sim.read("solver.trapped_at") == -1
     assert len(sim.names) == len(set(sim.names)) == len(sim.observed)
+
+
+def changed_at_an_instant(sim, drive, loads):
+    """Names of what changes when drive and loads jump and no time passes."""
+
+    def seen(drive, loads):
+        sim.restore(before)
+        sim.advance(sim.time, drive, loads)
+        return sim.observed.copy()
+
+    before = sim.snapshot()
+    usual = 0.05 if sim.is_free else 185.0
+    none = np.zeros(4, dtype=complex)
+    jump = np.abs(seen(drive, loads) - seen(usual, none))
+    sim.restore(before)
+    table = observed(sim.rotor)
+    sizes = np.array([entry.output.nominal or 1.0 for entry in table])
+    return {str(table[i].name) for i in np.flatnonzero(jump > 1e-9 * sizes)}
+
+
+def test_what_reaches_an_output_within_an_instant_is_declared():
+    by_speed, by_load = set(), set()
+    none, loads = np.zeros(4, dtype=complex), np.full(4, 3.0 - 5.0j)
+    for free in ({}, {"drive_torque": 0.05}):
+        sim = Simulation(rig(), choose("robust"), speed=185.0, **free)
+        drive = free.get("drive_torque", 185.0)
+        for i in range(1, 41):
+            sim.advance(0.005 * i, drive, none)
+            by_load |= changed_at_an_instant(sim, drive, loads)
+            if not sim.is_free:
+                by_speed |= changed_at_an_instant(sim, -185.0, none)
+    declared = {str(name): output.reached_by for name, output in observed(rig())}
+    seen = dict.fromkeys(declared, NOTHING)
+    seen |= dict.fromkeys(by_speed, SPEED) | dict.fromkeys(by_load, ALL)
+    assert seen == declared

@@ -82,6 +82,8 @@ class DriveTrain(Fmi2Slave):
     license = "MIT"
     default_experiment = DefaultExperiment(start_time=0.0, stop_time=60.0, step_size=0.001)
 
+    step_before: float
+
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
         settle_exit(self.resources, self.modelName)

@@ -8,7 +8,7 @@ Unknowns, real: x of the rotor's nodes and housings, then y; see `assembly.Struc
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -121,11 +121,8 @@ class JournalStructure:
     def at_rest(self) -> np.ndarray:
         """Displacements at rest under the weight, journals on the bottom of their stops."""
         rotor = self._run_down.rotor
-        parts = tuple(
-            replace(part, k=_RIGID) if isinstance(part, ContactQuantities) else part
-            for part in rotor.parts
-        )
-        still = rest(replace(rotor, parts=parts))[:-1]
+        contacts = [w for w, p in rotor.named_parts() if isinstance(p, ContactQuantities)]
+        still = rest(rotor.with_values({f"{where}.k": _RIGID for where in contacts}))[:-1]
         return np.r_[still.real, still.imag]
 
     @property

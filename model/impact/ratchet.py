@@ -174,7 +174,9 @@ def run_ratchet(
     made = build(ratchet)
     zero = np.zeros(len(made.structure.force))
     start = Stepper(made.structure, scheme).start(0.0, zero, zero.copy())
-    shapes, shape_t, shape_angle = [], [], []
+    shapes: list[np.ndarray] = []
+    shape_t: list[float] = []
+    shape_angle: list[float] = []
     count = 2 * len(ratchet.plate.points)
 
     def observe(motion: Instant) -> tuple[float, ...]:

@@ -17,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from importlib.resources import files
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -59,6 +60,9 @@ class Pawl:
 
 
 _MAY_BE_ZERO = ("force", "slope", "clearance", "nose_length", "nu")
+
+
+Part = TypeVar("Part", Wheel, Tooth, Pawl)
 
 
 @dataclass(frozen=True)
@@ -141,7 +145,7 @@ class Ratchet:
 
 def _check(name: str, value: object, may_be_zero: bool) -> None:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not is_number or not math.isfinite(value):
+    if not isinstance(value, int | float) or not is_number or not math.isfinite(value):
         raise ImpactError(f"{name} = {value!r}: must be a finite number")
     if value < 0 or (value == 0 and not may_be_zero):
         raise ImpactError(f"{name} = {value:g}: must be {'>= 0' if may_be_zero else '> 0'}")
@@ -161,23 +165,25 @@ def parse_ratchet(text: str) -> Ratchet:
         data = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise ImpactError(f"not valid TOML: {' '.join(str(error).split())}") from error
-    parts = {"wheel": Wheel, "tooth": Tooth, "pawl": Pawl}
-    _refuse_unknown("", data, ("name", *parts))
+    _refuse_unknown("", data, ("name", "wheel", "tooth", "pawl"))
     name = data.get("name", "ratchet")
     if not isinstance(name, str):
         raise ImpactError(f"name = {name!r}: must be a string")
-    made = {part: _make(kind, part, data.get(part)) for part, kind in parts.items()}
-    return Ratchet(**made, name=name)
+    wheel = _make(Wheel, "wheel", data.get("wheel"))
+    tooth = _make(Tooth, "tooth", data.get("tooth"))
+    return Ratchet(wheel, tooth, _make(Pawl, "pawl", data.get("pawl")), name=name)
 
 
-def _make(kind: type, where: str, table: object) -> object:
+def _make(kind: type[Part], where: str, table: object) -> Part:
     if not isinstance(table, Mapping):
         raise ImpactError(f"[{where}] is missing")
     _refuse_unknown(f"{where}.", table, tuple(field.name for field in fields(kind)))
     for field in fields(kind):
         if field.default is MISSING and field.name not in table:
             raise ImpactError(f"{where}.{field.name} is missing")
-    values = {key: tuple(v) if isinstance(v, list) else v for key, v in table.items()}
+    values: dict[str, Any] = {
+        key: tuple(v) if isinstance(v, list) else v for key, v in table.items()
+    }
     return kind(**values)
 
 

@@ -111,14 +111,16 @@ class CodeCache:
     def discard(self, beginning: str) -> None:
         """Forget what is kept under names that begin so."""
         folder = self._open()
-        for name in folder.names(beginning) if folder else ():
-            folder.discard(name)
+        if folder:
+            for name in folder.names(beginning):
+                folder.discard(name)
 
     def holds(self, beginning: str) -> bool:
         """Whether something sound is kept under a name that begins so."""
         folder = self._open()
-        names = folder.names(beginning) if folder else ()
-        return any(folder.read(name) is not None for name in names)
+        if not folder:
+            return False
+        return any(folder.read(name) is not None for name in folder.names(beginning))
 
     def wait_or_lock(self, name: str) -> bytes | None:
         """What another process that compiles now keeps under a name; None once it is on this

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 try:
     import numba
@@ -26,13 +27,13 @@ if numba and hasattr(numba.core.cpu.CPUTargetOptions, "_nrt"):
     _OPTIONS["_nrt"] = False
 
 
-def has_to_compile(function: Callable) -> bool:
+def has_to_compile(function: Any) -> bool:
     """Whether the first call of a `compiled` function compiles it, no earlier process having kept
     its code."""
     return IS_COMPILED and not function.overloads and not is_kept(function)
 
 
-def compiled(function: Callable, to_keep: bool = True) -> Callable:
+def compiled(function: Callable[..., Any], to_keep: bool = True) -> Callable[..., Any]:
     """Compile `function` with numba, kept on disk if `to_keep`, or return it as it is without
     numba. What is made anew in every process (a closure) is kept in the code of its callers alone.
 
@@ -46,7 +47,7 @@ def compiled(function: Callable, to_keep: bool = True) -> Callable:
     return dispatcher
 
 
-def inlined(function: Callable) -> Callable:
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """`compiled`, for a large function with one caller or two: its body becomes part of theirs
     before anything is compiled, so that it is not compiled for itself as well."""
     if not IS_COMPILED:

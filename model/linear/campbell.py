@@ -75,7 +75,7 @@ class Campbell:
 
 def campbell(
     rotor: Rotor,
-    speeds: Sequence[float],
+    speeds: Sequence[float] | np.ndarray,
     *,
     count: int = DEFAULT_COUNT,
     contacts: str | None = None,
@@ -86,25 +86,25 @@ def campbell(
     harmonic: multiple of the speed that excites, for critical speeds; contacts: `open` or `pinned`;
     None: open where the machine is held without them. Raises `LinearError`.
     """
-    speeds = np.array(speeds, dtype=float)
-    if len(speeds) < 2 or not (np.diff(speeds) > 0).all():
+    at = np.array(speeds, dtype=float)
+    if len(at) < 2 or not (np.diff(at) > 0).all():
         raise LinearError("speeds: must be at least 2, ascending")
     if not (np.isfinite(harmonic) and harmonic > 0):
         raise LinearError(f"harmonic = {harmonic:g}: must be > 0")
     follow = _Follower(LinearMachine(rotor, contacts), count + _MORE)
-    seen = [follow.at(speeds[0])]
+    seen = [follow.at(at[0])]
     places = [np.arange(min(count, len(seen[0].eigenvalues)))]
-    for speed in speeds[1:]:
+    for speed in at[1:]:
         seen.append(follow.at(speed))
         places.append(follow.onward(seen[-2], seen[-1], places[-1]))
     critical = [
         found
-        for i in range(len(speeds) - 1)
+        for i in range(len(at) - 1)
         for found in _critical(follow, seen[i : i + 2], places[i : i + 2], harmonic)
     ]
     followed = list(zip(seen, places, strict=True))
     return Campbell(
-        speeds=speeds,
+        speeds=at,
         contacts=seen[0].contacts,
         eigenvalues=np.array(
             [[m.eigenvalues[p] if p >= 0 else np.nan for p in of] for m, of in followed]
@@ -170,7 +170,7 @@ def _critical(
         before = _excess(a, places[0][mode], harmonic)
         after = _excess(b, places[1][mode], harmonic)
         if before != 0.0 and before * after <= 0:
-            there, at = _meeting(follow, a, places[0], mode, b.speed, harmonic)
+            there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             if at >= 0 and there.damping_ratio[at] < _PEAKING:
                 log_dec = float(there.log_dec[at])
                 found.append(CriticalSpeed(int(mode), there.speed, there.whirl[at], log_dec))

@@ -11,6 +11,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -81,8 +82,9 @@ class LinearMachine:
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
         size = len(s.weight) + len(s.housings) + 1
-        pairs = s.interfaces[self.pinned if contacts == PINNED else []]
-        self.expand = _expansion(size, zip(pairs.dof, pairs.end, strict=True))
+        pinned = self.pinned if contacts == PINNED else np.arange(0)
+        held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
+        self.expand = _expansion(size, held)
         self.M = (self.expand.T @ self._full.M @ self.expand).tocsc()
         self._K, self._D, self._circulation, self._gyroscopic = (
             (self.expand.T @ matrix @ self.expand).tocsc()
@@ -260,7 +262,7 @@ def _matrices(s: Structure) -> _Full:
     )
 
 
-def _expansion(size: int, pairs: object) -> sp.csr_matrix:
+def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
     """From the unknowns to all dofs, of which ground, the last, stays; pairs: (dof, end) that move
     as one."""
     leader = np.arange(size)

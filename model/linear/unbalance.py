@@ -81,7 +81,7 @@ class UnbalanceResponse:
 
 def unbalance_response(
     rotor: Rotor,
-    speeds: Sequence[float],
+    speeds: Sequence[float] | np.ndarray,
     *,
     contacts: str | None = None,
     unbalances: Sequence[tuple[int, float, float]] | None = None,
@@ -96,9 +96,9 @@ def unbalance_response(
     size = machine.across.shape[1] // 2
     pull = np.zeros(size, dtype=complex)
     if unbalances is None:
-        own, amount = machine.structure.unbalances, machine.structure.unbalance
-        np.add.at(pull, own.dof, amount)
-        np.add.at(pull, own.slope, own.offset * amount)
+        own, whole = machine.structure.unbalances, machine.structure.unbalance
+        np.add.at(pull, own.dof, whole)
+        np.add.at(pull, own.slope, own.offset * whole)
     for node, amount, phase in unbalances or ():
         pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
     both = np.column_stack([pull, -1j * pull]).ravel()

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from itertools import accumulate
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from ..parts.bearing import Bearing
 from ..parts.disc import Coupling, Disc
@@ -44,13 +44,13 @@ class Name(NamedTuple):
     of), the quantity. It is spelled at the edge and never taken apart."""
 
     kind: str
-    index: int
+    number: int
     quantity: str
 
     def __str__(self) -> str:
         if not self.kind:
             return self.quantity
-        return f"{spelled(self.kind, self.index)}.{self.quantity}"
+        return f"{spelled(self.kind, self.number)}.{self.quantity}"
 
 
 def spelled(kind: str, index: int) -> str:
@@ -253,7 +253,7 @@ class Rotor:
         """
         own = {str(Name(heading, 0, q)): q for q, heading in OWN.items()}
         left = dict(values)
-        changed: dict[str, float | bool] = {q: left.pop(n) for n, q in own.items() if n in left}
+        changed: dict[str, Any] = {q: left.pop(n) for n, q in own.items() if n in left}
         parts = []
         for (kind, index), part in self.indexed_parts():
             names = {str(Name(kind, index, q)): q for q in quantities(part)}

@@ -36,7 +36,9 @@ class Materials:
         table = a_table("material", given)
         named = {name: item for name, item in table.items() if isinstance(item, dict)}
         own = {name: item for name, item in table.items() if name not in named}
-        self.named = {name: make(Material, f"material.{name}", t) for name, t in named.items()}
+        self.named: dict[str, Material] = {
+            name: make(Material, f"material.{name}", t) for name, t in named.items()
+        }
         if own or not named:
             self.own = make(Material, "material", own)
         else:

@@ -50,7 +50,7 @@ def refuse_unknown(where: str, table: dict[str, Any], known: Collection[str]) ->
             raise QuantityError(f"{shown}: unknown key; {hint}known are {', '.join(known)}")
 
 
-def _is_optional(field: Field) -> bool:
+def _is_optional(field: Field[Any]) -> bool:
     return field.default is not MISSING or field.default_factory is not MISSING
 
 

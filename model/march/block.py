@@ -26,7 +26,7 @@ METHOD = np.dtype(
 class Integrator(NamedTuple):
     """The integrator and its step control: one record of the numbers of `Scheme` and `Control`."""
 
-    numbers: Annotated[np.ndarray, METHOD, "1"]
+    numbers: Annotated[np.recarray, METHOD, "1"]
 
 
 class Reading(NamedTuple):

@@ -50,7 +50,7 @@ class Memory(NamedTuple):
     the ports [N].
     """
 
-    record: Annotated[np.ndarray, RECORD, "1"]
+    record: Annotated[np.recarray, RECORD, "1"]
     work: Annotated[np.ndarray, float, "flows"]
     power: Annotated[np.ndarray, float, "flows"]
     peaks: Annotated[np.ndarray, float, "3", "2", "probes"]

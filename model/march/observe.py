@@ -10,17 +10,22 @@ from ..machine.rotor import Name, Rotor, spelled
 from ..parts import LAWS
 from ..protocol.law import losses_of, stores_of
 from ..protocol.part import outputs_of
-from ..quantities import Output
+from ..quantities import ALL, SPEED, Output
 from ..step.excitation import spin_of
 from ..step.laws import law_observe, relative
 from .energy import total_energy
 
 SHAFT = (
     Output("phi", "rad", "angle of rotation, integral of the speed", True, 100.0),
-    Output("w", "rad/s", "speed of rotation reached", nominal=100.0),
-    Output("a", "rad/s2", "rate of the speed", nominal=10.0),
+    Output("w", "rad/s", "speed of rotation reached", nominal=100.0, reached_by=SPEED),
+    Output("a", "rad/s2", "rate of the speed", nominal=10.0, reached_by=ALL),
     Output(
-        "tau", "N.m", "torque that the drive must supply to turn the rotor at its speed", True, 0.1
+        "tau",
+        "N.m",
+        "torque that the drive must supply to turn the rotor at its speed",
+        True,
+        0.1,
+        reached_by=ALL,
     ),
     Output(
         "tau_load",
@@ -29,6 +34,7 @@ SHAFT = (
         "integrates the speed with the rotor's inertia J",
         True,
         0.1,
+        reached_by=ALL,
     ),
     Output(
         "J",
@@ -61,12 +67,13 @@ SOLVER = (
     ),
 )
 _STORES = (
-    Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0),
+    Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0, reached_by=SPEED),
     Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
     Output("gravity", "J", "potential energy of gravity", nominal=0.01),
 )
 _WORK = (
-    Output("drive_work", "J", "work of the drive since the start", nominal=100.0),
+    # a jump of the speed is work
+    Output("drive_work", "J", "work of the drive since the start", nominal=100.0, reached_by=SPEED),
     Output("external_work", "J", "work of the external forces since the start", nominal=1.0),
 )
 _LOSSES = (

@@ -27,7 +27,7 @@ from ..kernels.compiled import compiled
 from ..kernels.functions import angle, direction, exponential, modulus, power
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
-from ..quantities import ANY, NOT_NEGATIVE, Output, Rule, quantity
+from ..quantities import ANY, NOT_NEGATIVE, SPEED, Output, Rule, quantity
 
 _EXPONENT = Rule(lambda v: 1.0 <= v <= 3.0, "must be from 1 to 3")
 _POWER = Rule(lambda v: v >= 1.0, "must be >= 1 and finite")
@@ -301,7 +301,7 @@ def _observe(part, tables, d, d_dot, speed, spin, own, out):
 OUTPUTS = (
     Output("psi", "rad", "contact angle, 0 to the right, 3 pi / 2 at the bottom", True, 1.0),
     Output("fn", "N", "normal contact force", True, 10.0),
-    Output("ft", "N", "friction force that brakes the rotor", nominal=1.0),
+    Output("ft", "N", "friction force that brakes the rotor", nominal=1.0, reached_by=SPEED),
     Output("x", "m", "journal relative to the housing, to the right", nominal=1e-4),
     Output("y", "m", "journal relative to the housing, upwards", nominal=1e-4),
     Output("contact", "1", "whether journal and housing touch", True, kind="Boolean"),

@@ -26,7 +26,7 @@ from scipy.interpolate import PchipInterpolator
 from ..kernels.compiled import compiled
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
-from ..quantities import ANY, Output, QuantityError, check_all, quantities, quantity
+from ..quantities import ANY, SPEED, Output, QuantityError, check_all, quantities, quantity
 
 _COLUMNS = 1 + 4 * 8  # of a row: speed, and the cubics of the interval that begins there
 
@@ -147,8 +147,8 @@ def _table(part: LinearBearing) -> np.ndarray:
 
 
 OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0),
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
 )
 LINEAR_BEARING = Law(
     name="linear_bearing",

@@ -46,7 +46,7 @@ class Section:
     length: float = quantity("m", "length")
     outer_left: float = quantity("m", "outer diameter at the left end")
     outer_right: float = quantity("m", "outer diameter at the right end")
-    material: Material
+    material: Material  # type: ignore[misc]  # to mypy, any call stands for a default
     bore_left: float = quantity("m", "bore at the left end", NOT_NEGATIVE, 0.0)
     bore_right: float = quantity("m", "bore at the right end", NOT_NEGATIVE, 0.0)
     axial_force: float = quantity("N", "tension, negative where it is compressed", ANY, 0.0)
@@ -98,17 +98,17 @@ class Section:
         """The stretch between two shares of the length, from 0 to 1."""
 
         def between(name: str, share: float) -> float:
-            left, right = getattr(self, f"{name}_left"), getattr(self, f"{name}_right")
+            left: float = getattr(self, f"{name}_left")
+            right: float = getattr(self, f"{name}_right")
             return left + share * (right - left)
 
         return replace(
             self,
             length=(end - begin) * self.length,
-            **{
-                f"{name}_{side}": between(name, share)
-                for name in ("outer", "bore")
-                for side, share in (("left", begin), ("right", end))
-            },
+            outer_left=between("outer", begin),
+            outer_right=between("outer", end),
+            bore_left=between("bore", begin),
+            bore_right=between("bore", end),
         )
 
     @property

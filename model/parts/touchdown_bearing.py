@@ -23,7 +23,7 @@ from typing import ClassVar
 from ..kernels.compiled import compiled
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
-from ..quantities import NOT_NEGATIVE, Output, quantity
+from ..quantities import NOT_NEGATIVE, SPEED, Output, quantity
 from .clearance_contact import (
     LOSSES,
     OUTPUTS,
@@ -186,7 +186,7 @@ TOUCHDOWN_BEARING = Law(
     outputs=(
         *OUTPUTS,
         Output("race", "rad/s", "speed of the race", True, 100.0),
-        Output("sliding", "m/s", "sliding speed while in contact", nominal=1.0),
+        Output("sliding", "m/s", "sliding speed while in contact", nominal=1.0, reached_by=SPEED),
     ),
     stores=(*STORES, Output("races", "J", "kinetic energy of the races", nominal=1.0)),
     losses=(*LOSSES, Output("drag", "J", "dissipated by the races' drag", nominal=1.0)),

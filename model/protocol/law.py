@@ -40,6 +40,8 @@ import numpy as np
 from ..kernels.compiled import compiled
 from ..quantities import Output, quantities
 
+_Kernel = Callable[..., Any]
+
 
 @compiled
 def no_length(part):
@@ -110,7 +112,7 @@ def losses_of(laws: Sequence[Law]) -> tuple[Output, ...]:
     return unique([loss for law in laws for loss in law.losses])
 
 
-def _link(code: int, function: Callable, rest: Callable | None) -> Callable:
+def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
     """Calls `function` for interfaces of the law `code`, `rest` for the others."""
     if rest is None:
 
@@ -126,15 +128,16 @@ def _link(code: int, function: Callable, rest: Callable | None) -> Callable:
     return compiled(call, to_keep=False)
 
 
-def dispatcher(functions: Sequence[Callable], takes_tables: bool = True) -> Callable:
+def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kernel:
     """One compiled function `call(laws, interface, ...)` of a function a law.
 
     laws: the records of each law, in the order of `functions`, and last the tables; interface: a
     record whose `law` is the place in that order and whose `row` is that of the law's record;
     takes_tables: whether the functions take the tables behind the record.
     """
-    call = None
-    for code in reversed(range(len(functions))):
+    *others, lowest = range(len(functions))
+    call = _link(lowest, functions[lowest], None)
+    for code in reversed(others):
         call = _link(code, functions[code], call)
     if not takes_tables:
         return call

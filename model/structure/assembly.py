@@ -106,17 +106,17 @@ class Structure(NamedTuple):
     one_body: Annotated[np.ndarray, float, "2", "n"]
     deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
     load_dof: Annotated[np.ndarray, np.int64, "loads"]
-    probes: Annotated[np.ndarray, PROBE, "probes"]
-    velocities: Annotated[np.ndarray, PROBE, "velocities"]
-    unbalances: Annotated[np.ndarray, UNBALANCE, "unbalances"]
+    probes: Annotated[np.recarray, PROBE, "probes"]
+    velocities: Annotated[np.recarray, PROBE, "velocities"]
+    unbalances: Annotated[np.recarray, UNBALANCE, "unbalances"]
     unbalance: Annotated[np.ndarray, complex, "unbalances"]
-    springs: Annotated[np.ndarray, SPRING, "springs"]
-    housings: Annotated[np.ndarray, HOUSING, "housings"]
-    interfaces: Annotated[np.ndarray, INTERFACE, "interfaces"]
+    springs: Annotated[np.recarray, SPRING, "springs"]
+    housings: Annotated[np.recarray, HOUSING, "housings"]
+    interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
     laws: Annotated[tuple[np.ndarray, ...], "one a law, tables"]
     stores: Annotated[np.ndarray, np.int64, "stores"]
     losses: Annotated[np.ndarray, np.int64, "losses"]
-    numbers: Annotated[np.ndarray, NUMBERS, "1"]
+    numbers: Annotated[np.recarray, NUMBERS, "1"]
 
 
 def sizes_of(structure: Structure) -> dict[str, int]:
@@ -335,11 +335,11 @@ def _lowest_omega(
     return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
 
 
-def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
+def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, Any]:
     """The members that name dofs, with each dof at its new place."""
     load_dof = structure.load_dof.copy()
     load_dof[load_dof >= 0] = place(load_dof[load_dof >= 0])
-    changed: dict[str, np.ndarray] = {"load_dof": load_dof}
+    changed: dict[str, Any] = {"load_dof": load_dof}
     for name in ("probes", "velocities", "unbalances", "springs", "interfaces"):
         records = getattr(structure, name).copy()
         records.dof = place(records.dof)

@@ -7,6 +7,7 @@ import numpy as np
 from ..kernels.band import to_dense
 from ..parts import LAWS
 from ..parts.clearance_contact import CLEARANCE_CONTACT
+from ..quantities import quantities
 from .assembly import Structure
 
 X, Y = 0, 1
@@ -20,7 +21,7 @@ def clearance_contacts(structure: Structure) -> np.recarray:
     interfaces = structure.interfaces[structure.interfaces.law == code]
     contacts = np.zeros(len(interfaces), CONTACT).view(np.recarray)
     contacts.dof, contacts.end = interfaces.dof, interfaces.end
-    for name in CLEARANCE_CONTACT.dtype.names:
+    for name in quantities(CLEARANCE_CONTACT.kind):
         contacts[name] = structure.laws[code][name][interfaces.row]
     return contacts
 

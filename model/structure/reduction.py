@@ -7,6 +7,8 @@ lowest modes with those deflections held (Craig and Bampton 1968).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
@@ -36,8 +38,8 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     modes = min(modes, len(rest))
     T = np.zeros((n, len(kept) + modes))
     T[kept, np.arange(len(kept))] = 1.0
-    T[np.ix_(rest, range(len(kept)))] = -np.linalg.solve(K[inner], K[np.ix_(rest, kept)])
-    T[np.ix_(rest, range(len(kept), T.shape[1]))] = (inverse.T @ shapes)[:, :modes]
+    T[np.ix_(rest, np.arange(len(kept)))] = -np.linalg.solve(K[inner], K[np.ix_(rest, kept)])
+    T[np.ix_(rest, np.arange(len(kept), T.shape[1]))] = (inverse.T @ shapes)[:, :modes]
     return kept, T
 
 
@@ -49,7 +51,7 @@ def reduced(structure: Structure, modes: int) -> Structure:
     kept, T = component_modes(structure, modes)
     n, size = T.shape
     dense = {name: T.T @ to_dense(getattr(structure, name)) @ T for name in _MATRICES}
-    bands = {name: to_band(matrix, size - 1) for name, matrix in dense.items()}
+    bands: dict[str, Any] = {name: to_band(matrix, size - 1) for name, matrix in dense.items()}
     M_factors = bands["M"].copy()
     factorize(M_factors)
     place = {dof: i for i, dof in enumerate(kept.tolist())}

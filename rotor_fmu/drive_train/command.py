@@ -8,7 +8,7 @@ import shutil
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -151,9 +151,9 @@ def orders(runs: list[Coupled]) -> list[float]:
     return (np.log(lost[:-1] / lost[1:]) / np.log(np.divide(STUDIED[:-1], STUDIED[1:]))).tolist()
 
 
-def summary(runs: dict[str, Coupled], study: dict[str, list[Coupled]]) -> dict[str, object]:
+def summary(runs: dict[str, Coupled], study: dict[str, list[Coupled]]) -> dict[str, Any]:
     """Figures of the run-ups and of the study of the residual."""
-    report: dict[str, object] = {}
+    report: dict[str, Any] = {}
     for name, run in runs.items():
         report[name] = {
             "end_hz": float(run.hz[-1]),
@@ -177,7 +177,7 @@ def summary(runs: dict[str, Coupled], study: dict[str, list[Coupled]]) -> dict[s
     return report
 
 
-def _in_words(report: dict[str, object], out: Path) -> str:
+def _in_words(report: dict[str, Any], out: Path) -> str:
     lines = []
     for name in ("ample", "small"):
         f = report[name]

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -146,7 +147,7 @@ class Member:
         """Step from t [s] over h [s]."""
         self._call(self._fmu.doStep, t, h)
 
-    def _call(self, call: Callable[..., object], *arguments: object, **named: object) -> object:
+    def _call(self, call: Callable[..., object], *arguments: object, **named: object) -> Any:
         try:
             return call(*arguments, **named)
         except fmpy.fmi1.FMICallException as error:
@@ -207,7 +208,7 @@ def couple(
 
 def save_coupled(run: Coupled, path: Path) -> None:
     """Write a run to a .npz file, whole or not at all."""
-    columns = {f"drive {name}": column for name, column in run.drive.items()}
+    columns: dict[str, Any] = {f"drive {name}": column for name, column in run.drive.items()}
     columns |= {f"rotor {name}": column for name, column in run.rotor.items()}
     unfinished = path.with_suffix(".part.npz")
     np.savez_compressed(unfinished, t=run.t, J=run.J, **columns)

@@ -41,15 +41,20 @@ def build_simulation(
     tolerance: the experiment's [1], which a value of the FMU's own overrides. Raises
     `QuantityError`, `SettingsError` and `EquilibriumError`.
     """
-    if "tau_drive" in values:
-        drive = {"speed": values["w_start"], "drive_torque": values["tau_drive"]}
-    else:
-        drive = {
-            "speed": values["speed"],
-            "rate": values["speed_rate"],
-            "continues_speed": values["speed_continuation"] == 0,
-        }
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)
     settings = settings_of(values, tolerance, warn)
-    return Simulation(changed, settings, loads=loads, warn=warn, **drive)
+    if "tau_drive" in values:
+        speed, torque = values["w_start"], values["tau_drive"]
+        return Simulation(
+            changed, settings, speed=speed, drive_torque=torque, loads=loads, warn=warn
+        )
+    return Simulation(
+        changed,
+        settings,
+        speed=values["speed"],
+        rate=values["speed_rate"],
+        continues_speed=values["speed_continuation"] == 0,
+        loads=loads,
+        warn=warn,
+    )

@@ -6,6 +6,7 @@ import uuid
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
+from ..model.quantities import ALL, SPEED
 from .variables import Variable, unit
 
 _ORDER = (
@@ -18,9 +19,6 @@ _ORDER = (
     "ModelStructure",
 )
 
-# Outputs that inputs reach within an instant.
-DEPENDENT = ("tau", "tau_load", "a")
-
 
 def guid(table: Sequence[Variable], content: str) -> str:
     """Identifier that follows the interface and the code behind it, and nothing else."""
@@ -31,11 +29,10 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
     """Add units, limits, dependencies and initial unknowns to pythonfmu's description `root`."""
     root.set("generationDateAndTime", generated)
     root.append(unit_definitions(table))
-    for element, variable in zip(root.find("ModelVariables"), table, strict=True):
+    for element, variable in zip(root.iterfind("ModelVariables/*"), table, strict=True):
         _describe(element, variable)
-    root.remove(root.find("ModelStructure"))
-    root.append(_model_structure(table))
-    root[:] = sorted(root, key=lambda child: _ORDER.index(child.tag))
+    kept = [child for child in root if child.tag != "ModelStructure"]
+    root[:] = sorted([*kept, _model_structure(table)], key=lambda child: _ORDER.index(child.tag))
     return root
 
 
@@ -66,18 +63,24 @@ def unit_definitions(table: Sequence[Variable]) -> Element:
     return definitions
 
 
-def _model_structure(table: Sequence[Variable]) -> Element:
-    """Outputs with what they depend on within an instant, and the initial unknowns.
+def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
+    """Places in the table of the inputs that reach a variable within an instant.
 
-    At an instant the displacements are states, and no input reaches them; the contact forces depend
-    on the speed through friction and damping, torque and angular acceleration on every input.
+    At an instant the motion is a state, and so is the speed of a rotor that a torque drives.
     """
+    inputs = [i for i, other in enumerate(table) if other.causality == "input"]
+    if variable.reached_by == ALL:
+        return inputs
+    return [i for i in inputs if table[i].name == variable.reached_by == SPEED]
+
+
+def _model_structure(table: Sequence[Variable]) -> Element:
+    """Outputs with what they depend on within an instant, and the initial unknowns."""
     structure = Element("ModelStructure")
-    inputs = [str(i) for i, v in enumerate(table, 1) if v.causality == "input"]
     outputs = SubElement(structure, "Outputs")
     for index, variable in enumerate(table, 1):
         if variable.causality == "output":
-            depends = " ".join(inputs) if variable.name in DEPENDENT else ""
+            depends = " ".join(str(1 + place) for place in reached_by(table, variable))
             SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
     unknowns = SubElement(structure, "InitialUnknowns")
     for index, variable in enumerate(table, 1):

@@ -138,6 +138,7 @@ class Instance:
             self._allow("doStep", Phase.STEPPING)
         self._check_step(current, size)
         simulation, values = self._simulation, self._values
+        assert simulation is not None  # the phase begins with one
         self._load_parts[:] = [values[i] for i in self._face.load_at]
         self._is_stale = True
         # until the step has ended, so that whatever ends it before is a failure
@@ -218,7 +219,9 @@ class Instance:
             raise FmuError(f"{variable.name}: is computed and cannot be set")
         if variable.causality == "parameter" and self._phase is Phase.STEPPING:
             raise FmuError(f"{variable.name}: a fixed parameter cannot be set after initialization")
-        if variable.kind == "Integer" and not variable.low <= value <= variable.high:
+        if variable.low is None or variable.high is None or variable.kind != "Integer":
+            return
+        if not variable.low <= value <= variable.high:
             raise FmuError(
                 f"{variable.name} = {value}: must be an integer from {variable.low} to "
                 f"{variable.high}"

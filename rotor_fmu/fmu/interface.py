@@ -124,7 +124,7 @@ def _parameter(name: Name, told: Quantity, value: float | bool) -> Variable:
 
 
 def _part_of(name: Name) -> str:
-    return f"{name.kind} {name.index}: " if name.index else ""
+    return f"{name.kind} {name.number}: " if name.number else ""
 
 
 def _real(name: str, unit: str, start: float, text: str, low: float | None) -> Variable:
@@ -148,6 +148,7 @@ def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
                 f"{_part_of(name)}{output.text}",
                 output.unit,
                 nominal=output.nominal,
+                reached_by=output.reached_by,
             )
         )
     return table

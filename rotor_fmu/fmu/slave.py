@@ -66,7 +66,7 @@ def _resource(resources: str | None, name: str, otherwise: Callable[[], str]) ->
     return _texts_read[file]
 
 
-class RotorBearing(Fmi2Slave):
+class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     """A flexible rotor that rubs in clearance bearings, driven by its speed or by a torque.
 
     One class for both: pythonfmu's wrapper finds direct subclasses of its own only.
@@ -159,7 +159,8 @@ class RotorBearing(Fmi2Slave):
 
     def get_string(self, vrs: list[int]) -> list[str]:
         """Values of String variables, of which there are none."""
-        return self._guard(self._instance.get, "String", vrs)
+        self._guard(self._instance.get, "String", vrs)
+        return []
 
     def set_real(self, vrs: list[int], values: list[float]) -> None:
         """Set Real variables."""
@@ -175,11 +176,11 @@ class RotorBearing(Fmi2Slave):
 
     def set_string(self, vrs: list[int], values: list[str]) -> None:
         """Set String variables, of which there are none."""
-        self._guard(self._set_strings, vrs, values)
+        self._guard(self._set_strings, vrs)
 
-    def _set_strings(self, vrs: list[int], values: list[str]) -> None:
+    def _set_strings(self, vrs: list[int]) -> None:
         try:
-            self._instance.set("String", vrs, values)
+            self._instance.set("String", vrs, ())
         except SystemError:  # the wrapper's, left pending by text that is not UTF-8
             raise FmuError("setString: a value is not UTF-8 text") from None
 

@@ -105,9 +105,10 @@ def solver_parameters() -> list[Variable]:
 
 def _variable(row: _Choice | _Number) -> Variable:
     name = f"{_PREFIX}{row.name}"
+    choices: tuple[str, ...] = ()
     if isinstance(row, _Number):
         text = f"{row.text}; {row.start:g}: {AS_PRESET}"
-        start, low, high, choices = row.start, row.low, row.high, ()
+        start, low, high = row.start, row.low, row.high
         kind, unit = "Real", row.unit
     else:
         choices = (AS_PRESET, *row.values)
@@ -145,13 +146,13 @@ def settings_of(
     the parameter's name.
     """
     changes: dict[str, Value] = {}
-    limits: dict[str, float] = {}
+    limited: dict[str, tuple[float, float]] = {}
     for row in _TABLE:
         value = values[f"{_PREFIX}{row.name}"]
         if isinstance(row, _Number):
             if value != row.start:
                 changes[row.name] = value
-                limits[row.name] = row.high
+                limited[row.name] = value, row.high
         elif value != 0:
             changes[row.setting] = list(row.values.values())[int(value) - 1]
     own = dict(changes)
@@ -163,9 +164,9 @@ def settings_of(
         settings = choose(preset, **changes, reduction=reduction)
     except SettingsError as error:
         raise SettingsError(f"{_PREFIX}{error}") from error
-    for name, high in limits.items():
-        if own[name] > high:
-            raise SettingsError(f"{_PREFIX}{name} = {own[name]:g}: must be at most {high:g}")
+    for name, (value, high) in limited.items():
+        if value > high:
+            raise SettingsError(f"{_PREFIX}{name} = {value:g}: must be at most {high:g}")
     for sentence in without_effect(settings, own):
         warn(f"{_PREFIX}{sentence}")
     return settings

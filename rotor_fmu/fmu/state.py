@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +17,7 @@ class StateError(ValueError):
     """Bytes that are no state of this FMU."""
 
 
-def pack(build: str, about: dict[str, object], arrays: Sequence[np.ndarray]) -> bytes:
+def pack(build: str, about: dict[str, Any], arrays: Sequence[np.ndarray]) -> bytes:
     """State of the FMU build `build`: what JSON can say, and arrays."""
     header = {"build": build, "about": about, "sizes": [a.nbytes for a in arrays]}
     text = json.dumps(header).encode()
@@ -24,7 +25,7 @@ def pack(build: str, about: dict[str, object], arrays: Sequence[np.ndarray]) -> 
     return hashlib.sha256(body).digest() + body
 
 
-def unpack(build: str, state: bytes) -> tuple[dict[str, object], list[bytes]]:
+def unpack(build: str, state: bytes) -> tuple[dict[str, Any], list[bytes]]:
     """What `pack` was given, the arrays as bytes; `StateError` if it was not by this build."""
     digest, body = state[:_DIGEST], state[_DIGEST:]
     if hashlib.sha256(body).digest() != digest:

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, field
 from functools import cache
 
+from ..model.quantities import NOTHING
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -51,8 +53,9 @@ class Variable:
     """One variable of the FMU.
 
     kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a name that
-    `unit` reads (Reals); choices: the names of an Integer's values, from 0; unset: the start value
-    of a solver parameter that leaves it to the preset.
+    `unit` reads (Reals); choices: the names of an Integer's values, from 0; is_unset_at_start:
+    whether the start value of a solver parameter leaves it to the preset; reached_by: see
+    `quantities.Output`.
     """
 
     name: str
@@ -66,6 +69,7 @@ class Variable:
     nominal: float | None = None
     choices: tuple[str, ...] = field(default=())
     is_unset_at_start: bool = False
+    reached_by: str = NOTHING
 
     @property
     def is_observed(self) -> bool:

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 _settled: set[str] = set()
 
@@ -31,7 +32,7 @@ class HeldFromLookUp:
     def __init__(self, method: Callable[..., object]) -> None:
         self._method = method
 
-    def __get__(self, slave: object, owner: type) -> object:
+    def __get__(self, slave: Any, owner: type) -> object:
         """The bound method; on the class this descriptor."""
         if slave is None:
             return self

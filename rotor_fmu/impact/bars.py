@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from ..errors import writable_folder
 from ..figures import save
@@ -34,7 +35,7 @@ def present(
     chosen: Sequence[ImpactCase],
     steps: Sequence[float],
     openings: Sequence[float],
-    options: Mapping[str, object],
+    options: Mapping[str, Any],
     stop: float,
     wants_figure_8: bool,
     out: Path,
@@ -83,8 +84,8 @@ def present(
     finish(reports, chosen, failures, out)
 
 
-def _row(case: ImpactCase, dt: float, found: BarsRun, wall: float) -> dict[str, object]:
-    row = {"label": case.label, "opening": found.bars.opening, "dt": dt}
+def _row(case: ImpactCase, dt: float, found: BarsRun, wall: float) -> dict[str, Any]:
+    row: dict[str, Any] = {"label": case.label, "opening": found.bars.opening, "dt": dt}
     row |= {"increments": found.run.increments, "cutbacks": found.run.cutbacks}
     row |= {"energy_change": found.energy_change, "wall_time": wall, "status": found.run.status}
     if found.is_complete:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -100,7 +101,7 @@ def present(
     finish([report], chosen, [], out)
 
 
-def _row(trial: Trial, found: JournalRun, right: JournalRun, wall: float) -> dict[str, object]:
+def _row(trial: Trial, found: JournalRun, right: JournalRun, wall: float) -> dict[str, Any]:
     row = {"label": trial.case.label, "eta_v": trial.run_down.rotor.eta_v, "dt": trial.dt}
     row |= {"increments": found.run.increments, "cutbacks": found.run.cutbacks}
     row |= {"t_end": float(found.t[-1]), "impacts": found.impacts, "crossings": found.crossings}
@@ -116,7 +117,9 @@ def _picture(
     trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, stop: float, title: str
 ) -> Figure:
     """Scheme and increment against impact option and shaft: who arrives, and how well."""
-    cells, lines, columns = {}, {}, {}
+    cells: dict[tuple[str, str], tuple[str, str]] = {}
+    lines: dict[str, None] = {}
+    columns: dict[str, None] = {}
     for trial, row in zip(trials, rows, strict=True):
         if trial.dt == fine:
             continue

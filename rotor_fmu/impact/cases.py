@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
@@ -24,6 +25,7 @@ PAPER_RATCHET = ("moderate-dissipation", "transient-fidelity", "newmark")
 FIGURE_8_OPENING = 0.0200008
 # What Abaqus takes where nothing is said.
 _OWN_IMPACT = {"transient-fidelity": "average-time"}
+Result = TypeVar("Result")
 console = Console(highlight=False, markup=False, soft_wrap=True)
 
 
@@ -82,8 +84,8 @@ def positive(option: str, values: Sequence[float], unit: str = "s") -> Sequence[
 
 
 def carried_out(
-    title: str, jobs: Sequence[tuple[str, float, Callable]]
-) -> list[tuple[object, float]]:
+    title: str, jobs: Sequence[tuple[str, float, Callable[[Callable[[float], None]], Result]]]
+) -> list[tuple[Result, float]]:
     """Results and wall times [s] of jobs (label, end [s], run of a progress callback)."""
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
     results = []
@@ -93,7 +95,11 @@ def carried_out(
         for label, end, run in jobs:
             bar.update(task, description=label)
             began = time.perf_counter()
-            result = run(lambda t, done=done: bar.update(task, completed=done + t))
+
+            def progress(t: float, done: float = done) -> None:
+                bar.update(task, completed=done + t)
+
+            result = run(progress)
             results.append((result, time.perf_counter() - began))
             done += end
             bar.update(task, completed=done)
@@ -103,8 +109,10 @@ def carried_out(
 def finish(
     reports: Sequence[Report], chosen: Sequence[ImpactCase], failures: Sequence[str], out: Path
 ) -> None:
-    """Print the tables, what is to be said of the parameters, and where things are; fail if a run
-    ended early that was not meant to."""
+    """Print the tables, what is to be said of the parameters, and where things are.
+
+    Raises `RunFailed` with what ended early and was not meant to.
+    """
     for report in reports:
         report.print(console)
     for case in chosen:

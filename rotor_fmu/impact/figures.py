@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -19,7 +21,7 @@ OUTCOMES = {"arrived": "#a9d0ea", "stalled": "#f2c38f", "diverged": "#d9d9d9"}
 _DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 
 
-def panels(rows: int, width: float, height: float, **options: object) -> tuple[Figure, list]:
+def panels(rows: int, width: float, height: float, **options: Any) -> tuple[Figure, list]:
     """A figure with several pairs of axes one below another, in the look of `new_figure`."""
     figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
@@ -54,7 +56,7 @@ def tip_velocity(runs: Sequence[tuple[float, BarsRun]], caption: str) -> Figure:
     return figure
 
 
-def _curves(axes: object, curves: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> None:
+def _curves(axes: Axes, curves: Mapping[str, tuple[np.ndarray, np.ndarray]]) -> None:
     for k, (label, (x, y)) in enumerate(curves.items()):
         dash = _DASHES[k % len(_DASHES)]
         axes.plot(x, y, color=COLOURS[k % len(COLOURS)], ls=dash, lw=1.5, label=label)
@@ -111,7 +113,7 @@ def wheel_speeds(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
         label="rigid pawl, closed form",
     )
     for k, (name, found) in enumerate(runs.items()):
-        style = {"color": COLOURS[k], "ls": _DASHES[k % 4], "lw": 1.6}
+        style: dict[str, Any] = {"color": COLOURS[k], "ls": _DASHES[k % 4], "lw": 1.6}
         label = name if found.run.is_done else f"{name}: stalls at {1e3 * found.t[-1]:.3g} ms"
         axes.plot(1e3 * found.t, found.wheel_speed, label=label, **style)
         if not found.run.is_done:

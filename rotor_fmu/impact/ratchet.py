@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def present(
     finish([report], chosen, failures, out)
 
 
-def _row(case: ImpactCase, dt: float, found: RatchetRun, wall: float) -> dict[str, object]:
+def _row(case: ImpactCase, dt: float, found: RatchetRun, wall: float) -> dict[str, Any]:
     speed = found.wheel_speed
     row = {"label": case.label, "dt": dt, "slope": found.slope}
     row |= {"t_reversal": 1e3 * found.t_reversal, "fast_content": found.fast_content}

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
@@ -61,7 +63,7 @@ def _wheel(ratchet: Ratchet, angle: float) -> np.ndarray:
 class _Scene:
     """Wheel and pawl in one pair of axes; `show` moves them."""
 
-    def __init__(self, axes: object, ratchet: Ratchet, factor: float, largest: float) -> None:
+    def __init__(self, axes: Axes, ratchet: Ratchet, factor: float, largest: float) -> None:
         pawl = ratchet.pawl
         self._ratchet, self._factor = ratchet, factor
         c = ratchet.plate.columns
@@ -139,7 +141,7 @@ def animate(found: RatchetRun, path: Path, caption: str) -> Path:
     axes.set_title(caption, loc="left", fontsize=9)
     clock = axes.text(0.02, 0.95, "", transform=axes.transAxes, va="top", fontsize=9)
 
-    def frame(k: int) -> Sequence[object]:
+    def frame(k: int) -> Sequence[Artist]:
         scene.show(found.shape_angle[k], found.shapes[k])
         speed = np.interp(found.shape_t[k], found.t, found.wheel_speed)
         clock.set_text(f"t = {1e3 * found.shape_t[k]:5.2f} ms    wheel {speed:+6.1f} rad/s")

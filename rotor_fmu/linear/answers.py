@@ -106,13 +106,13 @@ def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
     return _shown(Modes, linear.modes(rotor_of(machine), speed, **options))
 
 
-def campbell(machine: Machine, speeds: Sequence[float], **options: Any) -> Campbell:
+def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
     """`model.linear.campbell` of a machine."""
     return _shown(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
 
 
 def unbalance_response(
-    machine: Machine, speeds: Sequence[float], **options: Any
+    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
     """`model.linear.unbalance_response` of a machine."""
     found = linear.unbalance_response(rotor_of(machine), speeds, **options)

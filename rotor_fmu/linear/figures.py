@@ -179,12 +179,12 @@ def unbalance_figure(found: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
             phase[found.speeds == 0] = np.nan
             below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
     handles, _ = above.get_legend_handles_labels()
-    for label, dashes, width in (
+    for label, style, width in (
         ("major semi-axis", "-", 1.8),
         ("x", (0, (4, 2)), 1.0),
         ("y", (0, (1, 1.5)), 1.0),
     ):
-        handles.append(Line2D([], [], color=GREY, lw=width, ls=dashes, label=label))
+        handles.append(Line2D([], [], color=GREY, lw=width, ls=style, label=label))
     above.legend(handles=handles, frameon=False, fontsize=8, loc="best")
     above.set_ylim(bottom=0)
     above.set_ylabel("Amplitude [µm]")

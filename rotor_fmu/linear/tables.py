@@ -147,7 +147,7 @@ def _told(major: np.ndarray) -> Sequence[int]:
     if len(major) <= _MOST_SPEEDS:
         return range(len(major))
     inner = np.flatnonzero((major[1:-1] > major[:-2]) & (major[1:-1] >= major[2:])) + 1
-    return inner if len(inner) else [int(np.argmax(major))]
+    return inner.tolist() if len(inner) else [int(np.argmax(major))]
 
 
 def numbers(found: Any) -> dict[str, object]:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
 from ..about import RELEASED, __version__
-from ..fmu.description import DEPENDENT, complete, unit_definitions
+from ..fmu.description import complete, reached_by, unit_definitions
 from ..fmu.variables import Variable, unit
 from ..model.settings import Settings
 
@@ -32,6 +32,7 @@ def _root(name: str, is_free: bool, **attributes: str) -> Element:
     drive = "a torque" if is_free else "its speed"
     return Element(
         "fmiModelDescription",
+        attributes,
         modelName=name,
         description="Flexible rotor with discs that rubs in two clearance bearings with dry "
         f"friction, driven by {drive}",
@@ -42,7 +43,6 @@ def _root(name: str, is_free: bool, **attributes: str) -> Element:
         generationTool=f"rotor-fmu {__version__}",
         generationDateAndTime=RELEASED,
         variableNamingConvention="structured",
-        **attributes,
     )
 
 
@@ -130,13 +130,12 @@ def _fmi3(name: str, token: str, table: Sequence[Variable]) -> Element:
     _common(root)
     variables = SubElement(root, "ModelVariables")
     structure = Element("ModelStructure")
-    inputs = " ".join(str(i) for i, v in enumerate(table) if v.causality == "input")
     for reference, variable in enumerate((*table, TIME)):
         told = _attributes(variable, reference) | _start(variable) | _limits(variable)
         SubElement(variables, _TYPES[variable.kind], told)
     outputs = [i for i, v in enumerate(table) if v.causality == "output"]
     for reference in outputs:
-        depends = inputs if table[reference].name in DEPENDENT else ""
+        depends = " ".join(map(str, reached_by(table, table[reference])))
         SubElement(structure, "Output", valueReference=str(reference), dependencies=depends)
     for reference in outputs:
         SubElement(structure, "InitialUnknown", valueReference=str(reference))

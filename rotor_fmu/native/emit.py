@@ -1,4 +1,4 @@
-"""The library's functions as LLVM IR: python -m rotor_fmu.native.emit FOLDER
+"""The library's functions as LLVM IR: `python -m rotor_fmu.native.emit FOLDER`.
 
 Run in a process of its own, since numba is told the processor before it is imported.
 """

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..model.settings import INDICATORS, METHODS, MODES, NORMS, Settings, without_effect
 
 GOOD = 0
@@ -24,8 +26,14 @@ _CONTEXTS = [{"mode": mode, "norm": norm} for mode in MODES for norm in NORMS]
 _FAR = 0.875  # a number that no preset has
 
 
-def _idle(context: dict[str, str], name: str, value: str | float) -> str:
-    given = {"h": _FAR, "h_min": _FAR, "h_max": _FAR, "eps_min": 0.1, "eps_max": 0.2} | context
+def _idle(context: dict[str, str], name: str, value: object) -> str:
+    given: dict[str, Any] = {
+        "h": _FAR,
+        "h_min": _FAR,
+        "h_max": _FAR,
+        "eps_min": 0.1,
+        "eps_max": 0.2,
+    } | context
     told = without_effect(Settings(**given), [name])
     if not told:
         return ""

@@ -119,11 +119,18 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         *(1 + len(SLOTS), 1 + SLOTS.index("tolerance")),
         *(len(writes) // _ROW.size, len(needs), len(SENTENCES)),
         *(len(block), LAYOUT.extent(block, "memory").stop),
-        *(record + RECORD.fields["is_free"][1], record + RECORD.fields["continues"][1]),
+        *(record + _field(RECORD, "is_free")[1], record + _field(RECORD, "continues")[1]),
         *(where["memory.loads"], where["reading.observed"]),
         *begins,
     )
     return head + body
+
+
+def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
+    """Type and offset of a field of a record."""
+    assert record.fields is not None
+    kind, at = record.fields[name][:2]
+    return kind, at
 
 
 def _padded(data: bytes) -> bytes:
@@ -198,7 +205,7 @@ def _writes(rotor: Rotor, index: dict[str, int], where: dict[str, int]) -> list[
     for name, of in places(rotor).items():
         for place in of:
             path = f"structure.{place.member}"
-            kind, at = fields[path].fields[place.field]
+            kind, at = _field(fields[path], place.field)
             byte = where[path] + place.row * fields[path].itemsize + at
             rows.append(_ROW.pack(index[str(name)], byte, kind.kind == "i"))
     return rows

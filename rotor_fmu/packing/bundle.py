@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-import shutil
 import sys
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring, indent, tostring
 
@@ -26,6 +26,13 @@ _PROJECT = _HERE.parent
 # Of `model`, what no rotor needs: paper B's experiments, the analysis of the false state, linear
 # answers.
 _NOT_IN_FMU = ("impact", "false_state", "linear")
+# What pythonfmu puts into an FMU of its own accord.
+_PYTHONFMUS = (
+    "modelDescription.xml",
+    "binaries/",
+    "resources/pythonfmu/",
+    "resources/slavemodule.txt",
+)
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
@@ -37,27 +44,45 @@ def build(out: Path, rotor_toml: str | None = None, is_free: bool = False) -> Pa
     impossible rotor and `OSError` if `out` cannot be written. Equal sources give equal bytes.
     """
     toml = rig_toml() if rotor_toml is None else rotor_toml
-    described = parse_rotor(toml)
+    contents = _documents(toml, is_free)
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
         folder = Path(name)
-        package = _write_package(folder)
-        rotor = folder / ROTOR_FILE
-        rotor.write_text(toml, encoding="utf-8")
-        drive = folder / DRIVE_FILE
-        drive.write_text("torque" if is_free else "speed", encoding="utf-8")
-        script = folder / _script(package.name, is_free)
-        shutil.copyfile(_HERE / "entry.py", script)
-        requirements = folder / "requirements.txt"
-        requirements.write_text("\n".join(REQUIREMENTS) + "\n", encoding="utf-8")
+        for path, data in _resources(toml, is_free).items():
+            file = folder / path
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(data)
+        script = folder / _script(is_free)
         raw = folder / "raw.fmu"
-        wrap(script, [package, rotor, drive, requirements], raw)
-        target = out / (FREE_FMU_NAME if is_free else FMU_NAME)
-        return repack(raw, target, documents(described, interface(described, is_free), target.stem))
+        wrap(script, [file for file in folder.iterdir() if file != script], raw)
+        return repack(raw, out / _file_name(is_free), contents)
 
 
-def _script(package: str, is_free: bool) -> str:
-    return f"{package}_free_entry.py" if is_free else f"{package}_entry.py"
+def _file_name(is_free: bool) -> str:
+    return FREE_FMU_NAME if is_free else FMU_NAME
+
+
+def _script(is_free: bool) -> str:
+    return f"{package_name()}_free_entry.py" if is_free else f"{package_name()}_entry.py"
+
+
+def _resources(toml: str, is_free: bool) -> dict[str, bytes]:
+    """The FMU's resources by their path among them, but for what pythonfmu brings."""
+    package, sources = _contents()
+    texts = {
+        **{f"{package}/{path}": text for path, text in sources.items()},
+        _script(is_free): (_HERE / "entry.py").read_text(encoding="utf-8"),
+        ROTOR_FILE: toml,
+        DRIVE_FILE: "torque" if is_free else "speed",
+        "requirements.txt": "\n".join(REQUIREMENTS) + "\n",
+    }
+    return {path: text.encode() for path, text in texts.items()}
+
+
+def _documents(toml: str, is_free: bool) -> dict[str, bytes]:
+    """What stands beside the model, by its path in the FMU."""
+    rotor = parse_rotor(toml)
+    return documents(rotor, interface(rotor, is_free), Path(_file_name(is_free)).stem)
 
 
 def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
@@ -96,30 +121,34 @@ def _contents() -> tuple[str, dict[str, str]]:
     return f"rotorbearing_{digest.hexdigest()[:12]}", contents
 
 
-def _write_package(folder: Path) -> Path:
-    name, contents = _contents()
-    package = folder / name
-    for path, text in contents.items():
-        target = package / path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
-    return package
-
-
 def package_name() -> str:
     """Name of the package that `build` would put into the FMU now; it follows the code."""
     return _contents()[0]
 
 
 def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) -> bool:
-    """Whether `fmu` is what `build` would make now."""
+    """Whether `fmu` is what `build` would make now.
+
+    Compares all that this project puts into it; what pythonfmu makes of that by its version alone.
+    Raises `QuantityError` for an impossible rotor.
+    """
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
+    toml = rig_toml() if rotor_toml is None else rotor_toml
+    expected = {f"resources/{path}": data for path, data in _resources(toml, is_free).items()}
     with zipfile.ZipFile(fmu) as archive:
-        if f"resources/{_script(package_name(), is_free)}" not in archive.namelist():
+        names = {name for name in archive.namelist() if not name.startswith(_PYTHONFMUS)}
+        if not set(expected) <= names or _tool(archive) != f"PythonFMU {version('pythonfmu')}":
             return False
-        toml = archive.read(f"resources/{ROTOR_FILE}").decode("utf-8")
-    return toml == (rig_toml() if rotor_toml is None else rotor_toml)
+        expected |= _documents(toml, is_free)
+        return names == set(expected) and all(
+            archive.read(name) == data for name, data in expected.items()
+        )
+
+
+def _tool(archive: zipfile.ZipFile) -> str | None:
+    """What made the description."""
+    return fromstring(archive.read("modelDescription.xml")).get("generationTool")
 
 
 def repack(

@@ -39,6 +39,8 @@ def _import_package(folder: Path) -> None:
     spec = importlib.util.spec_from_file_location(
         PACKAGE, folder / "__init__.py", submodule_search_locations=[str(folder)]
     )
+    if spec is None or spec.loader is None:
+        raise Missing(f"{folder}: is no package")
     sys.modules[PACKAGE] = package = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(package)
     cache = os.environ.get("ROTOR_FMU_CACHE")
@@ -58,7 +60,7 @@ if SLAVE not in sys.modules:
             print(f"RotorBearing: error: {message}", file=sys.stderr, flush=True)
             raise Missing(message) from error
     # a package that is there without its slave was imported from a folder that is gone
-    if PACKAGE not in sys.modules or not Path(sys.modules[PACKAGE].__file__).is_file():
+    if PACKAGE not in sys.modules or not Path(sys.modules[PACKAGE].__file__ or "").is_file():
         _import_package(RESOURCES / PACKAGE)
 
 # The wrapper puts the resources on the search path for each instance anew. Of the folders with this

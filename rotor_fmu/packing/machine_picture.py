@@ -44,9 +44,9 @@ def machine_figure(rotor: Rotor) -> Figure:
     low, high = draw_machine(axes, rotor)
     line = _LINE * max(rotor.length, 2 * (high - low))
     named = [
-        (rotor.nodes[part.node - 1], name)
+        (rotor.nodes[node - 1], name)
         for name, part in rotor.named_parts()
-        if getattr(part, "node", 0) > 0
+        if (node := getattr(part, "node", 0)) > 0
     ]
     numbers = [(z, str(i)) for i, z in enumerate(rotor.nodes, 1)]
     for z, name, row in _rows(named, 0.34 * line):
@@ -112,7 +112,12 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
         _tube(axes, (z, right), (section.outer_left, section.outer_right), _SHAFT)
         if section.bore_left or section.bore_right:
             _tube(axes, (z, right), (section.bore_left, section.bore_right), "white")
-    shapes = [(nodes[part.node - 1], s) for part in rotor.parts for s in part.outline()]
+    shapes = [
+        (nodes[node - 1], shape)
+        for part in rotor.parts
+        if (node := getattr(part, "node", 0)) > 0
+        for shape in part.outline()
+    ]
     layers = [layer for section in rotor.sections for layer in section.all_layers]
     thickest = max(max(s.outer_left, s.outer_right) for s in layers) / 2
     tallest = max((s.outer for _, s in shapes), default=thickest)

@@ -12,7 +12,7 @@ _HEAD = ("variable", "causality", "unit", "start", "what it is")
 
 def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
     """Head and rows; variables of parts that there are several of once, as `disc[i]`."""
-    listed = [_HEAD]
+    listed: list[tuple[str, ...]] = [_HEAD]
     for variable in table:
         name, text = variable.name, variable.text
         numbered = re.match(r"(\w+)\[(\d+)\]", name)

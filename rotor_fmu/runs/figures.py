@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures import BLUE, GREY, ORANGE, new_figure, save
@@ -19,7 +21,7 @@ _PSI_TICKS = (
 )
 
 
-def _speed_axis(axes: object, run: Run) -> None:
+def _speed_axis(axes: Axes, run: Run) -> None:
     axes.set_xlabel(SPEED_LABEL)
     highest = float(run.hz.max()) if len(run.hz) else 60.0
     axes.set_xlim(0, 10 * math.ceil(highest / 10) or 10)
@@ -106,7 +108,7 @@ def error_indicator(run: Run, caption: str) -> Figure:
 
 
 def write_run_down(
-    run: Run, figures: Mapping[str, object], name: str, is_adaptive: bool, out: Path
+    run: Run, figures: Mapping[str, Any], name: str, is_adaptive: bool, out: Path
 ) -> list[Path]:
     """The pictures of one run-down in the folder `out`; figures: its `summary`."""
     if not len(run.t):

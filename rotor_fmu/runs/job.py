@@ -127,7 +127,7 @@ def prepare(
     signals = make_signals(table, stop, constants, recorded)
     parameters = {name: value for name, value in values.items() if name not in inputs}
     parameters.setdefault("speed_rate", signals.first_rate)
-    everything = {v.name: v.start for v in table if not v.is_observed} | parameters
+    everything = {v.name: v.start for v in table if v.start is not None} | parameters
     everything |= {name: signals.at(name, 0.0) for name in signals.values}
     settings = settings_of(everything)
     try:

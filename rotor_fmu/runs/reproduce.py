@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -105,8 +106,8 @@ class Result:
 
     case: PaperRun
     run: Run
-    figures: Mapping[str, object]
-    repeated: tuple[Mapping[str, object], ...]
+    figures: Mapping[str, Any]
+    repeated: tuple[Mapping[str, Any], ...]
 
     def spread(self, key: str) -> tuple[float, float, float] | None:
         """Median, least and largest of a figure over all repetitions; None if the run failed."""
@@ -251,7 +252,7 @@ def _steps(result: Result) -> str:
 
 def _peak_cells(result: Result, axis: str, reference: float) -> list[str]:
     size, at = result.spread(f"{axis}_peak_um"), result.spread(f"{axis}_peak_hz")
-    if size is None:
+    if size is None or at is None:
         return ["-", "-"]
     spread = f" ({size[1]:.0f} to {size[2]:.0f})" if size[2] - size[1] > 0.5 else ""
     return [f"{size[0]:.1f}{spread} at {at[0]:.2f}", f"{100 * (size[0] / reference - 1):+.1f} %"]

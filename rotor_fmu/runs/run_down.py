@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -129,7 +130,7 @@ def interrupts_noted() -> Iterator[list[int]]:
         signal.signal(signal.SIGINT, before)
 
 
-def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> object:
+def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
     description = fmpy.read_model_description(folder)
     try:
         return fmpy.instantiate_fmu(
@@ -142,8 +143,8 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> object:
 def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) -> Run:
     """The same run without an FMU: same steps, same inputs, same numbers."""
     signals, stop = plan.signals, plan.stop
-    values = {v.name: v.start for v in plan.table if not v.is_observed}
-    values |= plan.parameters | {name: signals.at(name, 0.0) for name in signals.values}
+    values = {v.name: v.start for v in plan.table if v.start is not None} | dict(plan.parameters)
+    values |= {name: signals.at(name, 0.0) for name in signals.values}
     messages: list[str] = []
 
     def warn(message: str) -> None:
@@ -181,7 +182,7 @@ def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
     return "false state" if columns["solver.trapped"][-1] > 0 else "ok"
 
 
-def summary(run: Run) -> dict[str, object]:
+def summary(run: Run) -> dict[str, Any]:
     """The figures of a run-down: peaks of the last disc for t > 2 s, the last bearing's psi there,
     and what the solver did; None where a run did not come that far.
 
@@ -213,9 +214,9 @@ def last_index(run: Run, part: str) -> int:
     return sum(1 for name in run.columns if name.startswith(part) and name.endswith("].x"))
 
 
-def _peaks(run: Run) -> dict[str, object]:
+def _peaks(run: Run) -> dict[str, Any]:
     keys = ("x_peak_um", "x_peak_hz", "y_peak_um", "y_peak_hz", "y_static_um")
-    figures: dict[str, object] = dict.fromkeys((*keys, "psi_at_x_peak_deg", "circulation_hz"))
+    figures: dict[str, Any] = dict.fromkeys((*keys, "psi_at_x_peak_deg", "circulation_hz"))
     c, hz = run.columns, run.hz
     disc = f"disc[{last_index(run, 'disc')}]"
     if len(hz):

@@ -71,7 +71,7 @@ def make_signals(
         recorded = Signals(t, {} if "speed" in constants else {"speed": speed})
     values = {}
     for variable in table:
-        if variable.causality != "input":
+        if variable.causality != "input" or variable.start is None:
             continue
         if variable.name in recorded.values:
             values[variable.name] = recorded.values[variable.name]

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from rich import box
@@ -163,7 +163,7 @@ def remarks(row: Row) -> list[str]:
             found.append("alpha_f has the opposite sign of Abaqus' ALPHA")
         if abs(scheme.gamma - 0.5 + scheme.alpha_m - scheme.alpha_f) > 1e-9:
             found.append("first order: gamma is not 1/2 - alpha_m + alpha_f")
-        if abs(row.rebound - 1) < 1e-4:
+        if abs(family.rebound(scheme) - 1) < 1e-4:
             found.append("meets the energy-momentum criterion, paper B (12)")
     return found
 
@@ -251,11 +251,11 @@ def _shown(value: float | None) -> str:
     return "0" if abs(value) < _TINY else f"{value:.6g}"
 
 
-def _record(row: Row, ratio: float | None) -> dict[str, object]:
+def _record(row: Row, ratio: float | None) -> dict[str, Any]:
     """A method's line of the CSV file; ratio: the user's own dt/T, or None."""
     slow = f"at_{spectral.SLOW_W / _TURN:g}"
     at, least = row.found.least
-    line = {"scheme": row.name}
+    line: dict[str, Any] = {"scheme": row.name}
     line |= {name: getattr(row.method, name, "") for name in (*_PARAMETERS, "theta")}
     line |= {"physical_damping": row.xi, "stable_to": row.limit, "order": row.found.order}
     line |= {f"rho_at_{r:g}": row.rho(r) for r in RATIOS}
@@ -292,7 +292,7 @@ def present(
     if (frequency is None) != (step is None):
         given, other = ("--frequency", "--step") if step is None else ("--step", "--frequency")
         raise InputError(f"{given}: needs {other} too")
-    ratio = None if frequency is None else frequency * step
+    ratio = None if frequency is None or step is None else frequency * step
     if ratio is not None and not _RATIOS_ALLOWED[0] <= ratio <= _RATIOS_ALLOWED[1]:
         low, high = _RATIOS_ALLOWED
         raise InputError(f"--frequency x --step = {ratio:g}: must lie between {low:g} and {high:g}")
@@ -306,7 +306,7 @@ def present(
     for row in rows:
         if found := remarks(row):
             console.print(f"{row.name}: {'; '.join(found)}.", soft_wrap=True)
-    if ratio is not None:
+    if ratio is not None and frequency is not None and step is not None:
         head = f"An oscillation of {frequency:g} Hz with steps of {step:g} s: dt/T = {ratio:.4g}"
         console.print(f"\n{head}, {1 / ratio:.3g} steps a period.", soft_wrap=True)
         if ratio > 0.5:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures import new_figure, save
@@ -94,7 +96,7 @@ def _slow(dt_over_t: float | None) -> np.ndarray:
     return np.linspace(0.002, max(_SLOW, 1.1 * min(dt_over_t or 0, 1)), 300)
 
 
-def _new_figure(methods: Mapping[str, Method]) -> tuple[Figure, object]:
+def _new_figure(methods: Mapping[str, Method]) -> tuple[Figure, Axes]:
     return new_figure(6.8 + 0.075 * max(map(len, methods)), 4.6)
 
 
@@ -118,14 +120,14 @@ def _limits(curves: Mapping[str, np.ndarray], lowest: float, highest: float) -> 
 
 def _finished(
     figure: Figure,
-    axes: object,
+    axes: Axes,
     x: np.ndarray,
     curves: Mapping[str, np.ndarray],
     caption: str,
     xi: float,
     dt_over_t: float | None,
 ) -> Figure:
-    styles = {}
+    styles: dict[str, dict[str, Any]] = {}
     for k, (name, y) in enumerate(curves.items()):
         dash = _DASHES[(k + k // len(_COLOURS)) % len(_DASHES)]
         styles[name] = {"color": _COLOURS[k % len(_COLOURS)], "ls": dash, "lw": 1.8}
@@ -133,16 +135,16 @@ def _finished(
     axes.set_xlim(0.01 if axes.get_xscale() == "log" else 0, x[-1])
     axes.set_xlabel(r"Step over period $\Delta t\,/\,T$ [1]")
     damped = rf" ($\xi$ = {xi:g})" if xi else ""
-    is_marked = dt_over_t is not None and x[0] <= dt_over_t <= x[-1]
-    axes.set_title(caption + damped, loc="left", fontsize=10, pad=18 if is_marked else 6)
+    marked = dt_over_t if dt_over_t is not None and x[0] <= dt_over_t <= x[-1] else None
+    axes.set_title(caption + damped, loc="left", fontsize=10, pad=6 if marked is None else 18)
     _label(axes, curves, styles)
-    if is_marked:
-        _mark(axes, dt_over_t)
+    if marked is not None:
+        _mark(axes, marked)
     return figure
 
 
 def _label(
-    axes: object, curves: Mapping[str, np.ndarray], styles: Mapping[str, Mapping[str, object]]
+    axes: Axes, curves: Mapping[str, np.ndarray], styles: Mapping[str, Mapping[str, Any]]
 ) -> None:
     """Name each curve in the right margin, as near the height at which it ends as there is room."""
     low, high = axes.get_ylim()
@@ -157,12 +159,12 @@ def _label(
     for k in reversed(range(len(names) - 1)):
         heights[k] = max(heights[k], heights[k + 1] + gap)
     for name, height in zip(names, heights, strict=True):
-        place = {"transform": axes.transAxes, "clip_on": False}
+        place: dict[str, Any] = {"transform": axes.transAxes, "clip_on": False}
         axes.plot([1.015, 1.085], [height, height], **place, **styles[name])
         axes.text(1.1, height, name, va="center", fontsize=9, **place)
 
 
-def _mark(axes: object, dt_over_t: float) -> None:
+def _mark(axes: Axes, dt_over_t: float) -> None:
     """The user's own case: a line, named above the axes, where no curve can cross the name."""
     grey = "#555555"
     axes.axvline(dt_over_t, color=grey, lw=1.2, ls=":")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
@@ -116,8 +116,8 @@ def survey(
     schemes = chosen_schemes(scheme or (QUICK_SCHEMES if quick else SCHEMES))
     experiments = chosen_experiments(experiment or (), step or (), quick)
     rows = read_table(table) if table is not None else None
-    for name in EXPERIMENTS if rows is not None else ():
-        if not any(row["experiment"] == name for row in rows):
+    for name in EXPERIMENTS:
+        if rows is not None and not any(row["experiment"] == name for row in rows):
             raise InputError(f"--table {table}: has no rows of {name}")
     writable_folder(out)
     if rows is None:
@@ -150,7 +150,7 @@ def summary(rows: Sequence[Row]) -> list[str]:
 
 
 def _in_short(group: Sequence[Row]) -> str:
-    counts: Mapping[str, int] = {}
+    counts: dict[str, int] = {}
     for row in group:
         status = row["status"].split(" at ")[0]
         counts[status] = counts.get(status, 0) + 1

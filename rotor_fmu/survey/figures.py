@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
@@ -23,7 +24,7 @@ SHOWN = {
 _STEP_LABEL = "Step length $h$ [ms]"
 
 
-def _step_axis(axes: object, steps: Sequence[float]) -> None:
+def _step_axis(axes: Axes, steps: Sequence[float]) -> None:
     axes.set_xscale("log")
     ticks = [h * 1e3 for h in steps]
     axes.set_xticks(ticks[::2], [f"{t:.2g}" for t in ticks[::2]])
@@ -126,7 +127,7 @@ def ratchet(findings: Findings) -> Figure:
 
 def _by_impact(
     findings: Findings, experiment: str, h: float, column: str
-) -> tuple[Figure, object, float]:
+) -> tuple[Figure, Axes, float]:
     """A column for all schemes at the step nearest to h [s], by the treatment of the impact."""
     figure, axes = new_figure(6.8, 5.0)
     schemes = findings.schemes(experiment)
@@ -135,7 +136,8 @@ def _by_impact(
         ("no", ORANGE, "o", 0.985),
         ("average-time", BLUE, "s", 0.955),
     ):
-        shown, ended = [], []
+        shown: list[tuple[float | None, int]] = []
+        ended: list[tuple[float | None, int]] = []
         for i, scheme in enumerate(schemes):
             for row in findings.of(experiment, scheme=scheme, h=h, case=impact):
                 is_whole = row["status"] == "ok" and column in row

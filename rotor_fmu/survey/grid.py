@@ -12,6 +12,7 @@ import signal
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
@@ -19,7 +20,7 @@ from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 from ..errors import InputError
 from ..model.schemes.family import Scheme
 
-Row = dict[str, str | float]
+Row = dict[str, Any]  # words and numbers by their column
 TABLE = "survey.csv"
 # What a row says of the job, then what the job found; all that an experiment may return.
 IDENTITY = ("key", "experiment", "scheme", "alpha_f", "alpha_m", "beta", "gamma", "h", "case")
@@ -213,7 +214,8 @@ def _order(row: Row) -> tuple[object, ...]:
 def _without_stale(rows: Sequence[Row], jobs: Sequence[Job], out: Path) -> list[Row]:
     """Rows but those whose place in the grid another version has taken: they go to another file."""
     place = {(job.experiment, job.scheme, job.h, job.case_name): job.key for job in jobs}
-    kept, stale = [], []
+    kept: list[Row] = []
+    stale: list[Row] = []
     for row in rows:
         scheme = Scheme(row["alpha_m"], row["alpha_f"], row["beta"], row["gamma"])
         now = place.get((row["experiment"], scheme, row["h"], row["case"]), row["key"])

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
 
@@ -96,11 +97,11 @@ def safe_schemes(findings: Findings) -> list[str]:
     return found
 
 
-def _of_the_run_down(findings: Findings) -> dict[str, object]:
+def _of_the_run_down(findings: Findings) -> dict[str, Any]:
     steps, schemes = findings.steps("rotor"), findings.schemes("rotor")
     safe = safe_schemes(findings)
     coarse = {s: e for s in schemes if (e := _error(findings, s, steps[0])) is not None}
-    best = min(coarse, key=coarse.get)
+    best = min(coarse, key=lambda scheme: coarse[scheme])
     wbz = findings.of("rotor", scheme="wbz=0.08")
     resolved = [h for h in steps if min(_errors(findings, schemes, h)) <= 0.1]
     return {
@@ -185,7 +186,7 @@ def _error_table(findings: Findings, schemes: Sequence[str], steps: Sequence[flo
     return _table(["h [ms]", *map(_ms, steps)], rows)
 
 
-def _of_the_false_state(findings: Findings) -> dict[str, object]:
+def _of_the_false_state(findings: Findings) -> dict[str, Any]:
     seen = [
         h
         for h in findings.steps("rotor")
@@ -248,7 +249,7 @@ def _rebounds(findings: Findings) -> str:
     return _listed(parts)
 
 
-def _of_its_power(findings: Findings) -> dict[str, object]:
+def _of_its_power(findings: Findings) -> dict[str, Any]:
     rows = [row for row in findings.of("planted") if row.get("trapped", 0.0) > 0.99]
     ratio = np.array([row["power"] / row["power_predicted"] - 1.0 for row in rows])
     h = findings.nearest_step("rotor", 2.5e-4)
@@ -277,7 +278,7 @@ def _of_its_power(findings: Findings) -> dict[str, object]:
     }
 
 
-def _of_the_impacts(findings: Findings) -> dict[str, object]:
+def _of_the_impacts(findings: Findings) -> dict[str, Any]:
     h = findings.nearest_step("bars", 5e-5)
     plain, averaged = (findings.of("bars", h=h, case=case) for case in ("no", "average-time"))
     clean = [row for row in plain if row.get("error", math.inf) < _CLEAN]

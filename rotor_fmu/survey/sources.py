@@ -53,6 +53,7 @@ def _imported(text: str, package: str) -> list[str]:
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             parts = package.split(".")[: len(package.split(".")) + 1 - node.level]
-            base = ".".join([*parts, node.module or ""]).strip(".") if node.level else node.module
+            named = node.module or ""
+            base = ".".join([*parts, named]).strip(".") if node.level else named
             names += [base, *(f"{base}.{alias.name}" for alias in node.names)]
     return names

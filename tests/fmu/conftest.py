@@ -17,6 +17,12 @@ def fmu(request, tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
+def free_fmu(tmp_path_factory) -> Path:
+    """The FMU that a torque drives."""
+    return build(tmp_path_factory.mktemp("free"), is_free=True)
+
+
+@pytest.fixture(scope="session")
 def c_host(fmu, tmp_path_factory):
     """A plain C master."""
     if NO_C_HOST:

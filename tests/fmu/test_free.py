@@ -11,15 +11,10 @@ from rotor_fmu.model.step.laws import FLOWS
 
 from rotor_fmu.drive_train.system import Member
 from rotor_fmu.fmu.interface import interface
-from rotor_fmu.packing.bundle import build, is_current
+from rotor_fmu.packing.bundle import is_current
 
 LOSSES = [f"energy.{name}_loss" for name in FLOWS[2:]]
 LEDGER = ["energy.residual", "energy.drive_work", *LOSSES]
-
-
-@pytest.fixture(scope="module")
-def free_fmu(tmp_path_factory):
-    return build(tmp_path_factory.mktemp("free"), is_free=True)
 
 
 def test_its_description_is_valid_and_that_of_the_table(free_fmu):

@@ -4,14 +4,17 @@ import os
 import subprocess
 import sys
 import zipfile
+from xml.etree.ElementTree import fromstring
 
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig, rig_toml
+from rotor_fmu.model.quantities import SPEED
 
+from rotor_fmu.fmu.description import reached_by
 from rotor_fmu.fmu.interface import interface
-from rotor_fmu.fmu.variables import unit
+from rotor_fmu.fmu.variables import Variable, unit
 from rotor_fmu.packing.bundle import build, is_current
 
 
@@ -58,6 +61,37 @@ def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):
     assert defined["rad/s"].displayUnits[0].factor == pytest.approx(unit("rad/s").display[1])
     torque = defined["N.m"].baseUnit
     assert (torque.kg, torque.m, torque.s) == (1, 2, -2)
+
+
+def dependencies(fmu):
+    """Names of the inputs that each output depends on, as the description has it."""
+    with zipfile.ZipFile(fmu) as archive:
+        root = fromstring(archive.read("modelDescription.xml"))
+    names = [variable.get("name") for variable in root.iterfind("ModelVariables/ScalarVariable")]
+    return {
+        names[int(unknown.get("index")) - 1]: {
+            names[int(index) - 1] for index in unknown.get("dependencies").split()
+        }
+        for unknown in root.iterfind("ModelStructure/Outputs/Unknown")
+    }
+
+
+def test_outputs_depend_on_the_inputs_that_reach_them_within_an_instant(fmu, free_fmu):
+    """Torques and the acceleration do; what the motion says does not (tests/test_observe.py)."""
+    for file, dependent in ((fmu, {"tau", "tau_load"}), (free_fmu, {"a", "tau", "tau_load"})):
+        variables = fmpy.read_model_description(str(file)).modelVariables
+        inputs = {v.name for v in variables if v.causality == "input"}
+        expected = {v.name: set() for v in variables if v.causality == "output"}
+        expected |= dict.fromkeys(dependent, inputs)
+        assert dependencies(file) == expected
+
+
+def test_the_speed_reaches_an_output_where_it_is_an_input():
+    force = Variable("f", "Real", "output", "a force by the speed", reached_by=SPEED)
+    driven = (Variable("speed", "Real", "input", ""), Variable("fx", "Real", "input", ""), force)
+    free = (Variable("tau_drive", "Real", "input", ""), force)
+    assert reached_by(driven, force) == [0]
+    assert reached_by(free, force) == []
 
 
 def test_names_are_not_cut_short_by_fmpy(fmu):

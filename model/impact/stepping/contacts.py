@@ -13,11 +13,15 @@ import numpy as np
 
 
 class Contacts(Protocol):
-    """m contacts between k relative displacements; B: shape (n, k)."""
+    """m contacts between k relative displacements p."""
 
-    B: np.ndarray
-    compliance: np.ndarray  # of a penalty law, shape (m,) [m/N]; 0 for a hard stop
-    is_flat: bool  # whether openings are linear in p
+    @property
+    def B(self) -> np.ndarray:
+        """p = B^T q, shape (n, k)."""
+
+    @property
+    def compliance(self) -> np.ndarray:
+        """Of a penalty law, shape (m,) [m/N]; 0 for a hard stop."""
 
     def openings(self, p: np.ndarray) -> np.ndarray:
         """s [m], shape (m,)."""
@@ -36,7 +40,6 @@ class FlatStops:
     B: np.ndarray
     opening: np.ndarray
     compliance: np.ndarray
-    is_flat: bool = True
 
     def openings(self, p: np.ndarray) -> np.ndarray:
         """See `Contacts`."""
@@ -61,7 +64,6 @@ class RoundStops:
     B: np.ndarray
     clearance: np.ndarray
     compliance: np.ndarray
-    is_flat: bool = False
 
     def openings(self, p: np.ndarray) -> np.ndarray:
         """See `Contacts`."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...kernels.compiled import compiled
 from ...step.interface_problem import solve_dense
-from .contacts import Contacts
+from .contacts import Contacts, RoundStops
 from .round_stop import hold_on_circle, push_inside
 from .stepper import FreeStep
 
@@ -104,7 +104,7 @@ def unilateral(
     Raises `ArithmeticError` if no such forces are found.
     """
     N = contacts.gradient(free.p)
-    if not contacts.is_flat:
+    if isinstance(contacts, RoundStops):
         return push_inside(free, contacts, closed)
     A = N.T @ free.W @ N + np.diag(contacts.compliance / free.b)
     b = contacts.openings(free.p) / free.b + N.T @ free.w
@@ -133,10 +133,10 @@ def held(
         return N, force
     if by_acceleration:
         b = N.T @ free.w + contacts.bend(free.p, free.p_dot)
-    elif contacts.is_flat:
-        b = (contacts.openings(free.p) - rest) / free.b + N.T @ free.w
-    else:
+    elif isinstance(contacts, RoundStops):
         return hold_on_circle(free, contacts, closed, rest)
+    else:
+        b = (contacts.openings(free.p) - rest) / free.b + N.T @ free.w
     part = N[:, closed].T @ free.W @ N[:, closed]
     force[closed] = np.linalg.solve(part, -b[closed])
     return N, force

@@ -116,9 +116,8 @@ def march(
         except ArithmeticError as error:
             status = f"stopped at t = {state.motion.t:.6g} s, increment {len(kept)}: {error}"
         progress(state.motion.t)
-    t, seen, force, energy = zip(*kept, strict=True)
-    columns = (np.array(t), np.array(seen), np.array(force), np.array(energy))
-    return Run(*columns, state.log, state.cutbacks, state.solves, status)
+    t, seen, force, energies = (np.array(column) for column in zip(*kept, strict=True))
+    return Run(t, seen, force, energies, state.log, state.cutbacks, state.solves, status)
 
 
 def _at_start(stepper: Stepper, start: Instant) -> State:

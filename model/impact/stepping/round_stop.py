@@ -23,7 +23,7 @@ _TOLERANCE = 1e-13  # of 1 / radius, relative
 def push_inside(
     free: FreeStep, contacts: RoundStops, closed: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """See `hard_stop.unilateral`."""
+    """See `hard_stop.unilateral`, `ArithmeticError` included."""
     reached = free.p + free.b * free.w
     active = closed | (contacts.openings(reached) < 0)
     radius = contacts.clearance

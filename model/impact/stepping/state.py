@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .stepper import Instant
+from .stepper import Instant, Stepper
 
 AT_ONCE = 1e-9  # what is shorter than this share of an increment takes no time
 
@@ -48,6 +48,7 @@ class State:
 
 
 def accept(state: State, motion: Instant, line: Line) -> Instant:
+    """Take a motion, with its line of the log, as the one to go on from; returns it."""
     state.motion = motion
     state.log.append(line)
     state.largest_force = max(state.largest_force, float(np.abs(motion.force).max(initial=0.0)))
@@ -60,6 +61,7 @@ def length_to(state: State, dt: float, target: float) -> float:
     return dt if abs(h - dt) < AT_ONCE * dt else h
 
 
-def openings_of(stepper, motion) -> np.ndarray:
+def openings_of(stepper: Stepper, motion: Instant) -> np.ndarray:
+    """Openings of the contacts in a motion [m], shape (m,)."""
     contacts = stepper.structure.contacts
     return contacts.openings(contacts.B.T @ motion.q)

@@ -113,7 +113,8 @@ class Stepper:
         """Solver of the step matrix, S^-1 B and B^T S^-1 B; kept for the step lengths in use."""
         if h in self._factorized:
             return self._factorized[h]
-        solver = self.structure.step_solver(*weights(self.scheme, h), t)
+        m, c, k = weights(self.scheme, h)
+        solver = self.structure.step_solver(m, c, k, t)
         B = self.structure.contacts.B
         columns = solver(B)
         found = solver, columns, B.T @ columns

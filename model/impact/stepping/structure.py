@@ -24,9 +24,17 @@ Solver = Callable[[np.ndarray], np.ndarray]
 class Structure(Protocol):
     """What a step has to know; all in SI units, vectors of shape (n,), right-hand sides (n, k)."""
 
-    contacts: Contacts
-    is_constant: bool  # whether the matrices do not change with time
-    energy_scale: float  # that of the system [J]; a run past a million times it has diverged
+    @property
+    def contacts(self) -> Contacts:
+        """Where it can touch."""
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the matrices do not change with time."""
+
+    @property
+    def energy_scale(self) -> float:
+        """That of the system [J]; a run past a million times it has diverged."""
 
     def load(self, t: float) -> np.ndarray:
         """External forces f(t) [N]."""
