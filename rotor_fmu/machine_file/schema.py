@@ -9,6 +9,14 @@ from .tables import Key, Table, own_tables, part_tables
 
 _DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
+_WORDS: dict[str, dict[str, Any]] = {
+    "number": {"type": "number"},
+    "integer": {"type": "integer", "minimum": 1},
+    "string": {"type": "string"},
+    "numbers": {"type": "array", "items": {"type": "number"}},
+    "tables": {"type": "array", "items": {"type": "object"}},
+}
+
 
 def schema() -> dict[str, Any]:
     """The schema (JSON Schema 2020-12): which tables and keys there are, of which types, within
@@ -50,13 +58,7 @@ def _properties(table: Table) -> dict[str, Any]:
 def _property(key: Key) -> dict[str, Any]:
     told = key.told
     if told is None:
-        found: dict[str, Any] = {
-            "number": {"type": "number"},
-            "integer": {"type": "integer", "minimum": 1},
-            "string": {"type": "string"},
-            "numbers": {"type": "array", "items": {"type": "number"}},
-            "tables": {"type": "array", "items": {"type": "object"}},
-        }["string" if key.choices else key.kind]
+        found = dict(_WORDS["string" if key.choices else key.kind])
         if key.choices:
             found["enum"] = list(key.choices)
         return {**found, "description": key.text}
