@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-all test-processors lint types coverage bench clean
+.PHONY: run-down reproduce survey reference test test-native test-all test-processors lint types coverage bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -32,7 +32,15 @@ reference: $(VENV)/made
 test: $(VENV)/made
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-test-all: $(VENV)/made
+# what the linker of the native FMU is needed for
+$(VENV)/made-native: $(VENV)/made
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
+	touch $(VENV)/made-native
+
+test-native: $(VENV)/made-native
+	$(BIN)/python -m pytest -n auto --dist loadgroup -m "native and not slow"
+
+test-all: $(VENV)/made-native
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
 
 # all tests as on other processors, and on loaded cores: an hour or two

@@ -12,6 +12,14 @@ from ..fmu.masters import COMPILER, Master, compile_c_host
 HERE = "linux64"
 
 
+def pytest_collection_modifyitems(items):
+    """All tests of this folder need the library, which one worker makes."""
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker("native")
+            item.add_marker(pytest.mark.xdist_group("native"))
+
+
 @pytest.fixture(scope="session")
 def make(tmp_path_factory):
     """Builds a native FMU of this machine's platform."""
