@@ -22,7 +22,8 @@ from ..model.kernels.user_cache import user_cache
 
 _HERE = Path(__file__).parent
 SKIN = _HERE / "skin"
-_NOT_IN_KERNELS = ("impact", "false_state", "machine/rigs")
+# Of `model`, what no kernel is made of.
+_NOT_IN_KERNELS = ("impact", "false_state", "linear", "machine", "simulation.py", "rest.py")
 _KEPT_VERSIONS = 8
 _FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 
@@ -155,7 +156,9 @@ def kernels() -> Path:
     """The folder with the kernels' LLVM IR, which no platform is in yet."""
     versions = user_cache() / "native"
     folder = versions / f"kernels-{_kernels_digest()}"
-    if not folder.is_dir():
+    if folder.is_dir():
+        os.utime(folder)
+    else:
         _forget_old(versions)
         with _unfinished(folder) as work:
             _run([sys.executable, "-m", f"{__package__}.emit", str(work)], "the kernels")
@@ -186,7 +189,8 @@ class _unfinished:
 def _forget_old(versions: Path) -> None:
     if not versions.is_dir():
         return
-    by_age = sorted(versions.iterdir(), key=lambda p: p.stat().st_mtime, reverse=True)
+    finished = [p for p in versions.iterdir() if not p.name.startswith("part-")]
+    by_age = sorted(finished, key=lambda p: p.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_VERSIONS - 1 :]:
         shutil.rmtree(old, ignore_errors=True)
 

@@ -25,19 +25,16 @@ _view = LAYOUT.view
 
 @compiled
 def _held_nodes(run):
-    """How many nodes springs or interfaces hold."""
+    """How many nodes have a spring or an interface."""
     structure = run.structure
     held = 0
-    n = structure.M.shape[0]
-    for dof in range(n):
+    for dof in range(structure.M.shape[0]):
         is_held = False
         for i in range(len(structure.springs)):
             spring = structure.springs[i]
             is_held = is_held or (spring.dof == dof and spring.stiffness > 0.0)
         for j in range(len(structure.interfaces)):
-            force = run.motion.force[j]
-            is_pushing = force.real != 0.0 or force.imag != 0.0
-            is_held = is_held or (structure.interfaces[j].dof == dof and is_pushing)
+            is_held = is_held or structure.interfaces[j].dof == dof
         held += 1 if is_held else 0
     return held
 
@@ -71,10 +68,14 @@ def rotor_start(block, speed, drive, rate, told):
     status = entries.start(block, speed, drive, rate)
     if status == equilibrium.HELD:
         return say.GOOD
-    held = _held_nodes(_view(block))
-    if status == equilibrium.NOT_HELD and held < 2:
+    run = _view(block)
+    held = _held_nodes(run)
+    if held < 2:
         told[0] = held
         return say.NOT_HELD
+    if status == equilibrium.NOT_HELD:
+        told[0] = run.structure.numbers[0].bound
+        return say.TOO_FAR
     return say.NO_REST
 
 

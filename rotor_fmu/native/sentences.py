@@ -80,6 +80,8 @@ SENTENCES = (
     *_IDLE,
     "no static equilibrium: the rotor is held at {d} of its nodes and would tilt under gravity; at "
     "least 2 bearings or supports are needed",
+    "no static equilibrium under gravity and the loads at the start: it would lie beyond {.3g} m, "
+    "a tenth of the shaft's length; clearances and loads must be smaller, or springs stiffer",
     "no static equilibrium under gravity and the loads at the start was found",
     f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the preset robust",
     f"{_DIVERGED}{_STEP}",
@@ -112,6 +114,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     UNSTABLE,
     IDLE,
     NOT_HELD,
+    TOO_FAR,
     NO_REST,
     NOT_CONVERGED,
     DIVERGED,
@@ -125,6 +128,6 @@ def _codes(*counts: int) -> tuple[int, ...]:
     *(1,) * 6,
     len(METHODS),
     len(_IDLE),
-    *(1,) * 6,
+    *(1,) * 7,
 )
 assert len(SENTENCES) == _END

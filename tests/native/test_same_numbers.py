@@ -3,11 +3,12 @@
 from xml.etree.ElementTree import fromstring
 from zipfile import ZipFile
 
+import fmpy
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from rotor_fmu.packing.bundle import build
 
@@ -109,6 +110,31 @@ def test_so_it_does_driven_by_a_torque(make):
         machine.step(H)
         simulation.advance(machine.t, 0.1)
         assert (machine.read() == observed(simulation, machine.computed)).all()
+
+
+@pytest.mark.parametrize(
+    ("choices", "values"),
+    [
+        ({}, {"gravity": 1e12}),
+        ({}, {"gravity": 1e5}),
+        ({"solver.preset": 1}, {"bearing[1].mu": 1000.0}),
+        ({"solver.preset": 1, "solver.method": 3}, {"solver.alpha_m": 0.08}),
+    ],
+)
+def test_a_run_that_cannot_be_ends_with_the_same_sentence(fmu, capfd, choices, values):
+    machine = Machine(fmu)
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        machine.start(choices, **values).step(2.0)
+    settings = choose("paper" if choices else "controlled")
+    if "solver.method" in choices:
+        settings = choose("paper", method="wbz", alpha_m=0.08)
+    rotor = rig().with_values({n: v for n, v in values.items() if "solver" not in n})
+    warnings = []
+    with pytest.raises((EquilibriumError, StepFailure)) as failure:
+        Simulation(rotor, settings, speed=400.0, warn=warnings.append).advance(2.0, 400.0)
+    told = [f"warning: {text}" for text in warnings] + [f"error: {failure.value}"]
+    printed = capfd.readouterr().err.splitlines()
+    assert [line.partition(": ")[2] for line in printed] == told
 
 
 @pytest.mark.slow

@@ -127,9 +127,9 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
         NEEDED(c);                                                                               \
         return set_values(c, KIND, #NAME, vr, n, values, item##NAME);                            \
     }
-VALUES(REAL, fmi2Real, Real)
-VALUES(INTEGER, fmi2Integer, Integer)
-VALUES(BOOLEAN, fmi2Boolean, Boolean)
+VALUES(A_REAL, fmi2Real, Real)
+VALUES(AN_INTEGER, fmi2Integer, Integer)
+VALUES(A_BOOLEAN, fmi2Boolean, Boolean)
 
 /* There are no Strings, so that every reference is refused before a value is touched. */
 EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n,

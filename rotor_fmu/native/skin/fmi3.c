@@ -144,9 +144,9 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 si
             return refuse(c, "set" #NAME ": %zu values for %zu variables", count, n);            \
         return set_values(c, KIND, #NAME, vr, n, values, item##NAME);                            \
     }
-VALUES(REAL, Float64)
-VALUES(INTEGER, Int32)
-VALUES(BOOLEAN, Boolean)
+VALUES(A_REAL, Float64)
+VALUES(AN_INTEGER, Int32)
+VALUES(A_BOOLEAN, Boolean)
 
 #define NO_VALUES(NAME)                                                                          \
     EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \

@@ -284,7 +284,7 @@ static Status settle(Instance *m)
         return say(m, ERROR, sentence(t, code), numbers);
     for (int64_t i = 0; i < t->observed_at; i++) {
         const Variable *v = variables(t) + i;
-        if (v->role == SETTING && v->kind == REAL && m->values[i] != v->unset
+        if (v->role == SETTING && v->kind == A_REAL && m->values[i] != v->unset
             && m->values[i] > v->high)
             return refuse(m, "%s = %g: must be at most %g", text(t, v->name), m->values[i],
                           v->high);
@@ -468,7 +468,7 @@ static Status check_references(Instance *m, int is_set, Kind kind, const char *n
         if (references[i] >= t->variables)
             return refuse(m, "%s%s: value reference %lu: there is none; they go to %d", call, name,
                           (unsigned long)references[i], (int)t->variables - 1);
-        if (variables(t)[references[i]].kind != (int64_t)kind && (kind != REAL || is_set))
+        if (variables(t)[references[i]].kind != (int64_t)kind && (kind != A_REAL || is_set))
             return refuse(m, "%s%s: %s: is of type %s", call, name, name_of(m, references[i]),
                           KINDS[variables(t)[references[i]].kind]);
     }
@@ -520,7 +520,7 @@ static Status check_value(Instance *m, uint32_t reference, double value)
         return refuse(m, "%s: is computed and cannot be set", name);
     if (v->role > LOAD && m->state->phase == STEPPING)
         return refuse(m, "%s: a fixed parameter cannot be set after initialization", name);
-    if (v->kind == INTEGER && !(v->low <= value && value <= v->high))
+    if (v->kind == AN_INTEGER && !(v->low <= value && value <= v->high))
         return refuse(m, "%s = %s: must be an integer from %d to %d", name, shown, (int)v->low,
                       (int)v->high);
     return OK;

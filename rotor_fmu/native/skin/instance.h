@@ -13,7 +13,7 @@
 #endif
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status; /* FMI's numbers */
-typedef enum { REAL, INTEGER, BOOLEAN, NO_KIND } Kind; /* of the last there are no variables */
+typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, NO_KIND } Kind; /* of the last there are no variables */
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED } Phase;
 
 /* What a variable is to the run; the places that parameters of the machine take are `Write`s. */

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 #ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#define NOGDI /* it calls a number ERROR */
 #include <windows.h>
 #endif
 

@@ -1,0 +1,59 @@
+"""`rotor-fmu build --native` and `rotor-fmu core` on the command line."""
+
+import subprocess
+import sys
+
+import pytest
+
+
+def run(*arguments):
+    script = "from rotor_fmu.cli import main; main()"
+    return subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is_there(
+    fmu, tmp_path
+):
+    done = run("build", "--native", "--free", "--platform", "linux64", "--out", tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.strip() == str(tmp_path / "RotorBearingFreeNative.fmu")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("build", "--native", "--fmi", 4), "--fmi 4: must be 2 or 3"),
+        (("build", "--fmi", 3), "--fmi and --platform: only with --native"),
+        (
+            ("build", "--native", "--platform", "vax"),
+            "--platform vax: must be one of linux64, win64",
+        ),
+        (("core", "--platform", "vax"), "--platform vax: must be one of linux64, win64"),
+    ],
+)
+def test_what_cannot_be_built_is_refused_in_one_line(arguments, sentence):
+    done = run(*arguments)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert sentence in done.stderr
+
+
+def test_without_the_linker_it_says_what_to_install(tmp_path, monkeypatch):
+    """With an empty cache and a Python that does not find ziglang."""
+    monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path))
+    script = (
+        "import sys; sys.modules['ziglang'] = None\n"
+        "import importlib.util as u; find = u.find_spec\n"
+        "u.find_spec = lambda name, *a: None if name == 'ziglang' else find(name, *a)\n"
+        "from rotor_fmu.cli import main; sys.argv = ['rotor-fmu', 'core']; main()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert "ziglang is not installed: pip install 'rotor-fmu[native]'" in done.stderr
