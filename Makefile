@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-all test-processors lint types coverage bench clean
+.PHONY: run-down reproduce survey reference test test-all test-processors lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -50,6 +50,10 @@ types: $(VENV)/made
 	mkdir -p build/types/rotor_fmu
 	ln -s $(CURDIR)/rotor_fmu/* $(CURDIR)/model $(CURDIR)/examples build/types/rotor_fmu
 	$(BIN)/python -m mypy
+
+# wrong versions of description, documents, FMU and ledger that the tests must see
+mutants: $(VENV)/made
+	$(BIN)/python -m tests.mutants
 
 coverage: $(VENV)/made
 	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
