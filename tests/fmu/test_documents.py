@@ -43,7 +43,7 @@ def test_the_page_names_every_kind_of_variable_and_its_pictures_exist(fmu, conte
         name = variable.name
         for index in "123":
             name = name.replace(f"disc[{index}]", "disc[i]")
-            name = name.replace(f"bearing[{index}]", "bearing[j]")
+            name = name.replace(f"bearing[{index}]", "bearing[i]")
         assert name in shown
 
 
