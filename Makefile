@@ -55,6 +55,7 @@ types: $(VENV)/made
 mutants: $(VENV)/made
 	$(BIN)/python -m tests.mutants
 
+# lines of Python that the tests run; kernels are machine code and not among them
 coverage: $(VENV)/made
 	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
 
