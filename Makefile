@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-native test-all test-processors lint types coverage bench clean
+.PHONY: run-down reproduce survey reference test test-native test-all test-processors lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -59,6 +59,11 @@ types: $(VENV)/made
 	ln -s $(CURDIR)/rotor_fmu/* $(CURDIR)/model $(CURDIR)/examples build/types/rotor_fmu
 	$(BIN)/python -m mypy
 
+# wrong versions of description, documents, FMU and ledger that the tests must see
+mutants: $(VENV)/made
+	$(BIN)/python -m tests.mutants
+
+# lines of Python that the tests run; kernels are machine code and not among them
 coverage: $(VENV)/made
 	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
 

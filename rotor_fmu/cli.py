@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from .about import __version__
 from .drive_train.command import drive_train
 from .errors import InputError, RunFailed, run, writable_folder
 from .fmu.interface import interface
@@ -32,7 +33,6 @@ app = typer.Typer(
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    help="A flexible rotor that rubs in clearance bearings, as an FMI 2.0 co-simulation component.",
 )
 
 RotorFile = Annotated[
@@ -50,6 +50,22 @@ Sets = Annotated[
 def main() -> None:
     """Entry point of the command `rotor-fmu`."""
     run(app)
+
+
+def _tell_version(is_asked: bool) -> None:
+    if is_asked:
+        typer.echo(f"rotor-fmu {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_tell_version, is_eager=True, help="Which this is."),
+    ] = False,
+) -> None:
+    """A flexible rotor that rubs in clearance bearings, as an FMI 2.0 co-simulation component."""
 
 
 @app.command("run-down")

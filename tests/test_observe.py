@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.march.observe import observed
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
 from rotor_fmu.model.quantities import ALL, NOTHING, SPEED
@@ -102,7 +102,42 @@ def test_counters_count():
     assert len(sim.names) == len(set(sim.names)) == len(sim.observed)
 
 
-def changed_at_an_instant(sim, drive, loads):
+SUPPORTED = """
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.2, 0.4]
+diameters = [0.02, 0.02]
+[[disc]]
+node = 2
+diameter = 0.1
+width = 0.02
+e = 1e-4
+[[linear_bearing]]
+node = 1
+speed = [-400.0, 0.0, 400.0]
+kxx = [2e6, 1e6, 3e6]
+kyy = 2e6
+kxy = [0.0, 1e5, 3e5]
+cxx = 100.0
+cyy = [100.0, 120.0, 180.0]
+[[support]]
+node = 3
+stiffness = 1e6
+damping = 100.0
+[[touchdown_bearing]]
+node = 2
+journal_radius = 0.01
+clearance = 1e-6
+mu = 0.1
+k = 1e8
+race_inertia = 1e-4
+race_drag = 0.01
+"""
+
+
+def changed_at_an_instant(sim, usual, drive, loads):
     """Names of what changes when drive and loads jump and no time passes."""
 
     def seen(drive, loads):
@@ -111,27 +146,27 @@ def changed_at_an_instant(sim, drive, loads):
         return sim.observed.copy()
 
     before = sim.snapshot()
-    usual = 0.05 if sim.is_free else 185.0
-    none = np.zeros(4, dtype=complex)
-    jump = np.abs(seen(drive, loads) - seen(usual, none))
+    jump = np.abs(seen(drive, loads) - seen(usual, 0 * loads))
     sim.restore(before)
     table = observed(sim.rotor)
     sizes = np.array([entry.output.nominal or 1.0 for entry in table])
     return {str(table[i].name) for i in np.flatnonzero(jump > 1e-9 * sizes)}
 
 
-def test_what_reaches_an_output_within_an_instant_is_declared():
+@pytest.mark.parametrize("machine", [rig_toml(), SUPPORTED], ids=["rig", "other parts"])
+def test_what_reaches_an_output_within_an_instant_is_declared(machine):
+    rotor = parse_rotor(machine)
     by_speed, by_load = set(), set()
-    none, loads = np.zeros(4, dtype=complex), np.full(4, 3.0 - 5.0j)
     for free in ({}, {"drive_torque": 0.05}):
-        sim = Simulation(rig(), choose("robust"), speed=185.0, **free)
+        sim = Simulation(rotor, choose("robust"), speed=185.0, **free)
+        loads = np.full(len(sim.structure.load_dof), 3.0 - 5.0j)
         drive = free.get("drive_torque", 185.0)
         for i in range(1, 41):
-            sim.advance(0.005 * i, drive, none)
-            by_load |= changed_at_an_instant(sim, drive, loads)
+            sim.advance(0.005 * i, drive, 0 * loads)
+            by_load |= changed_at_an_instant(sim, drive, drive, loads)
             if not sim.is_free:
-                by_speed |= changed_at_an_instant(sim, -185.0, none)
-    declared = {str(name): output.reached_by for name, output in observed(rig())}
+                by_speed |= changed_at_an_instant(sim, drive, -185.0, 0 * loads)
+    declared = {str(name): output.reached_by for name, output in observed(rotor)}
     seen = dict.fromkeys(declared, NOTHING)
     seen |= dict.fromkeys(by_speed, SPEED) | dict.fromkeys(by_load, ALL)
     assert seen == declared

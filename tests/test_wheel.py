@@ -3,11 +3,15 @@
 import os
 import subprocess
 import sys
+import sysconfig
 import tomllib
+import venv
 import zipfile
 from pathlib import Path
 
 import pytest
+
+from rotor_fmu.about import __version__
 
 ROOT = Path(__file__).parents[1]
 
@@ -25,8 +29,8 @@ def test_every_folder_of_modules_is_packed():
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """The wheel, unpacked where nothing else of the project is."""
+def wheel_file(tmp_path_factory):
+    """The wheel, built of what belongs to the project."""
     folder = tmp_path_factory.mktemp("wheel")
     source = folder / "source"
     listed = subprocess.run(
@@ -47,14 +51,66 @@ def wheel(tmp_path_factory):
     )
     assert done.returncode == 0, done.stdout + done.stderr
     (built,) = folder.glob("*.whl")
-    unpacked = folder / "unpacked"
-    zipfile.ZipFile(built).extractall(unpacked)
+    return built
+
+
+@pytest.fixture(scope="module")
+def wheel(wheel_file, tmp_path_factory):
+    """The wheel, unpacked where nothing else of the project is."""
+    unpacked = tmp_path_factory.mktemp("unpacked")
+    zipfile.ZipFile(wheel_file).extractall(unpacked)
     return unpacked
+
+
+@pytest.fixture(scope="module")
+def environment(wheel_file, tmp_path_factory):
+    """Folder of the programs of a new environment with the wheel in it; the packages that it needs
+    are those of this one."""
+    folder = tmp_path_factory.mktemp("environment")
+    venv.create(folder)
+    paths = sysconfig.get_paths("venv", {"base": str(folder), "platbase": str(folder)})
+    programs = Path(paths["scripts"])
+    # in a .pth of its own, so that this environment's .pth files, the project's among them, are not
+    # read
+    packages = [entry for entry in sys.path if entry.endswith("-packages")]
+    Path(paths["purelib"], "needed.pth").write_text("\n".join(packages) + "\n")
+    command = [sys.executable, "-m", "pip", "--python", str(programs / "python"), "install"]
+    done = subprocess.run(
+        [*command, "--no-deps", "--no-index", wheel_file],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return programs
 
 
 def test_it_has_one_name_at_the_top(wheel):
     names = {entry.name for entry in wheel.iterdir() if not entry.name.endswith(".dist-info")}
     assert names == {"rotor_fmu"}
+
+
+def test_type_checkers_are_told_that_it_has_types(wheel):
+    assert (wheel / "rotor_fmu" / "py.typed").is_file()
+
+
+def test_installed_in_a_new_environment_its_command_runs(environment, tmp_path):
+    def said(*command):
+        done = subprocess.run(
+            [environment / command[0], *command[1:]],
+            cwd=tmp_path,
+            env={k: v for k, v in os.environ.items() if k != "PYTHONPATH"},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    where = said("python", "-c", "import rotor_fmu.model; print(rotor_fmu.model.__file__)")
+    assert Path(where.strip()).is_relative_to(environment.parent)
+    assert __version__ in said("rotor-fmu", "--version")
+    assert "bearing[i].clearance" in said("rotor-fmu", "variables")
 
 
 def test_a_model_of_the_users_beside_a_script_is_not_met(wheel, tmp_path):

@@ -1,9 +1,13 @@
 """The built file: valid by FMPy, the same bytes each time, carrying its own code."""
 
+import ast
 import os
+import re
 import subprocess
 import sys
+import tomllib
 import zipfile
+from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import fmpy
@@ -17,6 +21,8 @@ from rotor_fmu.fmu.interface import interface
 from rotor_fmu.fmu.variables import Variable, unit
 from rotor_fmu.packing.bundle import build, is_current
 
+ROOT = Path(__file__).parents[2]
+
 
 def test_fmpy_finds_no_problem(fmu):
     assert validate_fmu(str(fmu)) == []
@@ -29,6 +35,94 @@ def test_building_twice_gives_equal_bytes(fmu, tmp_path):
 def test_an_fmu_is_current_only_for_its_own_rotor(fmu):
     assert is_current(fmu)
     assert not is_current(fmu, rig_toml().replace("clearance = 50e-6", "clearance = 60e-6"))
+
+
+def remade(fmu, target, **changes):
+    """A copy with some files replaced, added or, where None, left out."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as sink:
+        contents = {name: source.read(name) for name in source.namelist()} | changes
+        for name, data in contents.items():
+            if data is not None:
+                sink.writestr(name, data)
+    return target
+
+
+def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
+    with zipfile.ZipFile(fmu) as archive:
+        contents = {name: archive.read(name) for name in archive.namelist()}
+    assert is_current(remade(fmu, tmp_path / "same.fmu"))
+    ours = [n for n in contents if not n.startswith(("binaries/", "resources/pythonfmu/"))]
+    for name in set(ours) - {"modelDescription.xml", "resources/slavemodule.txt"}:
+        assert not is_current(remade(fmu, tmp_path / "old.fmu", **{name: b"old"})), name
+        assert not is_current(remade(fmu, tmp_path / "less.fmu", **{name: None})), name
+    for name in ("documentation/more.txt", "resources/more.py"):
+        assert not is_current(remade(fmu, tmp_path / "more.fmu", **{name: b""})), name
+    by_another = contents["modelDescription.xml"].replace(b"PythonFMU ", b"PythonFMU 1")
+    older = remade(fmu, tmp_path / "tool.fmu", **{"modelDescription.xml": by_another})
+    assert not is_current(older)
+
+
+def test_it_holds_the_model_its_skin_and_nothing_that_no_rotor_needs(fmu):
+    def modules(folder, *left_out):
+        files = [file.relative_to(folder).as_posix() for file in folder.rglob("*.py")]
+        return {f"{folder.name}/{f}" for f in files if f.partition("/")[0] not in left_out}
+
+    with zipfile.ZipFile(fmu) as archive:
+        names = set(archive.namelist())
+    (script,) = (name for name in names if name.endswith("_entry.py"))
+    package = script.removesuffix("_entry.py")
+    carried = {f"{package}/about.py", f"{package}/__init__.py"} | {
+        f"{package}/{module}"
+        for module in modules(ROOT / "model", "impact", "false_state", "linear")
+        | modules(ROOT / "rotor_fmu" / "fmu")
+    }
+    resources = {f"resources/{n}.txt" for n in ("drive", "requirements", "slavemodule")}
+    beside = ("binaries/", "resources/pythonfmu/", "documentation/", "extra/", "terminalsAndIcons/")
+    found = {name for name in names if not name.startswith(beside)}
+    assert found == carried | resources | {
+        script, "resources/rotor.toml", "modelDescription.xml", "model.png"
+    }  # fmt: skip
+
+
+def required(fmu):
+    """Lowest versions of the packages that the FMU says it needs."""
+    with zipfile.ZipFile(fmu) as archive:
+        lines = archive.read("resources/requirements.txt").decode().split()
+    return dict(line.split(">=") for line in lines)
+
+
+def test_it_requires_what_its_modules_import_in_the_versions_of_the_project(fmu):
+    imported = set()
+    with zipfile.ZipFile(fmu) as archive:
+        for name in archive.namelist():
+            if name.endswith(".py") and not name.startswith("resources/pythonfmu/"):
+                for node in ast.walk(ast.parse(archive.read(name))):
+                    if isinstance(node, ast.Import):
+                        imported |= {alias.name.partition(".")[0] for alias in node.names}
+                    elif isinstance(node, ast.ImportFrom) and not node.level:
+                        imported.add(node.module.partition(".")[0])
+    # numba brings llvmlite, the FMU brings pythonfmu
+    others = imported - sys.stdlib_module_names - {"llvmlite", "pythonfmu"}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    lowest = {
+        match[1]: match[2]
+        for match in (re.match(r"([a-z-]+)>=([0-9.]+)", d) for d in project["dependencies"])
+        if match
+    }
+    assert required(fmu) == {name: lowest[name] for name in others}
+
+
+def test_its_documents_name_what_it_requires(fmu):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    python = project["requires-python"].removeprefix(">=")
+    with zipfile.ZipFile(fmu) as archive:
+        for page in ("externalDependencies.txt", "index.html"):
+            text = archive.read(f"documentation/{page}").decode()
+            assert f"Python {python}" in text
+            for name in required(fmu):
+                assert name in text, (page, name)
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert f"Python {python} or newer with `numpy` and `scipy`, and `numba`" in readme
 
 
 def test_another_rotor_gives_another_guid(fmu, tmp_path):
@@ -50,6 +144,23 @@ def test_every_variable_of_the_table_is_described(fmu):
             assert found.unit == variable.unit
         if not variable.is_observed and variable.kind == "Real":
             assert float(found.start) == variable.start
+
+
+def test_limits_nominal_values_and_unknowns_are_those_of_the_table(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        root = fromstring(archive.read("modelDescription.xml"))
+    table = interface(rig())
+    variables = root.findall("ModelVariables/ScalarVariable")
+    for variable, told in zip(table, variables, strict=True):
+        said = {key: told[0].get(key) for key in ("min", "max", "nominal")}
+        limits = (variable.low, variable.high) if variable.kind != "Boolean" else (None, None)
+        nominal = variable.nominal if variable.kind == "Real" else None
+        for key, value in zip(said, (*limits, nominal), strict=True):
+            assert (value is None) == (said[key] is None), (variable.name, key)
+            assert value is None or float(said[key]) == value, (variable.name, key)
+    outputs = [i for i, variable in enumerate(table, 1) if variable.causality == "output"]
+    unknowns = root.iterfind("ModelStructure/InitialUnknowns/Unknown")
+    assert [int(unknown.get("index")) for unknown in unknowns] == outputs
 
 
 def test_units_are_defined_by_si_exponents_and_shown_in_what_people_read(fmu):

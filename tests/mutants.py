@@ -1,0 +1,171 @@
+"""Wrong versions of this project that its tests must see: `python -m tests.mutants [WORD]`.
+
+Each is applied to a copy of the project, where the test named is run; a mutant that it passes is
+told, and the exit status says whether there was one. WORD: those alone that have it in file, text
+or test.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parents[1]
+_VALID, _PAGES = "tests/fmu/test_validity.py::test_", "tests/fmu/test_documents.py::test_"
+_DEPEND = f"{_VALID}outputs_depend_on_the_inputs_that_reach_them_within_an_instant"
+_BY_SPEED = f"{_VALID}the_speed_reaches_an_output_where_it_is_an_input"
+_LIMITS = f"{_VALID}limits_nominal_values_and_unknowns_are_those_of_the_table"
+_UNITS = f"{_VALID}units_are_defined_by_si_exponents_and_shown_in_what_people_read"
+_GUID = f"{_VALID}another_rotor_gives_another_guid"
+_HOLDS = f"{_VALID}it_holds_the_model_its_skin_and_nothing_that_no_rotor_needs"
+_REQUIRES = f"{_VALID}it_requires_what_its_modules_import_in_the_versions_of_the_project"
+_CURRENT = f"{_VALID}an_fmu_is_current_only_with_all_that_it_would_hold_now"
+_NAMES = f"{_VALID}its_documents_name_what_it_requires"
+_PAGE = f"{_PAGES}each_page_tells_its_own_drive_and_what_it_carries"
+_TERMINALS = (
+    f"{_PAGES}the_terminals_members_are_the_motion_and_the_torque_of_the_shaft_and_of_bodies"
+)
+_LICENCES = f"{_PAGES}the_licences_of_what_is_carried_are_there"
+_README = "tests/test_readme.py::test_the_variables_are_those_of_the_table"
+_RESULT = "tests/fmu/test_reference.py::test_another_rotor_does_not_carry_the_rigs_result"
+_INSTANT = "tests/test_observe.py::test_what_reaches_an_output_within_an_instant_is_declared"
+_LEDGER = "tests/test_energy.py"
+
+
+class Mutant(NamedTuple):
+    """A file with `old`, which stands in it once, replaced; the test that must see it."""
+
+    file: str
+    old: str
+    new: str
+    test: str
+
+
+_DESCRIPTION = "rotor_fmu/fmu/description.py"
+_BUNDLE = "rotor_fmu/packing/bundle.py"
+_DOCUMENTS = "rotor_fmu/packing/documents.py"
+_ENERGY = "model/march/energy.py"
+_OBSERVE = "model/march/observe.py"
+
+MUTANTS = (
+    # the description
+    Mutant(_DESCRIPTION, "        return inputs\n", "        return []\n", _DEPEND),
+    Mutant(_DESCRIPTION, ".name == variable.reached_by == SPEED", '.name == "none"', _BY_SPEED),
+    Mutant(_DESCRIPTION, '("min", variable.low)', '("min", None)', _LIMITS),
+    Mutant(_DESCRIPTION, '("max", variable.high)', '("max", variable.low)', _LIMITS),
+    Mutant(_DESCRIPTION, '"nominal", repr(variable.nominal)', '"nominal", "1.0"', _LIMITS),
+    Mutant(_DESCRIPTION, "factor=repr(factor)", "factor=repr(1 / factor)", _UNITS),
+    Mutant(_DESCRIPTION, "SubElement(unknowns, ", "SubElement(Element('none'), ", _LIMITS),
+    Mutant(_DESCRIPTION, "rotor-fmu {content} {table!r}", "rotor-fmu", _GUID),
+    Mutant("rotor_fmu/fmu/interface.py", "reached_by=output.reached_by,\n", "\n", _DEPEND),
+    Mutant(_OBSERVE, '        reached_by=ALL,\n    ),\n    Output(\n        "J"',
+           '    ),\n    Output(\n        "J"', _DEPEND),
+    Mutant("model/parts/clearance_contact.py", ", reached_by=SPEED", "", _INSTANT),
+    Mutant("model/parts/linear_bearing.py", 'upwards", True, 10.0, reached_by=SPEED',
+           'upwards", True, 10.0', _INSTANT),
+    # what the FMU holds
+    Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "linear")', _HOLDS),
+    Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "false_state")', _HOLDS),
+    Mutant(_BUNDLE, '"scipy>=1.11", ', "", _REQUIRES),
+    Mutant(_BUNDLE, "numba>=0.60", "numba>=0.6", _REQUIRES),
+    Mutant(_BUNDLE, '"torque" if is_free', '"speed" if is_free', _DEPEND),
+    Mutant(_BUNDLE, "names == set(expected) and", "", _CURRENT),
+    Mutant(_BUNDLE, "archive.read(name) == data for", "True for", _CURRENT),
+    Mutant(_BUNDLE, "or _tool(archive) != f\"PythonFMU {version('pythonfmu')}\"", "", _CURRENT),
+    Mutant(_BUNDLE, "        expected |= _documents(toml, is_free)\n", "", _CURRENT),
+    # the documents
+    Mutant(_DOCUMENTS, "with numpy and scipy;", "with numpy;", _NAMES),
+    Mutant(_DOCUMENTS, "3.11 or newer with numpy and", "3.12 or newer with numpy and", _NAMES),
+    Mutant(_DOCUMENTS, '("rotor-fmu", "pythonfmu")', '("rotor-fmu",)', _LICENCES),
+    Mutant(_DOCUMENTS, "_REFERENCE if has_reference", "_REFERENCE if not has_reference", _PAGE),
+    Mutant(_DOCUMENTS, "drive=_DRIVES[table[0].name]", 'drive=_DRIVES["speed"]', _PAGE),
+    Mutant(_DOCUMENTS, '"tau": "tau_drive"}', '"tau": "tau"}', _TERMINALS),
+    Mutant(_DOCUMENTS, '("fx", "fy", "x", "y")', '("fx", "fy", "y")', _TERMINALS),
+    Mutant(_DOCUMENTS, 'version=__version__', 'version="0"', _PAGE),
+    Mutant("rotor_fmu/packing/variable_table.py", 'number != "1"', 'number == "1"', _README),
+    Mutant("rotor_fmu/packing/related_files.py", "rotor != rig() or ", "", _RESULT),
+    Mutant("pyproject.toml", '"numba>=0.60"', '"numba>=0.61"', _REQUIRES),
+    # the ledger
+    Mutant(_ENERGY, "out[1] = external", "out[1] = -external", _LEDGER),
+    Mutant(_ENERGY, "    out[3] = housing\n", "    out[3] = 0.0\n", _LEDGER),
+    Mutant(_ENERGY, "kinetic -= 0.5 * spin.omega", "kinetic += 0.5 * spin.omega", _LEDGER),
+    Mutant(_ENERGY, "        gravity -= housing.mass", "        gravity += housing.mass", _LEDGER),
+    Mutant(_ENERGY, "elastic += 0.5 * (housing.kx", "elastic += 0.4 * (housing.kx", _LEDGER),
+    Mutant(_OBSERVE, "residual -= flows[0] + flows[1]", "residual -= flows[0]", _LEDGER),
+)  # fmt: skip
+
+
+def copied(folder: Path) -> None:
+    """The project's files, laid out so that `folder` on the search path is the project."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for name in listed.stdout.split("\0"):
+        if name and (ROOT / name).is_file():
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / name, target)
+    for name in ("model", "examples"):
+        (folder / "rotor_fmu" / name).symlink_to(folder / name)
+
+
+def is_seen(mutant: Mutant, folder: Path) -> bool:
+    """Whether a test fails in the copy `folder` with the mutant in it, which is taken out again."""
+    file = folder / mutant.file
+    text = file.read_text(encoding="utf-8")
+    if text.count(mutant.old) != 1:
+        sys.exit(f"{mutant.file}: {mutant.old!r} stands in it {text.count(mutant.old)} times")
+    file.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
+    try:
+        return fails([mutant.test], folder)
+    finally:
+        file.write_text(text, encoding="utf-8")
+
+
+def fails(tests: Iterable[str], folder: Path) -> bool:
+    """Whether one of the tests fails in the copy `folder`."""
+    run = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+    done = subprocess.run(
+        [*run, *tests],
+        cwd=folder,
+        env=os.environ | {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode > 1:
+        sys.exit(done.stdout + done.stderr)
+    return done.returncode == 1
+
+
+def main() -> int:
+    """Run the mutants; the number of those that no test sees."""
+    word = sys.argv[1] if len(sys.argv) > 1 else ""
+    chosen = [m for m in MUTANTS if word in m.file or word in m.old or word in m.test]
+    unseen = 0
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_mutants_") as name:
+        folder = Path(name)
+        copied(folder)
+        if fails(sorted({mutant.test for mutant in chosen}), folder):
+            sys.exit("a test fails without a mutant")
+        for mutant in chosen:
+            seen = is_seen(mutant, folder)
+            unseen += not seen
+            told = "seen  " if seen else "UNSEEN"
+            print(f"{told} {mutant.file}: {mutant.old!r} -> {mutant.new!r}", flush=True)
+    print(f"{len(chosen)} mutants, {unseen} unseen")
+    return unseen
+
+
+if __name__ == "__main__":
+    sys.exit(min(main(), 1))
