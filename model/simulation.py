@@ -17,7 +17,7 @@ from .march.observe import observed_names
 from .protocol.part import Interface
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.sentences import described, hidden_whirls, nearest
+from .stability.sentences import described, hidden_whirls, longest_step, nearest
 from .stability.whirls import Tangents, Whirl, growing_whirls
 from .step.step import Motion
 from .structure.assembly import Structure, assemble
@@ -40,6 +40,8 @@ class RotorWarning(UserWarning):
 # Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
 # this factor is looked at anew.
 _SURVEYED, _PASSED = (1.0, 0.5), 1.25
+# Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
+_OVERDAMPING = 0.05
 _has_said_interpreted = False
 
 
@@ -96,6 +98,7 @@ class Simulation:
             for where, part in rotor.named_parts()
             if (speeds := getattr(part, "speed", ()))
         ]
+        self._has_warned_of_damping = False
 
         record = self._run.memory.record[0]
         record.t = t
@@ -108,6 +111,7 @@ class Simulation:
         # views of single fields: a record's attributes cost a microsecond each
         self._time = self._run.memory.record["t"]
         self._trapped = self._run.memory.record["trapped"]
+        self._overdamped_at = self._run.memory.record["overdamped_at"]
         self._loads = self._run.memory.loads
         self._observed = self._run.reading.observed
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
@@ -192,6 +196,15 @@ class Simulation:
                 "trust this run: take the preset robust, or a smaller solver.h"
             )
 
+        if self._overdamped_at[0] == self._overdamped_at[0] and not self._has_warned_of_damping:
+            self._has_warned_of_damping = True
+            self._warn(
+                f"overdamped since t = {self._overdamped_at[0]:.4g} s: while a journal rubs the "
+                "integrator takes energy that the machine's own dampers would not, and may hide an "
+                "instability; do not trust this run: take the preset controlled, or a smaller "
+                "solver.h"
+            )
+
     def snapshot(self) -> np.ndarray:
         """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
         return self._state.copy()
@@ -221,9 +234,12 @@ class Simulation:
 
     def _mind_whirls(self) -> None:
         """Keep the steps that the tolerance chooses short enough to see the growing whirls; of
-        others say what they hide."""
-        settings = self.settings
+        others say what they hide. What the integrator takes is judged more strictly now."""
+        settings, numbers = self.settings, self._run.method.numbers[0]
+        numbers.overdamping = _OVERDAMPING
         if settings.mode == "controlled":
+            in_contact = [whirl for whirl in self._whirls if whirl.closed]
+            numbers.h_in_contact = longest_step(self._scheme, in_contact)
             return
         h = settings.h if settings.mode == "fixed" else settings.h_max
         hidden = hidden_whirls(self._scheme, h, self._whirls, self._contacts)

@@ -41,6 +41,8 @@ def _control(numbers):
         numbers.tolerance,
         numbers.error_constant,
         numbers.is_fitted != 0,
+        numbers.h_in_contact,
+        numbers.overdamping,
     )
 
 
@@ -64,7 +66,7 @@ def start(block, speed, drive, rate):
         if status != HELD:
             return status
     for i in range(len(run.structure.probes)):
-        run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof].imag
+        run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof]
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
     return HELD
