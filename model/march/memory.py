@@ -38,6 +38,9 @@ RECORD = np.dtype(
             "window_residual",  # of the ledger, what was dissipated, and that without friction [J]
             "window_losses",
             "window_vibration",
+            "leaky_taken",  # by the integrator, by all that dissipates, by that without friction:
+            "leaky_losses",  # sums over windows that fade [J]
+            "leaky_vibration",
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
         )

@@ -22,7 +22,8 @@ TRAPPED_SCORE = 60.0
 # loss to the integrator counts against the others, if it stands out of the ledger's rounding. Where
 # the rotation is taken in steps longer than COARSE [rad] the ledger's own quadrature is as large.
 WINDOW_CYCLES = 10.0
-LEAST_LOSS = 1e-4
+LEAST_LOSS = 3e-4
+MEMORY = 0.8  # of a window's sums in the next
 COARSE = 0.5
 _FRICTION = FLOWS.index("friction")
 _LOSSES = OWN_FLOWS.index("external") + 1
@@ -105,9 +106,11 @@ def watch_losses(structure, control, motion, memory, work):
         losses += flows[i]
     residual += losses
     vibration = losses - flows[_FRICTION]
-    taken = r.window_residual - residual
-    is_large = taken > control.overdamping * (vibration - r.window_vibration)
-    is_seen = taken > LEAST_LOSS * (losses - r.window_losses)
+    r.leaky_taken = MEMORY * r.leaky_taken + r.window_residual - residual
+    r.leaky_losses = MEMORY * r.leaky_losses + losses - r.window_losses
+    r.leaky_vibration = MEMORY * r.leaky_vibration + vibration - r.window_vibration
+    is_large = r.leaky_taken > control.overdamping * r.leaky_vibration
+    is_seen = r.leaky_taken > LEAST_LOSS * r.leaky_losses
     is_fine = abs(r.omega) * r.h_last < COARSE
     if r.touched == 1 and is_large and is_seen and is_fine and math.isnan(r.overdamped_at):
         r.overdamped_at = r.window_begin

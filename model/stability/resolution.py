@@ -11,7 +11,7 @@ import math
 
 from ..schemes.spectral import Method, spectral_radius
 
-_COARSE, _FINE = 10.0, 1e-3  # omega h [rad] between which the step is looked for
+COARSEST, _FINE = 10.0, 1e-3  # omega h [rad] between which the step is looked for
 _HALVINGS = 20
 
 
@@ -23,7 +23,7 @@ def seen_growth(method: Method, h: float, root: complex) -> float:
 def resolving_step(method: Method, root: complex, share: float) -> float:
     """Longest step [s] in which the oscillation grows by this share of its rate at least [1]."""
     omega = abs(root)
-    short, long = _FINE / omega, _COARSE / omega
+    short, long = _FINE / omega, COARSEST / omega
     for _ in range(_HALVINGS):
         middle = math.sqrt(short * long)
         if seen_growth(method, middle, root) >= share * root.real:
