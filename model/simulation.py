@@ -14,8 +14,11 @@ from .march import entries, march
 from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
+from .protocol.part import Interface
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
+from .stability.sentences import described, hidden_whirls, longest_step, nearest
+from .stability.whirls import Tangents, Whirl, growing_whirls
 from .step.step import Motion
 from .structure.assembly import Structure, assemble
 from .structure.reduction import reduced
@@ -30,9 +33,15 @@ class StepFailure(RuntimeError):
 
 
 class RotorWarning(UserWarning):
-    """Something that makes a run doubtful: an unstable scheme, the integrator's false state."""
+    """Something that makes a run doubtful: an unstable scheme, the integrator's false state, an
+    instability that it hides."""
 
 
+# Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
+# this factor is looked at anew.
+_SURVEYED, _PASSED = (1.0, 0.5), 1.25
+# Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
+_OVERDAMPING = 0.05
 _has_said_interpreted = False
 
 
@@ -89,6 +98,7 @@ class Simulation:
             for where, part in rotor.named_parts()
             if (speeds := getattr(part, "speed", ()))
         ]
+        self._has_warned_of_damping = False
 
         record = self._run.memory.record[0]
         record.t = t
@@ -101,6 +111,7 @@ class Simulation:
         # views of single fields: a record's attributes cost a microsecond each
         self._time = self._run.memory.record["t"]
         self._trapped = self._run.memory.record["trapped"]
+        self._overdamped_at = self._run.memory.record["overdamped_at"]
         self._loads = self._run.memory.loads
         self._observed = self._run.reading.observed
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
@@ -110,6 +121,16 @@ class Simulation:
         if status != HELD:
             raise EquilibriumError(self._no_rest(status))
         self._warn_beyond_tables(speed)
+        self._speed = self._run.memory.record["omega"]
+        self._contacts = [
+            where
+            for where, part in rotor.named_parts()
+            for element in part.elements(where, rotor.material.density)
+            if isinstance(element, Interface)
+        ]
+        self._whirls: tuple[Whirl, ...] = ()
+        self._has_warned_of_whirls = False
+        self._survey_whirls()
 
     @property
     def structure(self) -> Structure:
@@ -164,6 +185,8 @@ class Simulation:
             raise StepFailure(self._failure(status))
         if self._tables:
             self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
+        if abs(self._speed[0]) > self._surveyed_to:
+            self._survey_whirls()
         if self._trapped[0] and not self._has_warned:
             self._has_warned = True
             since = self._run.memory.record[0].trapped_at
@@ -171,6 +194,15 @@ class Simulation:
                 f"false state since t = {since:.4g} s: a journal jumps from wall to "
                 "wall of its clearance every step or two, which is the integrator's doing; do not "
                 "trust this run: take the preset robust, or a smaller solver.h"
+            )
+
+        if self._overdamped_at[0] == self._overdamped_at[0] and not self._has_warned_of_damping:
+            self._has_warned_of_damping = True
+            self._warn(
+                f"overdamped since t = {self._overdamped_at[0]:.4g} s: while a journal rubs the "
+                "integrator takes energy that the machine's own dampers would not, and may hide an "
+                "instability; do not trust this run: take the preset controlled, or a smaller "
+                "solver.h"
             )
 
     def snapshot(self) -> np.ndarray:
@@ -181,6 +213,39 @@ class Simulation:
         """Go back to a snapshot, or to its bytes, of this or of an equal simulation."""
         self._state[:] = np.frombuffer(snapshot, np.uint8)
         entries.look(self._block)
+
+    def _survey_whirls(self) -> None:
+        """Look for growing whirls up to the present speed; warn of those that the steps hide."""
+        speed = float(self._speed[0])
+        self._surveyed_to = _PASSED * max(abs(speed), self.structure.numbers[0].lowest_omega)
+        speeds = [share * speed for share in _SURVEYED] if speed else [0.0]
+        self._whirls = growing_whirls(self.structure, self._tangents(), speeds)
+        if self._whirls and is_unconditionally_stable(self._scheme):
+            self._mind_whirls()
+
+    def _tangents(self) -> Tangents:
+        problem = self._run.problem
+        entries.linearize(self._block, 1.0, 0.0)
+        p_d, q_d = problem.p.copy(), problem.q.copy()
+        entries.linearize(self._block, 0.0, 1.0)
+        # a journal that whirls along the wall does not move against its damping
+        is_free = self.structure.interfaces.has_wall == 0
+        return Tangents(p_d, q_d, is_free * problem.p, is_free * problem.q)
+
+    def _mind_whirls(self) -> None:
+        """Keep the steps that the tolerance chooses short enough to see the growing whirls; of
+        others say what they hide. What the integrator takes is judged more strictly now."""
+        settings, numbers = self.settings, self._run.method.numbers[0]
+        numbers.overdamping = _OVERDAMPING
+        if settings.mode == "controlled":
+            in_contact = [whirl for whirl in self._whirls if whirl.closed]
+            numbers.h_in_contact = longest_step(self._scheme, in_contact)
+            return
+        h = settings.h if settings.mode == "fixed" else settings.h_max
+        hidden = hidden_whirls(self._scheme, h, self._whirls, self._contacts)
+        if hidden and not self._has_warned_of_whirls:
+            self._has_warned_of_whirls = True
+            self._warn(hidden)
 
     def _warn_if_interpreted(self) -> None:
         global _has_said_interpreted
@@ -230,15 +295,37 @@ class Simulation:
             dofs, nodes = self.structure.deflections.T
             q = np.abs(self.motion.q[dofs])
             node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
-            reason = (
-                f"the solution diverged (node {node} past {self.structure.numbers[0].bound:.3g} m "
-                "or not finite)"
-            )
-            advice = "try the preset robust, or a smaller solver.h"
+            past = f"node {node} past {self.structure.numbers[0].bound:.3g} m or not finite"
             if not is_unconditionally_stable(self._scheme):
+                reason = f"the solution diverged ({past})"
                 advice = (
                     "the scheme is unstable (spectral radius "
                     f"{self._scheme.rho_infinity:.4g} > 1): "
                     "take alpha_m <= alpha_f <= 0.5"
                 )
+            elif self._whirls:
+                reason = f"the machine whirled itself apart ({past}): {self._whirl_seen(dofs)}"
+                advice = (
+                    "that is the machine's own, no step length mends it: less friction or more "
+                    "damping does"
+                )
+            else:
+                reason = f"the solution diverged ({past})"
+                advice = (
+                    "try a smaller solver.h; what diverges at every step length is the machine's "
+                    "own, with loads or a speed that it does not bear"
+                )
         return f"{where}: {reason}; {advice}"
+
+    def _whirl_seen(self, dofs: np.ndarray) -> str:
+        """The growing whirl that is most like the motion reached, and that motion."""
+        q, v = self.motion.q[dofs], self.motion.v[dofs]
+        speed = float(self._speed[0])
+        largest = np.argmax(np.abs(q))
+        rate = float((q[largest].conjugate() * v[largest]).imag / abs(q[largest]) ** 2)
+        whirl = nearest(self._whirls, rate, speed)
+        way = "backward" if (rate < 0) == (speed >= 0) else "forward"
+        return (
+            f"{described(whirl, self._contacts)}, and it was seen to whirl {way} at "
+            f"{abs(rate) / (2 * math.pi):.4g} Hz"
+        )

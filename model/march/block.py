@@ -102,6 +102,7 @@ def new_block(structure: Structure, outputs: int) -> np.ndarray:
         starts = LAWS[interface.law].states
         run.motion.own[interface.own : interface.own + len(starts)] = starts
     run.memory.record[0].trapped_at = np.nan
+    run.memory.record[0].overdamped_at = np.nan
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
     return block

@@ -3,10 +3,11 @@ between them."""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled
-from .error_control import local_error, next_length, repeated_length
+from .error_control import contact_error, local_error, next_length, repeated_length
 from .paper_control import error_indicator, next_step, shorter_step
 
 FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
@@ -20,7 +21,8 @@ class Control(NamedTuple):
     LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
     MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of
     h^2 (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to
-    the speed (`fitting`).
+    the speed (`fitting`); h_in_contact: longest of CONTROLLED while a journal touches [s];
+    overdamping: what the integrator may take of the energy of a rub, over what the dampers do [1].
     """
 
     mode: int
@@ -36,6 +38,8 @@ class Control(NamedTuple):
     tolerance: float
     error_constant: float
     is_fitted: bool
+    h_in_contact: float = math.inf
+    overdamping: float = 1.0
 
 
 @compiled
@@ -44,7 +48,8 @@ def step_error(structure, control, omega, h, is_first, old, new):
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
     if control.mode == CONTROLLED:
-        return local_error(structure, control, omega, h, old, new)
+        error = local_error(structure, control, omega, h, old, new)
+        return max(error, contact_error(structure, control, h, new))
     return 0.0
 
 

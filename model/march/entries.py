@@ -6,6 +6,7 @@ import math
 
 from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
+from ..step.laws import law_tangent, relative
 from ..structure.parameters import prepare
 from . import march
 from .block import LAYOUT
@@ -14,6 +15,9 @@ from .equilibrium import HELD, find_equilibrium, release
 from .observe import observe
 
 _view = LAYOUT.view
+# Where a contact is called closed and slipping: lengths from the centre, and a spin [rad/s] that
+# leaves nothing of the smoothing of friction.
+_FAR, _SLIPPING = 1e6, 1e9
 
 
 @compiled
@@ -37,6 +41,8 @@ def _control(numbers):
         numbers.tolerance,
         numbers.error_constant,
         numbers.is_fitted != 0,
+        numbers.h_in_contact,
+        numbers.overdamping,
     )
 
 
@@ -60,7 +66,7 @@ def start(block, speed, drive, rate):
         if status != HELD:
             return status
     for i in range(len(run.structure.probes)):
-        run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof].imag
+        run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof]
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
     return HELD
@@ -87,6 +93,37 @@ def advance(block, t_end, drive, rate):
     )
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
     return status
+
+
+@compiled
+def linearize(block, by_d, by_v):
+    """Fill problem.p and problem.q with the laws' tangents, by_d times those by the displacement
+    and by_v times those by the velocity: at rest, but where there is a wall far behind it, its
+    surfaces slipping in the sense of the rotation."""
+    run = _view(block)
+    structure, problem = run.structure, run.problem
+    omega = run.memory.record[0].omega
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        own = run.motion.own[interface.own :]
+        d = relative(interface, run.motion.q)
+        sliding = omega
+        if interface.has_wall == 1:
+            d = complex(_FAR * interface.length, 0.0)
+            sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
+        _force, problem.p[j], problem.q[j] = law_tangent(
+            structure.laws,
+            interface,
+            d,
+            0.0j,
+            omega,
+            sliding,
+            by_d,
+            by_v,
+            0.0,
+            own,
+            problem.own[interface.own :],
+        )
 
 
 @compiled

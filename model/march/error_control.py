@@ -47,6 +47,18 @@ def local_error(structure, control, omega, h, old, new):
 
 
 @compiled
+def contact_error(structure, control, h, new):
+    """Error of a step of length h [s] that ends in contact and may be too long to see a whirl grow
+    there [1]: as long as its amplitude is below the tolerance, no other error shows that it does
+    not."""
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
+            ratio = h / control.h_in_contact
+            return ratio * ratio
+    return 0.0
+
+
+@compiled
 def next_length(wished, h, error, error_before):
     """Wished length of the next step [s] after one of length h [s] with these last errors [1]; a
     communication point may have cut h shorter than was wished, which says nothing against it.

@@ -1,7 +1,8 @@
 """The loop over steps from one communication point to the next, compiled.
 
 Chooses each step's length, repeats what is rejected, and keeps what has to be kept at every step:
-the energy ledger, the amplitudes, and the watch for the false wall-to-wall state.
+the energy ledger, the amplitudes, and the watches for the false wall-to-wall state and for damping
+that is the integrator's.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from ..step.step import accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
 from .energy import powers, total_energy
 from .memory import spin_at, spin_now
-from .watch import watch_amplitudes, watch_bounces
+from .watch import open_window, watch_amplitudes, watch_bounces, watch_losses
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
@@ -23,7 +24,7 @@ SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 
 
 @inlined
-def _commit(h, structure, motion, trial, memory, work, spin, torque):
+def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
     for i in range(len(motion.q)):
@@ -49,6 +50,7 @@ def _commit(h, structure, motion, trial, memory, work, spin, torque):
         memory.power[i] = work.powers[i]
     watch_amplitudes(structure, motion, memory)
     watch_bounces(structure, motion, memory)
+    watch_losses(structure, control, motion, memory, work)
 
 
 @compiled
@@ -73,6 +75,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     after = total_energy(structure, spin_now(memory.record), motion, work.stores)
     if is_start:
         r.energy_at_start = after
+        open_window(structure, memory)
     else:
         memory.work[0] += after - before
     for i in range(len(motion.a)):
@@ -192,7 +195,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
-        _commit(h, structure, motion, trial, memory, work, spin, torque)
+        _commit(h, structure, control, motion, trial, memory, work, spin, torque)
         parts = parts - 1.0
         if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))

@@ -32,22 +32,34 @@ RECORD = np.dtype(
             "drive",  # torque on a free rotor [N.m]
             "turn",  # angle at which the present revolution began [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
+            "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
+            "window_begin",  # of the losses looked at, and when they are looked at next [s]
+            "window_end",
+            "window_residual",  # of the ledger, what was dissipated, and that without friction [J]
+            "window_losses",
+            "window_vibration",
+            "leaky_taken",  # by the integrator, by all that dissipates, by that without friction:
+            "leaky_losses",  # sums over windows that fade [J]
+            "leaky_vibration",
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
         )
     ]
-    + [(name, "i8") for name in ("steps", "rejected", "newton", "trapped", "continues", "is_free")]
+    + [
+        (name, "i8")
+        for name in ("steps", "rejected", "newton", "trapped", "touched", "continues", "is_free")
+    ]
 )
 
 
 class Memory(NamedTuple):
     """What a run remembers besides the motion; every array changes in place.
 
-    record: of dtype `RECORD`; work, power: of `laws.FLOWS` [J], [W]; peaks: largest |x| and
-    |y - y at rest| [m] of the probes in the present revolution, in the one before, and since the
-    last communication point; bounce: of each interface the direction of the last contact (cos,
-    sin), steps since then, score of crossings; rest: heights of the probes at rest [m]; loads: on
-    the ports [N].
+    record: of dtype `RECORD`; work, power: of `laws.FLOWS` [J], [W]; peaks: largest |x| and |y|
+    from rest [m] of the probes in the present revolution, in the one before, and since the last
+    communication point; bounce: of each interface the direction of the last contact (cos, sin),
+    steps since then, score of crossings; rest: the probes under the loads at the start [m]; loads:
+    on the ports [N].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]
@@ -55,7 +67,7 @@ class Memory(NamedTuple):
     power: Annotated[np.ndarray, float, "flows"]
     peaks: Annotated[np.ndarray, float, "3", "2", "probes"]
     bounce: Annotated[np.ndarray, float, "interfaces", "4"]
-    rest: Annotated[np.ndarray, float, "probes"]
+    rest: Annotated[np.ndarray, complex, "probes"]
     loads: Annotated[np.ndarray, complex, "loads"]
 
 

@@ -65,6 +65,13 @@ SOLVER = (
     Output(
         "trapped_at", "s", "time at which the false state was first seen; -1: never", nominal=1.0
     ),
+    Output(
+        "overdamped_at",
+        "s",
+        "time from which the integrator damped a rub so much that it may hide an instability; "
+        "-1: never",
+        nominal=1.0,
+    ),
 )
 _STORES = (
     Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0, reached_by=SPEED),
@@ -153,6 +160,7 @@ def observe(structure, motion, memory, work, out):
     out[at + 6] = r.h_largest
     out[at + 7] = r.trapped
     out[at + 8] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
+    out[at + 9] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
     _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
 
 

@@ -1,4 +1,5 @@
-"""What is looked at after every step: the probes' amplitudes, and the false wall-to-wall state."""
+"""What is looked at after every step: the probes' amplitudes, the false wall-to-wall state, and
+whether the integrator damps the machine more than the machine itself."""
 
 from __future__ import annotations
 
@@ -6,7 +7,9 @@ import math
 
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
-from ..step.laws import relative
+from ..step.laws import FLOWS, OWN_FLOWS, relative
+from .energy import total_energy
+from .memory import spin_now
 
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
 # the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
@@ -14,6 +17,16 @@ from ..step.laws import relative
 CROSSING_STEPS = 2
 CROSSING_SCORE = 3.0
 TRAPPED_SCORE = 60.0
+# The ledger is looked at every so many cycles of the rotation or of the lowest mode, whichever is
+# faster. Friction between the rotor and what it slides on is the drive's loss, not the whirl's: a
+# loss to the integrator counts against the others, if it stands out of the ledger's rounding. Where
+# the rotation is taken in steps longer than COARSE [rad] the ledger's own quadrature is as large.
+WINDOW_CYCLES = 10.0
+LEAST_LOSS = 3e-4
+MEMORY = 0.8  # of a window's sums in the next
+COARSE = 0.5
+_FRICTION = FLOWS.index("friction")
+_LOSSES = OWN_FLOWS.index("external") + 1
 
 
 @compiled
@@ -29,9 +42,9 @@ def watch_amplitudes(structure, motion, memory):
                 peaks[1, axis, i] = peaks[0, axis, i]
                 peaks[0, axis, i] = 0.0
     for i in range(len(structure.probes)):
-        q = motion.q[structure.probes[i].dof]
-        x = abs(q.real)
-        y = abs(q.imag - memory.rest[i])
+        moved = motion.q[structure.probes[i].dof] - memory.rest[i]
+        x = abs(moved.real)
+        y = abs(moved.imag)
         for window in (0, 2):
             peaks[window, 0, i] = max(peaks[window, 0, i], x)
             peaks[window, 1, i] = max(peaks[window, 1, i], y)
@@ -61,3 +74,47 @@ def watch_bounces(structure, motion, memory):
             r.trapped += 1
             if math.isnan(r.trapped_at):
                 r.trapped_at = r.t
+
+
+@compiled
+def open_window(structure, memory):
+    """Begin a window of `watch_losses` at the time reached."""
+    r = memory.record[0]
+    fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
+    r.window_begin = r.t
+    r.window_end = r.t + WINDOW_CYCLES * 2.0 * math.pi / fastest
+    r.touched = 0
+
+
+@compiled
+def watch_losses(structure, control, motion, memory, work):
+    """Compare what the integrator took of the energy of a machine that touched, once in a window,
+    with what the machine's dampers did."""
+    r = memory.record[0]
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 1 and motion.force[j] != 0.0:
+            r.touched = 1
+    if r.t < r.window_end:
+        return
+    flows = memory.work
+    residual = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    residual -= r.energy_at_start
+    for i in range(_LOSSES):
+        residual -= flows[i]
+    losses = 0.0
+    for i in range(_LOSSES, len(flows)):
+        losses += flows[i]
+    residual += losses
+    vibration = losses - flows[_FRICTION]
+    r.leaky_taken = MEMORY * r.leaky_taken + r.window_residual - residual
+    r.leaky_losses = MEMORY * r.leaky_losses + losses - r.window_losses
+    r.leaky_vibration = MEMORY * r.leaky_vibration + vibration - r.window_vibration
+    is_large = r.leaky_taken > control.overdamping * r.leaky_vibration
+    is_seen = r.leaky_taken > LEAST_LOSS * r.leaky_losses
+    is_fine = abs(r.omega) * r.h_last < COARSE
+    if r.touched == 1 and is_large and is_seen and is_fine and math.isnan(r.overdamped_at):
+        r.overdamped_at = r.window_begin
+    r.window_residual = residual
+    r.window_losses = losses
+    r.window_vibration = vibration
+    open_window(structure, memory)

@@ -110,8 +110,18 @@ Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount 
 PROBE_OUTPUTS = (
     Output("x", "m", "displacement to the right", True, 1e-4),
     Output("y", "m", "displacement upwards, at rest below 0 by the sag", True, 1e-4),
-    Output("x_amp", "m", "largest abs(x) over the last revolution", nominal=1e-4),
-    Output("y_amp", "m", "largest abs(y - y at rest) over the last revolution", nominal=1e-4),
+    Output(
+        "x_amp",
+        "m",
+        "largest abs(x - x at rest) over the last revolution, at rest under the loads at the start",
+        nominal=1e-4,
+    ),
+    Output(
+        "y_amp",
+        "m",
+        "largest abs(y - y at rest) over the last revolution, at rest under the loads at the start",
+        nominal=1e-4,
+    ),
 )
 VELOCITY_OUTPUTS = (
     Output("vx", "m/s", "velocity to the right", True, 1e-2),

@@ -29,7 +29,7 @@ _SLACK, _SLACK_AT_STOP = 1e-6, 1e-3
 # Spacings of the floating-point numbers near t that a communication step has to span at least.
 _RESOLVED = 100
 # Variables that are instants: the model counts time from the start.
-_INSTANTS = ("solver.trapped_at",)
+_INSTANTS = ("solver.trapped_at", "solver.overdamped_at")
 _RECOVER = "reset the FMU, or set a state from before"
 COMPILING = "compiling the solver, once on this machine: about half a minute"
 

@@ -46,7 +46,7 @@ class Run:
     """A run at its communication points.
 
     t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: `ok`,
-    `false state` or what went wrong; messages: of the solver; wall_s [s].
+    `false state`, `overdamped since ...` or what went wrong; messages: of the solver; wall_s [s].
     """
 
     t: np.ndarray
@@ -179,7 +179,10 @@ def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) ->
 def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
     if failure is not None:
         return f"failed: {failure}"
-    return "false state" if columns["solver.trapped"][-1] > 0 else "ok"
+    if columns["solver.trapped"][-1] > 0:
+        return "false state"
+    since = columns["solver.overdamped_at"][-1]
+    return f"overdamped since {since:.4g} s" if since >= 0 else "ok"
 
 
 def summary(run: Run) -> dict[str, Any]:
@@ -192,6 +195,7 @@ def summary(run: Run) -> dict[str, Any]:
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
     steps = last["solver.steps"]
     losses = sum(last[name] for name in last if name.endswith("_loss"))
+    overdamped_at = last["solver.overdamped_at"]
     return {
         **_peaks(run),
         "steps": int(steps),
@@ -204,6 +208,7 @@ def summary(run: Run) -> dict[str, Any]:
         "energy_residual": last["energy.residual"] / losses if losses else None,
         "trapped_steps": int(last["solver.trapped"]),
         "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
+        "overdamped_at_s": overdamped_at if overdamped_at >= 0 else None,
         "status": run.status,
         "messages": list(run.messages),
     }

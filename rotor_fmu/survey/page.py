@@ -21,6 +21,7 @@ from . import false_state_figures, figures
 from .false_state_figures import free_growth, phase_limit
 from .findings import Findings, false_state_power, median, rebound_of, scheme_of, title_of
 from .grid import Row
+from .hidden import hidden_head, hidden_rows
 
 PAGE = "integrators.md"
 _PAPER_A, _MD = "generalized-alpha=0.1,0.08", "moderate-dissipation"
@@ -61,6 +62,7 @@ def page_text(findings: Findings) -> str:
         **_of_its_power(findings),
         **_of_the_impacts(findings),
         "work_table": _work_table(findings),
+        "hidden_table": _table(hidden_head(), hidden_rows()),
     }
     return Template(template).substitute(numbers)
 
