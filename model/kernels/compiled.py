@@ -53,3 +53,13 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     if not IS_COMPILED:
         return function
     return numba.njit(inline="always", **_OPTIONS)(function)
+
+
+def called(function: Callable[..., Any]) -> Callable[..., Any]:
+    """`compiled`, for what a run seldom needs or that is large: it is compiled once and called,
+    not made part of all its callers, each of which would take longer to compile."""
+    if not IS_COMPILED:
+        return function
+    dispatcher = numba.njit(**{**_OPTIONS, "forceinline": False})(function)
+    keep(dispatcher)
+    return dispatcher

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from .compiled import compiled
+from .compiled import called, compiled
 
 # pi / 2 in parts of 33 bits, whose products with an integer of 20 bits are exact, and the rest.
 _PARTS = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)
@@ -126,7 +126,7 @@ def _arctan_of_ratio(a, b):
     return high, rest + (_ARCTAN[k][1] + (low + u * z * tail))
 
 
-@compiled
+@called
 def angle(z):
     """The angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of 0."""
     a, b = abs(z.imag), abs(z.real)
@@ -167,7 +167,7 @@ def root(x, n):
 _LN2 = (0.6931471803691238, 1.9082149292705877e-10)  # ln 2 in a part of 32 bits, and the rest
 
 
-@compiled
+@called
 def exponential(x):
     """exp(x), within 2 ulp; 0 below -700, infinite above 700."""
     if not -700.0 <= x <= 700.0:
@@ -180,7 +180,7 @@ def exponential(x):
     return tail * 2.0**n
 
 
-@compiled
+@called
 def logarithm(x):
     """ln x of x > 0, within 4 ulp of the larger of it and 1."""
     if not 0.0 < x < math.inf:
@@ -200,7 +200,7 @@ def logarithm(x):
     return n * _LN2[0] + (n * _LN2[1] + 2.0 * s * tail)
 
 
-@compiled
+@called
 def power(x, y):
     """x^y of x >= 0, to 4 ulp times the logarithm of the result; exact where y is 0 or 1, the root
     where it is 1/2."""

@@ -23,7 +23,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import called, compiled
 from ..kernels.functions import angle, direction, exponential, modulus, power
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
@@ -60,10 +60,15 @@ class ContactQuantities:
 
 @compiled
 def _clearance_at(part, d):
-    """Clearance of a worn housing in the direction of d, and its first and second derivative by the
-    angle [m]."""
+    """Clearance in the direction of d, and its first and second derivative by the angle [m]."""
     if part.wear == 0.0:
         return part.clearance, 0.0, 0.0
+    return _worn_at(part, d)
+
+
+@called
+def _worn_at(part, d):
+    """`_clearance_at` of a worn housing."""
     turned = direction(0.5 * (angle(d) - part.wear_angle))
     c, s = turned.real, turned.imag
     p = part.wear_power
@@ -170,7 +175,7 @@ def contact_force(part, d, d_dot, spin):
     return force, n, delta, rate, v_t
 
 
-@compiled
+@called
 def _column(z, z_v, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, give):
     """dF in the frame along e by a displacement z and a velocity z_v."""
     steep, normal = _outward(gradient)

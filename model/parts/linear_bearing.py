@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
 from ..quantities import ANY, SPEED, Output, QuantityError, check_all, quantities, quantity
@@ -64,7 +64,7 @@ def _cubic(tables, at, s):
     return ((tables[at] * s + tables[at + 1]) * s + tables[at + 2]) * s + tables[at + 3]
 
 
-@compiled
+@called
 def coefficients(part, tables, speed):
     """Stiffness k, l [N/m] and damping c, e [N.s/m] at a speed [rad/s]: K d = k d + l conj(d),
     C d' = c d' + e conj(d'). Beyond a table's ends they are those of the end."""

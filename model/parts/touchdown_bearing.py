@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
 from ..quantities import NOT_NEGATIVE, SPEED, Output, quantity
@@ -108,13 +108,13 @@ def _race_speed(part, pressure, sliding, b, free, guess):
     return w
 
 
-@compiled
+@called
 def _force(part, tables, d, d_dot, speed, spin, own):
     """See `protocol.law`."""
     return rubbing_force(part, d, d_dot, part.journal_radius * spin - _radius(part) * own[0])[0]
 
 
-@compiled
+@called
 def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
     """See `protocol.law`."""
     delta, _, n, _, n_a, c, e, local, gradient, h, h_b = touch(part, d, d_dot)
@@ -137,7 +137,7 @@ def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)
     return -complex(pressure, mu_t * pressure) * normal * e, p, q
 
 
-@compiled
+@called
 def _rates(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`."""
     surface = part.journal_radius * spin - _radius(part) * own[0]
@@ -151,7 +151,7 @@ def _energy(part, tables, d, own):
     return compression(part, d), 0.5 * part.race_inertia * own[0] * own[0]
 
 
-@compiled
+@called
 def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`: contact damping, friction, drag."""
     surface = part.journal_radius * spin - _radius(part) * own[0]
@@ -162,7 +162,7 @@ def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
     return part.journal_radius * rubbing
 
 
-@compiled
+@called
 def _observe(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`."""
     surface = part.journal_radius * spin - _radius(part) * own[0]
