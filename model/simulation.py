@@ -228,9 +228,11 @@ class Simulation:
         entries.linearize(self._block, 1.0, 0.0)
         p_d, q_d = problem.p.copy(), problem.q.copy()
         entries.linearize(self._block, 0.0, 1.0)
-        # a journal that whirls along the wall does not move against its damping
+        # a journal that whirls along the wall, here at the right, is pushed as this wall pushes it
+        # all the way round, and does not move against its damping
         is_free = self.structure.interfaces.has_wall == 0
-        return Tangents(p_d, q_d, is_free * problem.p, is_free * problem.q)
+        p_d += np.where(is_free, 0.0, q_d)
+        return Tangents(p_d, is_free * q_d, is_free * problem.p, is_free * problem.q)
 
     def _mind_whirls(self) -> None:
         """Keep the steps that the tolerance chooses short enough to see the growing whirls; of

@@ -6,7 +6,7 @@ import math
 
 from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
-from ..step.laws import law_tangent, relative
+from ..step.laws import law_opening, law_tangent, relative
 from ..structure.parameters import prepare
 from . import march
 from .block import LAYOUT
@@ -15,9 +15,9 @@ from .equilibrium import HELD, find_equilibrium, release
 from .observe import observe
 
 _view = LAYOUT.view
-# Where a contact is called closed and slipping: lengths from the centre, and a spin [rad/s] that
-# leaves nothing of the smoothing of friction.
-_FAR, _SLIPPING = 1e6, 1e9
+# Where a contact is called closed and slipping: penetration over the radius of its wall, and a spin
+# [rad/s] that leaves nothing of the smoothing of friction.
+_DEPTH, _SLIPPING = 0.1, 1e9
 
 
 @compiled
@@ -98,8 +98,8 @@ def advance(block, t_end, drive, rate):
 @compiled
 def linearize(block, by_d, by_v):
     """Fill problem.p and problem.q with the laws' tangents, by_d times those by the displacement
-    and by_v times those by the velocity: at rest, but where there is a wall far behind it, its
-    surfaces slipping in the sense of the rotation."""
+    and by_v times those by the velocity: at rest, but where there is a wall a little behind it, at
+    the right, its surfaces slipping in the sense of the rotation."""
     run = _view(block)
     structure, problem = run.structure, run.problem
     omega = run.memory.record[0].omega
@@ -109,7 +109,8 @@ def linearize(block, by_d, by_v):
         d = relative(interface, run.motion.q)
         sliding = omega
         if interface.has_wall == 1:
-            d = complex(_FAR * interface.length, 0.0)
+            d = complex(interface.length, 0.0)
+            d += law_opening(structure.laws, interface, d) + _DEPTH * interface.length
             sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
         _force, problem.p[j], problem.q[j] = law_tangent(
             structure.laws,
