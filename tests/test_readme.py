@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import parse_rotor, rig
 
 from rotor_fmu.fmu.interface import interface
 from rotor_fmu.packing.variable_table import markdown
@@ -13,7 +13,8 @@ ROOT = Path(__file__).parents[1]
 
 
 def test_the_variables_are_those_of_the_table():
-    assert markdown(interface(rig())) in (ROOT / "README.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "variables.md").read_text(encoding="utf-8")
+    assert markdown(interface(rig())) in page
 
 
 def test_the_hosts_page_names_test_files_that_exist():
@@ -46,3 +47,9 @@ def test_the_make_targets_named_exist():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     for target in re.findall(r"^    make ([a-z-]+)", (ROOT / "README.md").read_text(), re.M):
         assert re.search(rf"^{target}:", makefile, re.M), target
+
+
+def test_the_machine_of_the_readme_is_one():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    (machine,) = re.findall(r"```toml\n(.*?)```", text, re.S)
+    assert parse_rotor(machine).name == "fan"
