@@ -145,11 +145,23 @@ def angle(z):
 
 
 @compiled
+def _power_of_two(n):
+    """2^n, exactly; `2.0**n` would be the system's exp2."""
+    y, factor, left = 1.0, 2.0 if n >= 0 else 0.5, abs(n)
+    while left > 0:
+        if left % 2 == 1:
+            y *= factor
+        factor *= factor
+        left //= 2
+    return y
+
+
+@compiled
 def root(x, n):
     """The n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
     if not 0.0 < x < math.inf:
         return x
-    factor = 2.0**n
+    factor = _power_of_two(n)
     scale = 1.0
     while x >= factor:
         x /= factor
@@ -177,7 +189,7 @@ def exponential(x):
     tail = 1.0
     for k in range(14, 0, -1):
         tail = 1.0 + r * tail / k
-    return tail * 2.0**n
+    return tail * _power_of_two(n)
 
 
 @called
