@@ -127,13 +127,13 @@ def is_seen(mutant: Mutant, folder: Path) -> bool:
         sys.exit(f"{mutant.file}: {mutant.old!r} stands in it {text.count(mutant.old)} times")
     file.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
     try:
-        return fails([mutant.test], folder)
+        return bool(failure([mutant.test], folder))
     finally:
         file.write_text(text, encoding="utf-8")
 
 
-def fails(tests: Iterable[str], folder: Path) -> bool:
-    """Whether one of the tests fails in the copy `folder`."""
+def failure(tests: Iterable[str], folder: Path) -> str:
+    """What pytest says if one of the tests fails in the copy `folder`."""
     run = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
     done = subprocess.run(
         [*run, *tests],
@@ -145,7 +145,7 @@ def fails(tests: Iterable[str], folder: Path) -> bool:
     )
     if done.returncode > 1:
         sys.exit(done.stdout + done.stderr)
-    return done.returncode == 1
+    return done.stdout if done.returncode == 1 else ""
 
 
 def main() -> int:
@@ -156,8 +156,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_mutants_") as name:
         folder = Path(name)
         copied(folder)
-        if fails(sorted({mutant.test for mutant in chosen}), folder):
-            sys.exit("a test fails without a mutant")
+        if told := failure(sorted({mutant.test for mutant in chosen}), folder):
+            sys.exit(f"{told}\na test fails without a mutant")
         for mutant in chosen:
             seen = is_seen(mutant, folder)
             unseen += not seen

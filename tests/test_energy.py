@@ -15,7 +15,7 @@ from .machines import METHODS, STEEL, balanced, losses, overhung
 
 
 def stored(sim):
-    return sum(sim.read(f"energy.{name}") for name in STORES)
+    return sum(sim.read(f"energy.{s}") for s in STORES if f"energy.{s}" in sim.names)
 
 
 def run(rotor, settings, duration, *, speed, rate=0.0, stops=50, loads=None):

@@ -159,7 +159,7 @@ def in_phase(phase):
         return host
     host.fmu.exit_initialization()
     if phase == "failed":
-        with pytest.raises(StepFailure, match="diverged"):
+        with pytest.raises(StepFailure):
             host.fmu.step(0.0, 2.0)
     elif phase == "terminated":
         host.fmu.terminate()
