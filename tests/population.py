@@ -20,7 +20,10 @@ from benchmarks import equations
 
 from .whip import overhung_machine
 
-TIMES = np.linspace(0.0, 0.3, 151)  # [s]
+TIMES = np.linspace(0.0, 0.32, 161)  # [s]
+# A whirl of some hundred 1/s doubles within milliseconds: where one may grow, a peak is what CVODE
+# finds this much earlier or later, in the interval of times above.
+LATE = 10
 ATOL = 1e-4  # displacements below it [m] are known to as much as it is, relative to it
 
 
@@ -70,7 +73,7 @@ def judged(rotor: Rotor, speed: float, settings: Settings, exact: np.ndarray) ->
     sim = Simulation(rotor, settings, speed=speed, warn=said.append)
     found, status = [0j], "ok"
     start = complex(sim.read("disc[1].x"), sim.read("disc[1].y"))
-    for t in TIMES[1:]:
+    for t in TIMES[1:-LATE]:
         try:
             sim.advance(t, speed)
         except StepFailure as failure:
@@ -80,10 +83,12 @@ def judged(rotor: Rotor, speed: float, settings: Settings, exact: np.ndarray) ->
     if status == "ok" and said:
         status = said[-1]
     orbit, truth = np.array(found), exact[: len(found)]
-    size = np.abs(truth).max()
+    size, peak = np.abs(truth).max(), np.abs(orbit).max()
+    late = LATE if sim._whirls else 0
+    least, most = (np.abs(exact[: len(found) + shift]).max() for shift in (-late, late))
     return Judged(
         status,
-        abs(np.abs(orbit).max() / size - 1),
+        max(0.0, 1 - peak / least, peak / most - 1),
         np.abs(orbit - truth).max() / (rotor.bearings[0].clearance + size),
     )
 
