@@ -37,6 +37,15 @@ class RotorWarning(UserWarning):
     instability that it hides."""
 
 
+OVERDAMPED_ADVICE = (
+    "while a journal rubs the integrator takes energy that the machine's own dampers would not, "
+    "and may hide an instability; do not trust this run: take the preset controlled, or a smaller "
+    "solver.h"
+)
+SMALLER_STEP = (
+    "try a smaller solver.h; what diverges at every step length is the machine's own, with loads "
+    "or a speed that it does not bear"
+)
 # Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
 # this factor is looked at anew.
 _SURVEYED, _PASSED = (1.0, 0.5), 1.25
@@ -198,12 +207,7 @@ class Simulation:
 
         if self._overdamped_at[0] == self._overdamped_at[0] and not self._has_warned_of_damping:
             self._has_warned_of_damping = True
-            self._warn(
-                f"overdamped since t = {self._overdamped_at[0]:.4g} s: while a journal rubs the "
-                "integrator takes energy that the machine's own dampers would not, and may hide an "
-                "instability; do not trust this run: take the preset controlled, or a smaller "
-                "solver.h"
-            )
+            self._warn(f"overdamped since t = {self._overdamped_at[0]:.4g} s: {OVERDAMPED_ADVICE}")
 
     def snapshot(self) -> np.ndarray:
         """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
@@ -313,10 +317,7 @@ class Simulation:
                 )
             else:
                 reason = f"the solution diverged ({past})"
-                advice = (
-                    "try a smaller solver.h; what diverges at every step length is the machine's "
-                    "own, with loads or a speed that it does not bear"
-                )
+                advice = SMALLER_STEP
         return f"{where}: {reason}; {advice}"
 
     def _whirl_seen(self, dofs: np.ndarray) -> str:

@@ -103,6 +103,8 @@ def new_block(structure: Structure, outputs: int) -> np.ndarray:
         run.motion.own[interface.own : interface.own + len(starts)] = starts
     run.memory.record[0].trapped_at = np.nan
     run.memory.record[0].overdamped_at = np.nan
+    for name, value in Control._field_defaults.items():
+        run.method.numbers[0][name] = value
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
     return block

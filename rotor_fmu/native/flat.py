@@ -85,10 +85,13 @@ def rotor_advance(block, t_end, drive, rate, told):
     run = _view(block)
     r = run.memory.record[0]
     if status == march.DONE:
-        if r.trapped == 0:
+        if r.trapped > 0:
+            told[0] = r.trapped_at
+            return -say.FALSE_STATE
+        if math.isnan(r.overdamped_at):
             return say.GOOD
-        told[0] = r.trapped_at
-        return -say.FALSE_STATE
+        told[0] = r.overdamped_at
+        return -say.OVERDAMPED
     told[0], told[1], told[2] = r.failed_at, r.omega, r.failed_h
     if status == march.NOT_CONVERGED:
         return say.NOT_CONVERGED

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..model.settings import INDICATORS, METHODS, MODES, NORMS, Settings, without_effect
+from ..model.simulation import OVERDAMPED_ADVICE, SMALLER_STEP
 
 GOOD = 0
 # The parameters of the methods, and the settings that must be positive, in the order of the checks.
@@ -15,7 +16,6 @@ SHAPES = ("alpha_f", "alpha_m", "rho")
 POSITIVE = ("h", "h_min", "h_max", "eps_min", "eps_max", "atol", "rtol", "tolerance")
 
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
-_STEP = "try the preset robust, or a smaller solver.h"
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 _LEAVES_NONE = "must be at least -1 and below 1"
 
@@ -84,12 +84,13 @@ SENTENCES = (
     "a tenth of the shaft's length; clearances and loads must be smaller, or springs stiffer",
     "no static equilibrium under gravity and the loads at the start was found",
     f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the preset robust",
-    f"{_DIVERGED}{_STEP}",
+    f"{_DIVERGED}{SMALLER_STEP}",
     f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take alpha_m <= alpha_f <= "
     "0.5",
     "false state since t = {.4g} s: a journal jumps from wall to wall of its clearance every step "
     "or two, which is the integrator's doing; do not trust this run: take the preset robust, or a "
     "smaller solver.h",
+    f"overdamped since t = {{.4g}} s: {OVERDAMPED_ADVICE}",
 )
 
 
@@ -120,6 +121,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     DIVERGED,
     DIVERGED_UNSTABLE,
     FALSE_STATE,
+    OVERDAMPED,
     _END,
 ) = _codes(
     len(METHODS) * len(SHAPES),

@@ -35,6 +35,7 @@ _ROLES = {
     "w_start": START_SPEED,
     "solver.reduction": REDUCTION,
     "solver.trapped_at": INSTANT,
+    "solver.overdamped_at": INSTANT,
     "time": TIME,
 }
 _SOLVER = "solver."
