@@ -22,7 +22,7 @@ ZETA, BETA, MU, E = 0.1, 4.0, 0.05, 0.5
 
 
 def rubbing(speed: np.ndarray, sign: int) -> np.ndarray:
-    """Radius of the full annular rub, the larger (sign 1) or the smaller; nan where there is none."""
+    """Radius of the full annular rub, the larger (sign 1) or the smaller; nan where none is."""
     s, d = 1 + BETA - speed**2, 2 * ZETA * speed + MU * BETA
     a, b = s * s + d * d, BETA * (s + MU * d)
     c = (1 + MU**2) * BETA**2 - (E * speed**2) ** 2
