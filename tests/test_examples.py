@@ -1,0 +1,57 @@
+"""The examples do what their pages say."""
+
+import math
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+
+
+def script(folder, name):
+    """What a script of the examples defines."""
+    return runpy.run_path(str(EXAMPLES / folder / name))
+
+
+# --- drop ---
+
+
+@pytest.fixture(scope="module")
+def dropped():
+    return script("drop", "drop.py")
+
+
+def test_the_dropped_compressor_touches_after_the_time_of_free_fall(dropped):
+    free_fall = math.sqrt(2 * dropped["CLEARANCE"] / 9.81)
+    assert dropped["first_contact"]() == pytest.approx(free_fall, rel=0.01)
+
+
+def test_friction_speeds_the_races_up_and_the_ledger_of_the_drop_closes(dropped):
+    told = dropped["run"](duration=0.1, every=1e-3)
+    for k in (1, 2):
+        race = told[f"touchdown_bearing[{k}].race"]
+        assert (race[told["t"] < 0.007] == 0).all()
+        # friction under half the weight, less the drag: 0.15 * 131 N * 0.03 m - 0.02 N.m
+        assert race[-1] == pytest.approx((0.1 - 0.0071) * 0.57 / 1.5e-4, rel=0.15)
+    lost = sum(value[-1] for name, value in told.items() if name.endswith("_loss"))
+    assert abs(told["energy.residual"][-1]) < 1e-4 * lost
+
+
+# --- jeffcott_rub ---
+
+
+@pytest.fixture(scope="module")
+def jeffcott():
+    return script("jeffcott_rub", "jeffcott_rub.py")
+
+
+def test_the_rubbing_jeffcott_rotor_whirls_as_the_closed_form_says(jeffcott):
+    (_, radius), (_, further) = jeffcott["sweep"](1.2, 1.4, 2)
+    assert radius == pytest.approx(1.296981, rel=1e-3)
+    assert further == pytest.approx(1.580638, rel=1e-3)
+
+
+def test_stepped_down_the_jeffcott_rotor_is_free_where_stepped_up_it_rubs(jeffcott):
+    assert jeffcott["sweep"](2.4, 1.8, 4)[-1, 1] == pytest.approx(jeffcott["free"](1.8), rel=1e-3)
+    assert jeffcott["sweep"](1.6, 1.8, 5)[-1, 1] == pytest.approx(2.777077, rel=1e-3)
