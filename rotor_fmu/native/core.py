@@ -213,6 +213,7 @@ def _objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
         text = re.sub(r"(?m)^target triple = .*$", f'target triple = "{platform.triple}"', text)
         module = llvm.parse_assembly(text)
         module.verify()
+        module.get_function(file.stem).visibility = "hidden"
         made.append(work / f"{file.stem}.o")
         made[-1].write_bytes(machine.emit_object(module))
     return made

@@ -130,6 +130,6 @@ def _codes(*counts: int) -> tuple[int, ...]:
     *(1,) * 6,
     len(METHODS),
     len(_IDLE),
-    *(1,) * 7,
+    *(1,) * 8,
 )
 assert len(SENTENCES) == _END
