@@ -1,10 +1,16 @@
 """The examples do what their pages say."""
 
+import json
 import math
 import runpy
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rotor_fmu.model.linear import modes
+from rotor_fmu.model.machine.toml import parse_rotor
+
+from rotor_fmu.cli import app
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -55,3 +61,45 @@ def test_the_rubbing_jeffcott_rotor_whirls_as_the_closed_form_says(jeffcott):
 def test_stepped_down_the_jeffcott_rotor_is_free_where_stepped_up_it_rubs(jeffcott):
     assert jeffcott["sweep"](2.4, 1.8, 4)[-1, 1] == pytest.approx(jeffcott["free"](1.8), rel=1e-3)
     assert jeffcott["sweep"](1.6, 1.8, 5)[-1, 1] == pytest.approx(2.777077, rel=1e-3)
+
+
+# --- from_ross ---
+
+FROM_ROSS = EXAMPLES / "from_ross"
+ROSS_SAYS = json.loads((EXAMPLES.parent / "tests/reference/ross_answers.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def from_ross():
+    return script("from_ross", "run_up.py")
+
+
+def test_the_imported_machine_is_what_the_command_makes_of_the_file_from_ross(tmp_path):
+    out = tmp_path / "imported.toml"
+    app(
+        ["import-ross", str(FROM_ROSS / "on_pedestals.json"), "--out", str(out)],
+        standalone_mode=False,
+    )
+    # numbers that the import calculates may differ in their last digit
+    made, there = (
+        parse_rotor(file.read_text(encoding="utf-8")) for file in (out, FROM_ROSS / "imported.toml")
+    )
+    speed = 200.0
+    np.testing.assert_allclose(modes(made, speed).natural, modes(there, speed).natural, rtol=1e-9)
+
+
+@pytest.mark.parametrize("file", ["imported.toml", "rubbing.toml"])
+def test_modes_of_the_imported_machine_are_those_of_ross(from_ross, file):
+    rotor = from_ross["machine"](file)
+    for speed, told in ROSS_SAYS["on_pedestals.json"]["modal"].items():
+        found = modes(rotor, float(speed), count=10, contacts="open")
+        np.testing.assert_allclose(found.natural, told["natural"], rtol=1e-6)
+        np.testing.assert_allclose(found.log_dec, told["log_dec"], rtol=1e-6)
+
+
+def test_the_seals_added_to_the_rotor_from_ross_hold_it_back(from_ross):
+    rotor, run_up = from_ross["machine"]("rubbing.toml"), from_ross["run_up"]
+    rubs = run_up(rotor, "disc.y", "contact[1].fn", duration=1.0)
+    free = run_up(from_ross["without_contacts"](rotor), "disc.y", duration=1.0)
+    assert rubs["contact[1].fn"].max() > 0
+    assert np.ptp(rubs["disc.y"]) < 0.9 * np.ptp(free["disc.y"])
