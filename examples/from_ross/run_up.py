@@ -68,4 +68,4 @@ def draw(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    draw(Path(*sys.argv[1:] or [HERE]) / "run_up.png")
+    draw(Path(*(sys.argv[1:] or [str(HERE)])) / "run_up.png")
