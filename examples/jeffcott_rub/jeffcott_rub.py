@@ -75,4 +75,4 @@ def draw(path: Path) -> None:
 
 
 if __name__ == "__main__":
-    draw(Path(*sys.argv[1:] or [HERE]) / "response.png")
+    draw(Path(*(sys.argv[1:] or [str(HERE)])) / "response.png")
