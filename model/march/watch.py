@@ -111,7 +111,8 @@ def watch_losses(structure, control, motion, memory, work):
     r.leaky_vibration = MEMORY * r.leaky_vibration + vibration - r.window_vibration
     is_large = r.leaky_taken > control.overdamping * r.leaky_vibration
     is_seen = r.leaky_taken > LEAST_LOSS * r.leaky_losses
-    is_fine = abs(r.omega) * r.h_last < COARSE
+    # friction feeds a whirl where the rotor turns
+    is_fine = 0.0 < abs(r.omega) * r.h_last < COARSE and losses > vibration
     if r.touched == 1 and is_large and is_seen and is_fine and math.isnan(r.overdamped_at):
         r.overdamped_at = r.window_begin
     r.window_residual = residual

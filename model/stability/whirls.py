@@ -4,7 +4,8 @@ slipping.
 Far behind its wall a journal that whirls with its contact closed and slipping meets a force that
 depends on its displacement linearly, F = -k (1 + i mu) d, the limit of a large circle: normal force
 and, across it, friction, which feeds a backward whirl (Black 1968). A root with a positive real
-part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked.
+part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked. A wall with a state of its own, a race that
+turns, is taken along instead of slipping for long, and is left out.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ def growing_whirls(
     if len(structure.weight) > MOST_DOFS:
         structure = reduced(structure, _MODES)
     machine = _Machine(structure, tangents)
-    walls = np.flatnonzero(structure.interfaces.has_wall == 1).tolist()
+    has_wall, states = structure.interfaces.has_wall, structure.interfaces.states
+    walls = np.flatnonzero((has_wall == 1) & (states == 0)).tolist()
     cases = {(), *((j,) for j in walls), tuple(walls)}
     found = [w for speed in speeds for case in sorted(cases) for w in machine.growing(speed, case)]
     return tuple(sorted(found, key=lambda w: -w.root.real))
