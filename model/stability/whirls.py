@@ -4,8 +4,9 @@ slipping.
 Far behind its wall a journal that whirls with its contact closed and slipping meets a force that
 depends on its displacement linearly, F = -k (1 + i mu) d, the limit of a large circle: normal force
 and, across it, friction, which feeds a backward whirl (Black 1968). A root with a positive real
-part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked. A wall with a state of its own, a race that
-turns, is taken along instead of slipping for long, and is left out.
+part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked. A
+wall with a state of its own, a race that turns, is taken along instead of slipping for long, and is
+left out.
 """
 
 from __future__ import annotations
