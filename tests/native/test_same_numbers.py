@@ -15,7 +15,8 @@ from rotor_fmu.packing.bundle import build
 from .machine import Machine, observed
 
 H = 0.004
-# Two discs on linear supports, one in a stator: other sizes of everything than the rig's.
+# A disc on linear supports and a stator without friction, which makes no whirl grow: other sizes of
+# everything than the rig's.
 OTHER = """
 name = "on supports"
 gravity = 9.81
@@ -43,7 +44,7 @@ damping = 50.0
 node = 3
 journal_radius = 6e-3
 clearance = 40e-6
-mu = 0.1
+mu = 0.0
 k = 1e7
 [[unbalance]]
 node = 3
@@ -132,9 +133,10 @@ def test_a_run_that_cannot_be_ends_with_the_same_sentence(fmu, capfd, choices, v
     warnings = []
     with pytest.raises((EquilibriumError, StepFailure)) as failure:
         Simulation(rotor, settings, speed=400.0, warn=warnings.append).advance(2.0, 400.0)
-    told = [f"warning: {text}" for text in warnings] + [f"error: {failure.value}"]
+    # of growing whirls that the steps hide the native FMU knows nothing
+    told = [f"warning: {text}" for text in warnings if "is unstable: its" in text]
     printed = capfd.readouterr().err.splitlines()
-    assert [line.partition(": ")[2] for line in printed] == told
+    assert [line.partition(": ")[2] for line in printed] == [*told, f"error: {failure.value}"]
 
 
 @pytest.mark.slow
