@@ -29,7 +29,7 @@ def contact_tangent(part, d, d_dot, omega, by_position, by_velocity):
     """Force and tangent (p, q) of the law, which has no states of its own."""
     none = np.zeros(0)
     weights = by_position, by_velocity, 0.0
-    return CLEARANCE_CONTACT.tangent(part, d, d_dot, omega, omega, *weights, none, none)
+    return CLEARANCE_CONTACT.tangent(part, none, d, d_dot, omega, omega, *weights, none, none)
 
 
 def force_at(penetration, rate=0.0, sliding=0.0, angle=-math.pi / 2):

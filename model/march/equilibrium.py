@@ -21,7 +21,7 @@ _ITERATIONS = 200
 _FIRST = 10.0  # radians of the lowest mode that a step takes
 _GROWTH, _LONGEST = 3.0, 1e6
 _FAST = 0.1  # of one change to the next: what is slower takes longer steps
-_SMALL = 1e-14  # a change that is rounding, of the largest displacement
+_SMALL = 1e-16  # a change that is rounding, of the largest displacement
 _FALLS = 12  # steps that fail
 _STEADY = 1e-9  # a change that no longer shrinks and is below this is rounding too
 

@@ -5,15 +5,15 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march.observe import observed_names
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.step.laws import FLOWS
 
 from rotor_fmu.drive_train.system import Member
 from rotor_fmu.fmu.interface import interface
 from rotor_fmu.packing.bundle import is_current
 
-LOSSES = [f"energy.{name}_loss" for name in FLOWS[2:]]
+LOSSES = [name for name in observed_names(rig()) if name.endswith("_loss")]
 LEDGER = ["energy.residual", "energy.drive_work", *LOSSES]
 
 

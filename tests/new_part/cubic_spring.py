@@ -21,30 +21,30 @@ class CubicQuantities:
 
 
 @compiled
-def _force(part, d, d_dot, speed, spin, own):
+def _force(part, tables, d, d_dot, speed, spin, own):
     return -part.cubic * abs(d) ** 2 * d - part.drag * d_dot
 
 
 @compiled
-def _tangent(part, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
+def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
     force = -part.cubic * abs(d) ** 2 * d - part.drag * d_dot
     p = -2.0 * part.cubic * abs(d) ** 2 * by_d - part.drag * by_v
     return force, complex(p, 0.0), -part.cubic * d * d * by_d
 
 
 @compiled
-def _energy(part, d):
-    return 0.25 * part.cubic * abs(d) ** 4
+def _energy(part, tables, d, own):
+    return (0.25 * part.cubic * abs(d) ** 4,)
 
 
 @compiled
-def _dissipate(part, d, d_dot, speed, spin, own, out):
+def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
     out[0] = part.drag * abs(d_dot) ** 2
     return 0.0
 
 
 @compiled
-def _observe(part, d, d_dot, speed, spin, own, out):
+def _observe(part, tables, d, d_dot, speed, spin, own, out):
     out[0] = abs(part.cubic * abs(d) ** 2 * d + part.drag * d_dot)
 
 
@@ -57,7 +57,7 @@ CUBIC = Law(
     dissipate=_dissipate,
     observe=_observe,
     outputs=(Output("pull", "N", "size of the spring's and damper's force", True, 1.0),),
-    store=Output("cubic", "J", "elastic energy of the cubic springs", nominal=1e-3),
+    stores=(Output("cubic", "J", "elastic energy of the cubic springs", nominal=1e-3),),
     losses=(Output("cubic", "J", "dissipated by the cubic springs' dampers", nominal=1e-3),),
 )
 

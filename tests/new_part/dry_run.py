@@ -42,7 +42,9 @@ def run(steps):
 def derivative(record, d, d_dot, dz, by_d, by_v, size=1e-9):
     """Central difference of the force along by_d dz, by_v dz."""
     ends = [
-        CUBIC.force(record, d + side * size * by_d * dz, d_dot + side * size * by_v * dz, 0, 0, ())
+        CUBIC.force(
+            record, (), d + side * size * by_d * dz, d_dot + side * size * by_v * dz, 0, 0, ()
+        )
         for side in (1, -1)
     ]
     return (ends[0] - ends[1]) / (2 * size)
@@ -50,7 +52,7 @@ def derivative(record, d, d_dot, dz, by_d, by_v, size=1e-9):
 
 record = np.array([(4e12, 25.0)], CUBIC.dtype).view(np.recarray)[0]
 d, d_dot, dz = 3e-4 - 2e-4j, 0.1 + 0.3j, 0.6 + 0.8j
-_, p, q = CUBIC.tangent(record, d, d_dot, 0.0, 0.0, 1.0, 0.02, 0.0, (), ())
+_, p, q = CUBIC.tangent(record, (), d, d_dot, 0.0, 0.0, 1.0, 0.02, 0.0, (), ())
 linear = derivative(record, d, d_dot, dz, 1.0, 0.02)
 runs = [run(steps) for steps in (40, 80, 160)]
 table = {v.name: [v.causality, v.unit, v.text] for v in interface(parse_rotor(TOML))}
