@@ -41,13 +41,12 @@ def run(steps):
 
 def derivative(record, d, d_dot, dz, by_d, by_v, size=1e-9):
     """Central difference of the force along by_d dz, by_v dz."""
-    ends = [
-        CUBIC.force(
-            record, (), d + side * size * by_d * dz, d_dot + side * size * by_v * dz, 0, 0, ()
-        )
-        for side in (1, -1)
-    ]
-    return (ends[0] - ends[1]) / (2 * size)
+
+    def force(side):
+        moved = d + side * size * by_d * dz, d_dot + side * size * by_v * dz
+        return CUBIC.force(record, (), *moved, 0.0, 0.0, ())
+
+    return (force(1) - force(-1)) / (2 * size)
 
 
 record = np.array([(4e12, 25.0)], CUBIC.dtype).view(np.recarray)[0]
