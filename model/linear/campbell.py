@@ -12,6 +12,7 @@ from scipy.optimize import brentq, linear_sum_assignment
 from ..machine.rotor import Rotor
 from .machine import LinearError, LinearMachine
 from .modes import DEFAULT_COUNT, Modes, machine_modes
+from .spectrum import Spectrum
 
 _MORE = 6  # modes looked at beyond those asked for, since they change places
 _ALIKE = 0.7  # shapes less alike than this are looked at again half-way
@@ -35,7 +36,7 @@ class CriticalSpeed:
 
 
 @dataclass(frozen=True)
-class Campbell:
+class Campbell(Spectrum):
     """Modes over s speeds [rad/s], each followed by its shape; m modes in their order at the first
     speed. What was lost sight of is NaN.
 
@@ -51,26 +52,6 @@ class Campbell:
     harmonic: float
     critical: tuple[CriticalSpeed, ...]
     threshold: float | None
-
-    @property
-    def damped(self) -> np.ndarray:
-        """omega_d, shape (s, m) [rad/s]."""
-        return self.eigenvalues.imag
-
-    @property
-    def natural(self) -> np.ndarray:
-        """omega_n, shape (s, m) [rad/s]."""
-        return np.abs(self.eigenvalues)
-
-    @property
-    def damping_ratio(self) -> np.ndarray:
-        """zeta, shape (s, m) [1]."""
-        return -self.eigenvalues.real / self.natural
-
-    @property
-    def log_dec(self) -> np.ndarray:
-        """Logarithmic decrements, shape (s, m) [1]."""
-        return -2 * np.pi * self.eigenvalues.real / self.eigenvalues.imag
 
 
 def campbell(

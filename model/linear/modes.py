@@ -16,6 +16,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, splu
 
 from ..machine.rotor import Rotor
 from .machine import Linear, LinearError, LinearMachine
+from .spectrum import Spectrum
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
 _DENSE = 220  # states up to which all eigenvalues cost less than a few
@@ -29,7 +30,7 @@ DEFAULT_COUNT = 8
 
 
 @dataclass(frozen=True)
-class Modes:
+class Modes(Spectrum):
     """The lowest modes of a machine at a speed [rad/s], by natural frequency; m modes, n nodes.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m], shape (n,); eigenvalues [1/s],
@@ -51,26 +52,6 @@ class Modes:
     housing_y: np.ndarray
     is_degenerate: np.ndarray
     decays: np.ndarray
-
-    @property
-    def damped(self) -> np.ndarray:
-        """Frequencies at which the modes vibrate, omega_d [rad/s]."""
-        return self.eigenvalues.imag
-
-    @property
-    def natural(self) -> np.ndarray:
-        """omega_n = |lambda| [rad/s]."""
-        return np.abs(self.eigenvalues)
-
-    @property
-    def damping_ratio(self) -> np.ndarray:
-        """zeta [1]; negative: the mode grows."""
-        return -self.eigenvalues.real / self.natural
-
-    @property
-    def log_dec(self) -> np.ndarray:
-        """Logarithmic decrement 2 pi zeta / sqrt(1 - zeta^2) [1]."""
-        return -2 * math.pi * self.eigenvalues.real / self.eigenvalues.imag
 
     @property
     def forwardness(self) -> np.ndarray:

@@ -11,6 +11,7 @@ A machine is a `Rotor`, or the path of its file.
 from __future__ import annotations
 
 import io
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -28,16 +29,16 @@ from . import figures, tables
 Machine = Rotor | Path | str
 
 
-class _Shown:
+class _Shown(ABC):
     """Something with a table and a picture."""
 
+    @abstractmethod
     def table(self) -> tables.Table:
         """Its numbers in a few columns."""
-        raise NotImplementedError
 
+    @abstractmethod
     def figure(self) -> Figure:
         """Its picture."""
-        raise NotImplementedError
 
     def _repr_html_(self) -> str:
         return self.table().html()
