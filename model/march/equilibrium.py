@@ -24,6 +24,8 @@ _FAST = 0.1  # of one change to the next: what is slower takes longer steps
 _SMALL = 1e-16  # a change that is rounding, of the largest displacement
 _FALLS = 12  # steps that fail
 _STEADY = 1e-9  # a change that no longer shrinks and is below this is rounding too
+# A step's rounding is that of a fall through its length: the last ones are short.
+_POLISH, _POLISHES = 1.0, 24
 
 
 @compiled
@@ -40,6 +42,14 @@ def release(structure, motion, loads):
     for h in range(len(structure.housings)):
         housing = structure.housings[h]
         motion.q[n + h] = housing.mass * complex(g.real / housing.kx, g.imag / housing.ky)
+
+
+@compiled
+def _take(motion, trial):
+    for i in range(len(motion.q)):
+        motion.q[i] = trial.q[i]
+    for j in range(len(motion.force)):
+        motion.force[j] = trial.force[j]
 
 
 @inlined
@@ -71,14 +81,21 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
         for i in range(len(motion.q)):
             change = max(change, modulus(trial.q[i] - motion.q[i]))
             size = max(size, modulus(trial.q[i]))
-            motion.q[i] = trial.q[i]
-        for j in range(len(motion.force)):
-            motion.force[j] = trial.force[j]
+        _take(motion, trial)
         if change <= _SMALL * size or (change <= _STEADY * size and change >= 0.5 * before):
             status = HELD
             break
         if before > 0.0 and change > _FAST * before:
             radians = min(_GROWTH * radians, _LONGEST)
         before = change
+    if status == HELD:
+        for _ in range(_POLISHES):
+            tau = _POLISH / lowest
+            done, _ = try_step(
+                structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
+            )
+            if done != 0:
+                break
+            _take(motion, trial)
     work.key[0] = -1.0
     return status
