@@ -3,10 +3,10 @@ Python: python build_fmu.py [--rotor FILE.toml] [--free] [--native [--fmi 3]] [-
 
 import typer
 
-from rotor_fmu.cli import build_command
 from rotor_fmu.errors import run
+from rotor_fmu.native.command import build
 
 if __name__ == "__main__":
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
-    app.command()(build_command)
+    app.command()(build)
     run(app)

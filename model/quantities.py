@@ -11,8 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
+from .refusal import Refusal
 
-class QuantityError(ValueError):
+
+class QuantityError(Refusal, ValueError):
     """A number that cannot be; the message names the quantity, its value and what is allowed."""
 
 

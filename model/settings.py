@@ -15,6 +15,7 @@ from .march.paper_control import (
     MIXED_NORM,
     ZIENKIEWICZ_XIE,
 )
+from .refusal import Refusal
 from .schemes import family as schemes
 
 # The parameters that each method takes.
@@ -46,7 +47,7 @@ _OF_MODE = {
 _STEP_CONTROL = tuple(dict.fromkeys(chain(*_OF_MODE.values(), ("atol", "rtol"))))
 
 
-class SettingsError(ValueError):
+class SettingsError(Refusal, ValueError):
     """Settings that no run can have; names the setting, its value and what is allowed."""
 
 

@@ -15,6 +15,7 @@ from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
 from .protocol.part import Interface
+from .refusal import Refusal
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .stability.sentences import described, hidden_whirls, longest_step, nearest
@@ -24,7 +25,7 @@ from .structure.assembly import Structure, assemble
 from .structure.reduction import reduced
 
 
-class EquilibriumError(RuntimeError):
+class EquilibriumError(Refusal, RuntimeError):
     """No static equilibrium was found."""
 
 

@@ -1,50 +1,95 @@
-"""`rotor-fmu`: the command line."""
+"""`rotor-fmu`: the command line, of which only the command that is called is imported."""
 
 from __future__ import annotations
 
-import tempfile
+import ast
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 from .about import __version__
-from .drive_train.command import drive_train
-from .errors import InputError, RunFailed, run, writable_folder
-from .fmu.interface import interface
-from .impact import command as impact_command
-from .linear.command import COMMANDS as LINEAR
-from .machine_file.command import schema_command
-from .model.settings import PRESETS
-from .native.command import Fmi, Native, Platforms, build_without_python, core
-from .packing.bundle import build
-from .packing.variable_table import markdown
-from .packing.warm import warm
-from .runs.figures import write_run_down
-from .runs.host_env import host_environment
-from .runs.job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
-from .runs.reproduce import reproduce
-from .runs.run_down import summary
-from .runs.signals import RUN_DOWN_STOP
-from .schemes.command import schemes
-from .survey.command import survey
+from .errors import run
 
-app = typer.Typer(
-    add_completion=False,
-    no_args_is_help=True,
-    pretty_exceptions_enable=False,
-)
+_PACKAGE = Path(__file__).parent
+# command: module of this package and the function, or group of commands, in it
+_RUNS, _FMU, _LINEAR, _PAPERS = "Runs", "FMUs", "Machines", "The papers"
+COMMANDS = {
+    _RUNS: {
+        "run-down": "runs.command:run_down",
+        "drive-train": "drive_train.command:drive_train",
+    },
+    _FMU: {
+        "build": "native.command:build",
+        "core": "native.command:core",
+        "variables": "runs.command:variables",
+        "warm": "runs.command:warm",
+        "host-env": "runs.command:host_env",
+    },
+    _LINEAR: {
+        "show": "linear.command:show",
+        "modes": "linear.command:modes",
+        "campbell": "linear.command:campbell",
+        "unbalance": "linear.command:unbalance",
+        "static": "linear.command:static",
+        "import-ross": "linear.command:import_ross",
+        "schema": "machine_file.command:schema_command",
+    },
+    _PAPERS: {
+        "reproduce": "runs.command:reproduce",
+        "schemes": "schemes.command:schemes",
+        "impact": "impact.command:app",
+        "survey": "survey.command:survey",
+    },
+}
+_PLACES = {name: place for panel in COMMANDS.values() for name, place in panel.items()}
 
-RotorFile = Annotated[
-    Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
-]
-Free = Annotated[
-    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
-]
-Sets = Annotated[
-    list[str] | None,
-    typer.Option("--set", help="NAME=VALUE of a parameter, or of an input held constant."),
-]
+
+class _Commands(TyperGroup):
+    """Commands that are known by name and by the first sentence of their docstring until called."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        for panel, places in COMMANDS.items():
+            for name, place in places.items():
+                # a stand-in, which the help lists
+                self.add_command(TyperCommand(name, help=place, rich_help_panel=panel))
+
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        for name, command in self.commands.items():
+            command.help = _summary(_PLACES[name])
+        super().format_help(ctx, formatter)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        name, command, rest = super().resolve_command(ctx, args)
+        return name, name and command and _loaded(name), rest
+
+
+def _summary(place: str) -> str:
+    """What a command's docstring begins with, or a group's help; its module is only read."""
+    module, _, attribute = place.partition(":")
+    tree = ast.parse(_PACKAGE.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8"))
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name == attribute:
+            text = ast.get_docstring(node) or ""
+            return " ".join(text.split("\n\n")[0].split())
+    return " ".join((ast.get_docstring(tree) or "").split(": ", 1)[-1].split())
+
+
+def _loaded(name: str) -> Any:
+    module, _, attribute = _PLACES[name].partition(":")
+    found = getattr(import_module(f".{module}", __package__), attribute)
+    if not isinstance(found, typer.Typer):
+        function, found = found, typer.Typer(add_completion=False)
+        found.command(name)(function)
+    command = typer.main.get_command(found)
+    command.name = name
+    return command
+
+
+app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 def main() -> None:
@@ -65,113 +110,4 @@ def common(
         typer.Option("--version", callback=_tell_version, is_eager=True, help="Which this is."),
     ] = False,
 ) -> None:
-    """A flexible rotor that rubs in clearance bearings, as an FMI 2.0 co-simulation component."""
-
-
-@app.command("run-down")
-def run_down(
-    preset: Annotated[str | None, typer.Option(help=f"One of {', '.join(PRESETS)}.")] = None,
-    sets: Sets = None,
-    signals: Annotated[
-        Path | None, typer.Option("--input", help="CSV: time and inputs, SI units.")
-    ] = None,
-    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
-    step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
-    direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
-    rotor: RotorFile = None,
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
-) -> None:
-    """Drive the built FMU over the paper's run-down and write figures and pictures."""
-    job = prepare(rotor, preset, sets or [], signals, stop, step)
-    writable_folder(out)
-    fmu = None if direct else fmu_in(out, job.toml)
-    name = preset or "default"
-    result = execute(job, fmu, f"run-down, {name}")
-    report = summary(result)
-    write_csv(result, out / "run_down.csv")
-    write_run_down(result, report, name, job.settings.mode == "adaptive", out)
-    write_json(report, out / "summary.json")
-    for key, value in report.items():
-        if key != "messages":
-            typer.echo(f"{key:20s} {_shown(value)}")
-    typer.echo(f"{'written to':20s} {out}")
-    if result.status.startswith("failed"):
-        raise RunFailed(f"the run stopped before its end: {result.status.removeprefix('failed: ')}")
-
-
-def _shown(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:.5g}"
-    if isinstance(value, list):
-        return " .. ".join(_shown(item) for item in value)
-    return "-" if value is None else str(value)
-
-
-@app.command("reproduce")
-def reproduce_command(
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/reproduce"),
-) -> None:
-    """Run what paper A ran, through the FMU: figures 3 to 6 and 9 to 15 and a table.
-
-    Runs that an earlier, stopped call finished are taken from the folder.
-    """
-    reproduce(writable_folder(out), typer.echo)
-    typer.echo((out / "table.md").read_text(encoding="utf-8"))
-
-
-app.command("schemes")(schemes)
-app.command("survey")(survey)
-app.add_typer(impact_command.app, name="impact")
-app.command("drive-train")(drive_train)
-for answer in LINEAR:
-    app.command(answer.__name__.replace("_", "-"))(answer)
-
-
-@app.command("variables")
-def variables(rotor: RotorFile = None, is_free: Free = False) -> None:
-    """Print the FMU's variables as a Markdown table."""
-    typer.echo(markdown(interface(load_rotor(rotor)[1], is_free)), nl=False)
-
-
-@app.command("host-env")
-def host_env() -> None:
-    """Print the environment that a C host needs to run the FMU on this machine."""
-    for name, value in host_environment().items():
-        typer.echo(f'export {name}="{value}"')
-
-
-@app.command("warm")
-def warm_command(
-    fmus: Annotated[
-        list[Path] | None, typer.Argument(help="FMUs; default: one built from this version.")
-    ] = None,
-) -> None:
-    """Compile the FMU's solver ahead of its first use on this machine."""
-    with tempfile.TemporaryDirectory() as folder:
-        for fmu in fmus or [build(Path(folder))]:
-            seconds = warm(fmu)
-            typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
-
-
-app.command("core")(core)
-app.command("schema")(schema_command)
-
-
-@app.command("build")
-def build_command(
-    rotor: RotorFile = None,
-    is_free: Free = False,
-    is_native: Native = False,
-    fmi: Fmi = 2,
-    platforms: Platforms = None,
-    out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
-) -> None:
-    """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
-    toml, _ = load_rotor(rotor)
-    folder = writable_folder(out)
-    if is_native:
-        typer.echo(build_without_python(toml, is_free, fmi, platforms, folder))
-    elif fmi != 2 or platforms:
-        raise InputError("--fmi and --platform: only with --native")
-    else:
-        typer.echo(build(folder, toml, is_free))
+    """Flexible rotors that rub in clearance bearings, as FMI co-simulation components."""

@@ -8,31 +8,17 @@ from pathlib import Path
 
 import typer
 
-from .model.impact.stepping.failures import ImpactError
-from .model.quantities import QuantityError
-from .model.schemes.family import SchemeError
-from .model.settings import SettingsError
-from .model.simulation import EquilibriumError
+from .model.refusal import Refusal
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
-class InputError(ValueError):
+class InputError(Refusal, ValueError):
     """What a user gave that cannot be; names the thing, its value and what is allowed."""
 
 
 class RunFailed(RuntimeError):
     """A run that did not reach its end."""
-
-
-_BAD_INPUTS = (
-    InputError,
-    QuantityError,
-    SettingsError,
-    SchemeError,
-    EquilibriumError,
-    ImpactError,
-)
 
 
 def run(app: Callable[..., int | None]) -> None:
@@ -46,8 +32,10 @@ def run(app: Callable[..., int | None]) -> None:
     except RunFailed as error:
         _end(str(error), FAILED)
     except typer.TyperException as error:
+        if not error.format_message():  # the help was printed, nothing being asked
+            sys.exit(0)
         _end(_one_line(error), BAD_INPUT)
-    except _BAD_INPUTS as error:
+    except Refusal as error:
         _end(str(error), BAD_INPUT)
     if status == INTERRUPTED:  # which typer may have made of Ctrl-C by itself
         _end("stopped; nothing unfinished was written", INTERRUPTED)

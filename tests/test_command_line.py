@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from pathlib import Path
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.cli import main
+from rotor_fmu.cli import COMMANDS, main
 
 
 def rotor_fmu(*arguments, cwd):
@@ -77,6 +78,32 @@ def refusal(tmp_path, monkeypatch, capsys):
 )
 def test_bad_options_are_refused_in_one_line(refusal, arguments, expected):
     assert expected in refusal("run-down", *arguments)
+
+
+def test_help_names_every_command_and_loads_none(tmp_path):
+    script = (
+        "import sys, rotor_fmu.cli as c; sys.argv = ['rotor-fmu', '--help']\n"
+        "try: c.main()\n"
+        "finally: print('loaded:', *{n.split('.')[0] for n in sys.modules})"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    said, _, loaded = done.stdout.partition("loaded:")
+    assert done.returncode == 0, done.stderr
+    for panel in COMMANDS.values():
+        for name in panel:
+            assert re.search(rf"│ {name} +[A-Z]", said), name
+    assert not {"numba", "numpy", "scipy", "matplotlib", "fmpy"} & set(loaded.split())
+
+
+@pytest.mark.parametrize("arguments", [[], ["impact"]])
+def test_nothing_asked_prints_help_alone(tmp_path, arguments):
+    done = rotor_fmu(*arguments, cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Usage:" in done.stdout
+
+
+def test_a_misspelt_command_is_told_its_neighbour(refusal):
+    assert "'buidl'. Did you mean 'build'?" in refusal("buidl")
 
 
 @pytest.mark.parametrize(

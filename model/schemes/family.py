@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import polynomial
 
+from ..refusal import Refusal
 from .spectral import Coefficients, balance, spectral_radius
 
 __all__ = [
@@ -48,7 +49,7 @@ LARGEST = 1e6
 _ROUNDING = 1e-12
 
 
-class SchemeError(ValueError):
+class SchemeError(Refusal, ValueError):
     """Parameters with which no step can be made."""
 
 

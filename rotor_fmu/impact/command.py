@@ -1,4 +1,4 @@
-"""`rotor-fmu impact`: paper B's experiments, and its impact option on a rotor's bearings."""
+"""`rotor-fmu impact`: Paper B's experiments, and its impact option on a rotor's bearings."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .cases import IMPACTS, PAPER_BARS, PAPER_RATCHET, cases, positive
 # and a user with bad input should not wait for them.
 
 app = typer.Typer(
+    add_completion=False,
     no_args_is_help=True,
     help="Paper B: two elastic bars, a ratchet, and its impact option on a rotor's bearings.",
 )

@@ -1,4 +1,4 @@
-"""`rotor-fmu core`, and what `rotor-fmu build --native` does."""
+"""`rotor-fmu build` and `rotor-fmu core`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from typing import Annotated
 
 import typer
 
-from ..errors import InputError, RunFailed
+from ..errors import InputError, RunFailed, writable_folder
+from ..packing.bundle import build as pack
+from ..runs.command import Free, RotorFile
+from ..runs.job import load_rotor
 from .core import PLATFORMS, CoreError, library
 from .pack import build_native
 
@@ -20,6 +23,25 @@ Native = Annotated[
     bool, typer.Option("--native", help="The FMU that needs no Python, RotorBearingNative.fmu.")
 ]
 Fmi = Annotated[int, typer.Option("--fmi", help="With --native: the version of FMI, 2 or 3.")]
+
+
+def build(
+    rotor: RotorFile = None,
+    is_free: Free = False,
+    is_native: Native = False,
+    fmi: Fmi = 2,
+    platforms: Platforms = None,
+    out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
+) -> None:
+    """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
+    toml, _ = load_rotor(rotor)
+    folder = writable_folder(out)
+    if is_native:
+        typer.echo(build_without_python(toml, is_free, fmi, platforms, folder))
+    elif fmi != 2 or platforms:
+        raise InputError("--fmi and --platform: only with --native")
+    else:
+        typer.echo(pack(folder, toml, is_free))
 
 
 def core(platforms: Platforms = None) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ...refusal import Refusal
 
-class ImpactError(ValueError):
+
+class ImpactError(Refusal, ValueError):
     """An experiment that cannot be; names the thing, its value and what is allowed."""
