@@ -1,6 +1,7 @@
 """The command line: what a user may give, and what happens when it cannot be."""
 
 import json
+import math
 import os
 import re
 import signal
@@ -9,10 +10,13 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig_toml
+from rotor_fmu.model.machine.toml import rig, rig_toml
 
 from rotor_fmu.cli import COMMANDS, main
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.runs.signals import read_signals
 
 
 def rotor_fmu(*arguments, cwd):
@@ -51,6 +55,9 @@ def refusal(tmp_path, monkeypatch, capsys):
     [
         (["--preset", "best"], "--preset best: must be one of robust, paper"),
         (["--set", "bearing[1].clearence=1e-5"], "did you mean bearing[1].clearance"),
+        (["--set", "tau=1"], "--set tau: is an output, which the model computes"),
+        (["--step", "1e-9"], "--step 1e-09 s: would give 4e+10 rows"),
+        (["--preset", "robusd"], "did you mean robust?"),
         (["--set", "gravity"], "--set gravity: must be NAME=VALUE"),
         (["--set", "gravity=heavy"], "--set gravity = heavy: must be a number"),
         (["--set", "gravity=nan"], "--set gravity = nan m/s2: must be"),
@@ -112,7 +119,9 @@ def test_a_misspelt_command_is_told_its_neighbour(refusal):
         ("", "is empty"),
         ("time\n", "has no rows"),
         ("speed\n400\n", "column 'time' is missing"),
-        ("time,spede\n0,400\n", "column 'spede' is unknown; known are time, speed"),
+        ("time,spede\n0,400\n", "column 'spede' is unknown; did you mean speed"),
+        ("time,speed [mph]\n0,4\n", "column 'speed' in 'mph': must be in rad/s or rpm or Hz"),
+        ("# by hand\ntime,speed\n\n0,4\n1,x\n", "line 5: speed = x: must be a finite number"),
         ("time,speed,speed\n0,1,2\n", "column 'speed' is given twice"),
         ("time,speed\n0,400\n1,\n", "line 3: speed = (nothing): must be a finite number"),
         ("time,speed\n0,nan\n", "line 2: speed = nan: must be a finite number"),
@@ -178,6 +187,30 @@ def test_signals_from_a_file_drive_the_run(tmp_path):
     assert last["w"] == pytest.approx(120)
     assert last["phi"] == pytest.approx(110)
     assert last["energy.external_work"] != 0
+
+
+def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
+    (tmp_path / "one.csv").write_text("time,speed\n0.25,300\n1.5,30\n")
+    other = "# recorded by hand\ntime [ms];speed [rpm]\n250;{}\n\n1500;{}\n"
+    first, second = (f"{v * 30 / math.pi:.17g}".replace(".", ",") for v in (300, 30))
+    (tmp_path / "other.csv").write_text(other.format(first, second))
+    one, two = (
+        read_signals(tmp_path / f"{name}.csv", interface(rig())) for name in ("one", "other")
+    )
+    np.testing.assert_allclose(two.t, one.t, rtol=1e-12)
+    np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
+
+
+def test_signals_that_end_before_the_run_are_said_to_be_held(tmp_path):
+    (tmp_path / "signals.csv").write_text("time,speed\n0,100\n0.01,100\n")
+    done = rotor_fmu(
+        *("run-down", "--input", "signals.csv", "--stop", "0.02", "--direct", "--out", "."),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (
+        "signals.csv ends at 0.01 s; its last values are held until --stop = 0.02 s" in done.stderr
+    )
 
 
 def test_a_run_that_diverges_ends_with_status_1_and_a_reason(tmp_path):

@@ -13,6 +13,7 @@ import typer
 
 from ..errors import InputError, writable_folder
 from ..runs.job import load_rotor, write_json, write_text
+from ..units import units_for
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 # The answers themselves are imported where they are asked for: a user with bad input, or of another
 # command, should not wait for them.
 
-_UNIT = "rad/s|rpm|hz"
-_UNITS = {"rad/s": 1.0, "rpm": math.pi / 30, "hz": 2 * math.pi}
+_UNITS = {unit.lower(): factor for unit, factor in units_for("rad/s").items()}
+_UNIT = "|".join(_UNITS)
 _POINTS, _MOST_POINTS = 101, 100_000
 
 RotorFile = Annotated[

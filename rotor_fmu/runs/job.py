@@ -28,6 +28,7 @@ from .run_down import Plan, Run, run_direct, run_fmu
 from .signals import make_signals, read_signals
 
 _console = Console(stderr=True)
+_MOST_ROWS = 2e6
 
 
 def load_rotor(path: Path | None) -> tuple[str, Rotor]:
@@ -50,6 +51,9 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
         name, equals, value = (part.strip() for part in text.partition("="))
         if not equals:
             raise InputError(f"--set {text}: must be NAME=VALUE")
+        observed = next((v for v in table if v.is_observed and v.name == name), None)
+        if observed is not None:
+            raise InputError(f"--set {name}: is an output, which the model computes")
         if name not in known:
             near = difflib.get_close_matches(name, known, 3, 0.5) or sorted(known)[:3]
             raise InputError(f"--set {name}: unknown name; did you mean {', '.join(near)}?")
@@ -115,12 +119,22 @@ def prepare(
         raise InputError(f"--step {step:g} s: must be > 0 and at most --stop = {stop:g} s")
     if preset is not None:
         if preset not in PRESETS:
-            raise InputError(f"--preset {preset}: must be one of {', '.join(PRESETS)}")
+            near = difflib.get_close_matches(preset, PRESETS, 1)
+            meant = f"; did you mean {near[0]}?" if near else ""
+            raise InputError(f"--preset {preset}: must be one of {', '.join(PRESETS)}{meant}")
         sets = [f"solver.preset={preset}", *sets]
+    _check_rows(stop, step, len(table))
     values = parse_settings(table, sets)
     inputs = {v.name for v in table if v.causality == "input"}
     constants = {name: value for name, value in values.items() if name in inputs}
     recorded = read_signals(signal_file, table) if signal_file else None
+    if recorded is not None and recorded.t[-1] < stop:
+        _console.print(
+            f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
+            f"held until --stop = {stop:g} s",
+            highlight=False,
+            soft_wrap=True,
+        )
     for name in constants:
         if recorded is not None and name in recorded.values:
             raise InputError(f"--set {name}: {signal_file} gives it too")
@@ -136,6 +150,16 @@ def prepare(
         raise InputError(str(error)) from error
     step = step or _step_of(settings)
     return Job(table, parameters, signals, stop, step, toml, rotor, settings)
+
+
+def _check_rows(stop: float, step: float | None, columns: int) -> None:
+    rows = stop / step if step else 0.0
+    if rows > _MOST_ROWS:
+        size = rows * columns * 8 / 1e9
+        raise InputError(
+            f"--step {step:g} s: would give {rows:.3g} rows, {size:.3g} GB, until --stop = "
+            f"{stop:g} s; at most {_MOST_ROWS:g} rows"
+        )
 
 
 def _step_of(settings: Settings) -> float:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmu.variables import Variable
+from ..units import units_for
 
 # Paper A's run-down: 400 - 10 t rad/s, over 40 s.
 RUN_DOWN_SPEED = 400.0
@@ -82,39 +83,68 @@ def make_signals(
 
 
 def read_signals(path: Path, table: Sequence[Variable]) -> Signals:
-    """Read a CSV file: a header `time` [s] and names of inputs (SI units), then rows of numbers.
+    """Read a CSV file: a header `time` and names of inputs, then rows of numbers.
 
-    Raises `InputError` in one line for an unknown column, a gap, a value that is not a finite
-    number, or a time that does not increase.
+    A name may carry its unit, `speed [rpm]`; without one it is SI. Commas, tabs or semicolons
+    (numbers then with decimal points or commas) part the columns; lines that begin with # are
+    comments. Raises `InputError` in one line for an unknown column, a gap, a value that is not a
+    finite number, or a time that does not increase.
     """
-    inputs = [variable.name for variable in table if variable.causality == "input"]
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.reader(file) if row]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read: {error}") from error
+    known = {"time": "s"} | {v.name: v.unit for v in table if v.causality == "input"}
+    rows = _rows(path)
     if not rows:
         raise InputError(f"{path}: is empty; a header line with `time` is needed")
-    header = [name.strip() for name in rows[0]]
+    columns = [_column(path, text, known) for text in rows[0][1]]
+    header = [name for name, _ in columns]
     for name in header:
-        if name != "time" and name not in inputs:
-            raise InputError(
-                f"{path}: column {name!r} is unknown; known are time, {', '.join(inputs)}"
-            )
         if header.count(name) > 1:
             raise InputError(f"{path}: column {name!r} is given twice")
     if "time" not in header:
         raise InputError(f"{path}: column 'time' is missing")
     if len(rows) < 2:
         raise InputError(f"{path}: has no rows after its header")
-    data = np.array([_numbers(path, line, row, header) for line, row in enumerate(rows[1:], 2)])
+    data = np.array([_numbers(path, line, row, header) for line, row in rows[1:]])
+    data *= [factor for _, factor in columns]
     t = data[:, header.index("time")]
-    for line, (before, after) in enumerate(pairwise(t), 3):
+    for (line, _), (before, after) in zip(rows[2:], pairwise(t), strict=True):
         if not after > before:
             raise InputError(
                 f"{path}, line {line}: time = {after:g} s after {before:g} s: must increase"
             )
     return Signals(t, {name: data[:, i] for i, name in enumerate(header) if name != "time"})
+
+
+def _rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Number and cells of every line that is neither empty nor a comment."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from error
+    lines = [
+        (number, line)
+        for number, line in enumerate(text.splitlines(), 1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    between = next((mark for mark in ";\t" if lines and mark in lines[0][1]), ",")
+    rows = []
+    for number, line in lines:
+        plain = line if between == "," else line.replace(",", ".")
+        rows.append((number, [cell.strip().strip('"') for cell in plain.split(between)]))
+    return rows
+
+
+def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float]:
+    """Name of an input, and what its unit is in SI, of `speed` or `speed [rpm]`."""
+    name, unit = text, None
+    if name not in known and name.endswith("]"):
+        name, _, unit = (part.strip() for part in text[:-1].rpartition("["))
+    if name not in known:
+        near = get_close_matches(text.partition(" ")[0], known, 3) or list(known)
+        raise InputError(f"{path}: column {text!r} is unknown; did you mean {', '.join(near)}?")
+    units = units_for(known[name])
+    if unit is not None and unit not in units:
+        raise InputError(f"{path}: column {name!r} in {unit!r}: must be in {' or '.join(units)}")
+    return name, units.get(unit or known[name], 1.0)
 
 
 def _numbers(path: Path, line: int, row: list[str], header: list[str]) -> list[float]:
