@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from .march import entries, march
 from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
+from .march.tape import Record, channels_of
 from .protocol.part import Interface
 from .refusal import Refusal
 from .schemes.family import is_unconditionally_stable
@@ -66,9 +67,11 @@ class Simulation:
     ports in their order [N]) at time t [s], turning at `speed` [rad/s].
     `rate` [rad/s2] is the rate of the speed over the first interval; later ones continue the speed
     linearly from the last two values given, or, without `continues_speed`, hold the last. Given a
-    `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. What
+    `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. `record`: what
+    to keep of every step for `drain`, names or a `Record`; it changes no number of the run. What
     makes a run doubtful goes to `warn` (default: a `RotorWarning`): settings that make oscillations
-    grow, the false state, a missing compiler. Raises `EquilibriumError`.
+    grow, the false state, a missing compiler. Raises `EquilibriumError`, and `ValueError` for what
+    cannot be recorded.
     """
 
     def __init__(
@@ -82,6 +85,7 @@ class Simulation:
         continues_speed: bool = True,
         drive_torque: float | None = None,
         loads: np.ndarray | None = None,
+        record: Record | Sequence[str] = (),
         warn: Callable[[str], None] = _warn,
     ) -> None:
         self._warn = warn
@@ -99,8 +103,13 @@ class Simulation:
                 f"{self._scheme.alpha_m:g} is unstable: its spectral radius for fast oscillations "
                 f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
             )
-        self._block = new_block(structure, len(self.names))
+        taped = record if isinstance(record, Record) else Record(record)
+        channels = channels_of(rotor, taped)
+        rows = taped.rows if channels else 0
+        self._block = new_block(structure, len(self.names), len(channels), rows)
         self._run: RunData = LAYOUT.look(self._block)
+        self._run.tape.channels[:] = channels
+        self._run.tape.head[0].least = taped.angle
         set_method(self._run, self._scheme, settings.control())
         self._has_warned = False
         self._tables = [
@@ -110,12 +119,12 @@ class Simulation:
         ]
         self._has_warned_of_damping = False
 
-        record = self._run.memory.record[0]
-        record.t = t
-        record.h = settings.h
-        record.continues = continues_speed
+        numbers = self._run.memory.record[0]
+        numbers.t = t
+        numbers.h = settings.h
+        numbers.continues = continues_speed
         self._is_free = drive_torque is not None
-        record.is_free = self._is_free
+        numbers.is_free = self._is_free
         if loads is not None:
             self._run.memory.loads[:] = loads
         # views of single fields: a record's attributes cost a microsecond each
@@ -218,6 +227,26 @@ class Simulation:
         """Go back to a snapshot, or to its bytes, of this or of an equal simulation."""
         self._state[:] = np.frombuffer(snapshot, np.uint8)
         entries.look(self._block)
+        tape = self._run.tape
+        tape.head[0].written = np.searchsorted(
+            tape.rows[: tape.head[0].written, 0], self.time, "right"
+        )
+
+    def drain(self) -> np.ndarray:
+        """What was recorded since the last call, shape (n, 1 + names recorded): time [s] and, in
+        their order, the names.
+
+        The first row ever is the state at the start, the others are ends of steps. Where more than
+        the most rows were due in between, every second was dropped, and so on. A restored snapshot
+        takes back what was recorded after it, except what was drained.
+        """
+        tape = self._run.tape
+        head = tape.head[0]
+        rows = tape.rows[: head.written].copy()
+        head.written = 0
+        head.spacing = head.least
+        head.covered = 0.0
+        return rows
 
     def _survey_whirls(self) -> None:
         """Look for growing whirls up to the present speed; warn of those that the steps hide."""

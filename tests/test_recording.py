@@ -1,8 +1,11 @@
 import numpy as np
 import pytest
+from rotor_fmu.model.march.tape import Record
 
 from rotor_fmu.errors import InputError
+from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.recording import Recording, load_recording
+from rotor_fmu.runs.run_down import run_direct, run_recorded, usual
 
 
 def test_a_recording_comes_back_from_its_file_as_it_was(tmp_path):
@@ -23,3 +26,33 @@ def test_another_file_is_refused_by_its_name(tmp_path, content):
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"summary\.npz: is no recording"):
         load_recording(path)
+
+
+def test_a_recorded_run_is_the_run():
+    job = prepare(None, None, ["speed=185"], None, 0.5, 0.02)
+    bare = run_direct(job.rotor, job)
+    run, recording = run_recorded(job.rotor, job)
+    assert np.array_equal(run.t, bare.t)
+    assert all(np.array_equal(run.columns[name], bare.columns[name]) for name in bare.columns)
+    assert list(recording.columns) == list(usual(job.rotor))
+    assert recording.units["disc[3].vx"] == "m/s"
+    assert recording.about["status"] == run.status == "ok"
+
+
+def test_a_recording_goes_through_the_communication_points():
+    job = prepare(None, "robust", ["speed=185"], None, 0.5, 0.02)
+    run, recording = run_recorded(job.rotor, job, Record(("disc[3].x", "bearing[2].fn"), 0.0))
+    assert list(recording.columns) == ["phi", "w", "disc[3].x", "bearing[2].fn"]
+    assert len(recording.t) == run.columns["solver.steps"][-1] + 1
+    at = np.searchsorted(recording.t, run.t)
+    assert np.array_equal(recording.t[at], run.t)
+    for name, column in recording.columns.items():
+        assert np.array_equal(column[at], run.columns[name])
+
+
+def test_a_run_that_fails_is_recorded_until_then():
+    job = prepare(None, "paper", ["solver.method=wbz", "solver.alpha_m=0.08"], None, 5.0, 0.1)
+    run, recording = run_recorded(job.rotor, job)
+    assert run.status.startswith("failed")
+    assert run.t[-1] < recording.t[-1] <= run.t[-1] + 0.1
+    assert recording.about["status"] == run.status

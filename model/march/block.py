@@ -15,6 +15,7 @@ from ..step.step import Motion, Workspace
 from ..structure.assembly import Structure, sizes_of
 from .control import Control
 from .memory import Memory
+from .tape import Tape
 
 _INTEGERS = ("mode", "indicator", "norm", "is_fitted")
 METHOD = np.dtype(
@@ -47,6 +48,7 @@ class RunData(NamedTuple):
     work: Workspace
     problem: InterfaceProblem
     reading: Reading
+    tape: Tape
 
 
 _SIZES = (
@@ -64,7 +66,7 @@ _SIZES = (
         "springs",
     ),
     *("interfaces", "own", "stores", "losses", "all_stores", "flows", "most_losses", "outputs"),
-    "tables",
+    *("tables", "channels", "tape_rows"),
     *(f"rows_{law.name}" for law in LAWS),
 )
 _LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
@@ -79,18 +81,24 @@ LAYOUT = Layout(
         Group("work", Workspace, {}),
         Group("problem", InterfaceProblem, {}),
         Group("reading", Reading, {}),
+        Group("tape", Tape, {}),
     ],
     _SIZES,
 )
 
 
-def new_block(structure: Structure, outputs: int) -> np.ndarray:
-    """A block for runs of a machine, its structure copied in; outputs: how many can be read."""
+def new_block(
+    structure: Structure, outputs: int, channels: int = 0, tape_rows: int = 0
+) -> np.ndarray:
+    """A block for runs of a machine, its structure copied in; outputs: how many can be read;
+    channels and an even number of rows: of the tape."""
     sizes = sizes_of(structure) | {
         "all_stores": len(STORES),
         "flows": len(FLOWS),
         "most_losses": MOST_LOSSES,
         "outputs": outputs,
+        "channels": channels,
+        "tape_rows": tape_rows,
     }
     block = LAYOUT.new(sizes)
     run = LAYOUT.look(block)

@@ -8,7 +8,7 @@ from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
 from ..step.laws import law_opening, law_tangent, relative
 from ..structure.parameters import prepare
-from . import march
+from . import march, tape
 from .block import LAYOUT
 from .control import Control
 from .equilibrium import HELD, find_equilibrium, release
@@ -69,6 +69,7 @@ def start(block, speed, drive, rate):
         run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof]
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    tape.start(run.structure, run.motion, run.memory, run.work, run.tape, run.reading.observed)
     return HELD
 
 
@@ -90,6 +91,8 @@ def advance(block, t_end, drive, rate):
         run.memory,
         run.work,
         run.problem,
+        run.reading,
+        run.tape,
     )
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
     return status

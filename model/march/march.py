@@ -15,6 +15,7 @@ from ..step.step import accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
 from .energy import powers, total_energy
 from .memory import spin_at, spin_now
+from .tape import is_due, write
 from .watch import open_window, watch_amplitudes, watch_bounces, watch_losses
 
 DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
@@ -154,7 +155,7 @@ def _rescale(record, h, motion):
 
 
 @inlined
-def _march(structure, scheme, control, t_end, motion, trial, memory, work, problem):
+def _march(structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, tape):
     """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
     loads = memory.loads
@@ -196,6 +197,8 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)
         _commit(h, structure, control, motion, trial, memory, work, spin, torque)
+        if len(tape.rows) > 0 and is_due(structure, memory.record, tape.head):
+            write(structure, motion, memory, work, tape, reading.observed)
         parts = parts - 1.0
         if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
@@ -214,7 +217,21 @@ def continued_rate(record, drive):
 
 
 @inlined
-def advance(structure, scheme, control, t_end, drive, rate, motion, trial, memory, work, problem):
+def advance(
+    structure,
+    scheme,
+    control,
+    t_end,
+    drive,
+    rate,
+    motion,
+    trial,
+    memory,
+    work,
+    problem,
+    reading,
+    tape,
+):
     """March to t_end [s]; returns DONE or why not.
 
     drive: the speed now [rad/s] with its rate [rad/s2]; of a free rotor the torque [N.m], constant
@@ -222,4 +239,6 @@ def advance(structure, scheme, control, t_end, drive, rate, motion, trial, memor
     On failure the state is that after the last accepted step.
     """
     begin_interval(structure, drive, rate, False, motion, memory, work)
-    return _march(structure, scheme, control, t_end, motion, trial, memory, work, problem)
+    return _march(
+        structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, tape
+    )

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..model.machine.rotor import Rotor
+from ..model.march.tape import Record
 from ..model.protocol.part import BASE
 from ..model.simulation import Simulation
 from .interface import ports
@@ -34,12 +35,13 @@ def build_simulation(
     values: Mapping[str, float],
     warn: Callable[[str], None],
     tolerance: float | None = None,
+    record: Record | Sequence[str] = (),
 ) -> Simulation:
     """The simulation that an FMU with these values of its inputs and parameters stands for, at rest
     under the loads among them; its time is counted from the start.
 
-    tolerance: the experiment's [1], which a value of the FMU's own overrides. Raises
-    `QuantityError`, `SettingsError` and `EquilibriumError`.
+    tolerance: the experiment's [1], which a value of the FMU's own overrides; record: what to keep
+    of every step (`Simulation`). Raises `QuantityError`, `SettingsError` and `EquilibriumError`.
     """
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)
@@ -47,7 +49,13 @@ def build_simulation(
     if "tau_drive" in values:
         speed, torque = values["w_start"], values["tau_drive"]
         return Simulation(
-            changed, settings, speed=speed, drive_torque=torque, loads=loads, warn=warn
+            changed,
+            settings,
+            speed=speed,
+            drive_torque=torque,
+            loads=loads,
+            record=record,
+            warn=warn,
         )
     return Simulation(
         changed,
@@ -56,5 +64,6 @@ def build_simulation(
         rate=values["speed_rate"],
         continues_speed=values["speed_continuation"] == 0,
         loads=loads,
+        record=record,
         warn=warn,
     )

@@ -29,12 +29,12 @@ class Recording:
     about: Mapping[str, Any]
 
     def save(self, path: Path) -> None:
-        """Write a compressed file of NumPy arrays, whole or not at all."""
+        """Write a file of NumPy arrays, whole or not at all; a motion hardly compresses."""
         unfinished = path.with_suffix(".part")
         head = {"names": list(self.columns), "units": dict(self.units), "about": dict(self.about)}
         values = np.array(list(self.columns.values()))
         with unfinished.open("wb") as file:
-            np.savez_compressed(file, t=self.t, values=values, head=json.dumps(head))
+            np.savez(file, t=self.t, values=values, head=json.dumps(head))
         unfinished.replace(path)
 
 

@@ -21,12 +21,17 @@ from ..errors import RunFailed
 from ..fmu.binding import build_simulation, load_names
 from ..fmu.variables import Variable
 from ..model.machine.rotor import Rotor
+from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
+from .recording import Recording
 from .signals import Signals
 
 Progress = Callable[[float], None]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
+_TAPE_ROWS = 16384  # of one communication interval, some 250 turns
+_USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
+_USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
 
 
 @dataclass(frozen=True)
@@ -142,6 +147,64 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
 
 def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) -> Run:
     """The same run without an FMU: same steps, same inputs, same numbers."""
+    return _march(rotor, plan, (), progress)[0]
+
+
+def run_recorded(
+    rotor: Rotor,
+    plan: Plan,
+    record: Record | Sequence[str] | None = None,
+    progress: Progress = lambda t: None,
+    about: Mapping[str, Any] | None = None,
+) -> tuple[Run, Recording]:
+    """`run_direct`, bit for bit, and what it was at its own steps.
+
+    record: names of `recordable`, or with the least angle between rows; by default `usual`. phi and
+    w are always recorded. about: said of the run in the recording besides machine, parameters,
+    stop and step [s], angle between rows [rad], status and messages. Raises `ValueError` for what
+    cannot be recorded.
+    """
+    given = usual(rotor) if record is None else record
+    taped = given if isinstance(given, Record) else Record(given, rows=_TAPE_ROWS)
+    taped = taped._replace(names=tuple(dict.fromkeys(("phi", "w", *taped.names))))
+    run, rows = _march(rotor, plan, taped, progress)
+    units = {str(entry.name): entry.output.unit for entry in recordable(rotor)}
+    told = {
+        "machine": rotor.name,
+        "parameters": dict(plan.parameters),
+        "stop": plan.stop,
+        "step": plan.step,
+        "angle": taped.angle,
+        "status": run.status,
+        "messages": list(run.messages),
+    }
+    # a column each, so that one can be kept without the others
+    t, *columns = (column.copy() for column in rows.T)
+    return run, Recording(
+        t,
+        dict(zip(taped.names, columns, strict=True)),
+        {name: units[name] for name in taped.names},
+        told | dict(about or {}),
+    )
+
+
+def usual(rotor: Rotor) -> tuple[str, ...]:
+    """What is worth recording of any machine: rotation and torque, displacement and velocity of
+    whatever has them, contact angles and forces, step lengths and their errors, losses."""
+    names = (entry.name for entry in recordable(rotor))
+    return tuple(
+        str(name)
+        for name in names
+        if (name.kind, name.quantity) in _USUAL
+        or (name.number and name.quantity in _USUAL_OF_PARTS)
+        or (name.kind == "energy" and name.quantity.endswith("_loss"))
+    )
+
+
+def _march(
+    rotor: Rotor, plan: Plan, record: Record | Sequence[str], progress: Progress
+) -> tuple[Run, np.ndarray]:
+    """A run and the rows of its tape."""
     signals, stop = plan.signals, plan.stop
     values = {v.name: v.start for v in plan.table if v.start is not None} | dict(plan.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}
@@ -152,11 +215,12 @@ def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) ->
         print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
 
     begun = time.perf_counter()
-    simulation = build_simulation(rotor, plan.table, values, warn)
+    simulation = build_simulation(rotor, plan.table, values, warn, record=record)
     loads = load_names(rotor)
     failure = None
     t, n = 0.0, 0
     times, rows = [t], [simulation.observed.copy()]
+    taped = [simulation.drain()]
     while t < stop and not math.isclose(t, stop):
         target = min((n + 1) * plan.step, stop)
         forces = np.array([complex(signals.at(x, t), signals.at(y, t)) for x, y in loads])
@@ -167,13 +231,16 @@ def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) ->
             failure = str(error)
             messages.append(failure)
             break
+        finally:
+            taped.append(simulation.drain())
         t, n = target, n + 1
         times.append(t)
         rows.append(simulation.observed.copy())
         progress(t)
     wall = time.perf_counter() - begun
     columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
-    return Run(np.array(times), columns, _status(failure, columns), tuple(messages), wall)
+    run = Run(np.array(times), columns, _status(failure, columns), tuple(messages), wall)
+    return run, np.concatenate(taped)
 
 
 def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
