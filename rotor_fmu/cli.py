@@ -20,6 +20,7 @@ from .native.command import Fmi, Native, Platforms, build_without_python, core
 from .packing.bundle import build
 from .packing.variable_table import markdown
 from .packing.warm import warm
+from .report.command import plot
 from .runs.figures import write_run_down
 from .runs.host_env import host_environment
 from .runs.job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
@@ -153,6 +154,7 @@ def warm_command(
             typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
 
 
+app.command("plot")(plot)
 app.command("core")(core)
 app.command("schema")(schema_command)
 
