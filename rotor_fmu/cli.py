@@ -20,6 +20,7 @@ COMMANDS = {
     _RUNS: {
         "run-down": "runs.command:run_down",
         "drive-train": "drive_train.command:drive_train",
+        "plot": "report.command:plot",
     },
     _FMU: {
         "build": "native.command:build",

@@ -1,0 +1,44 @@
+"""Signals as vibration engineers read them: pure functions on arrays, SI inside.
+
+Every function takes the time t [s], the angle of rotation phi [rad] and a displacement
+z = x + i y [m] of one place, each of shape (n,), at whatever steps they were recorded:
+
+    from rotor_fmu.vibration import order_track
+
+    track = order_track(t, phi, z)
+    track.speed, abs(track.x(1.0)), track.phase_x(1.0)
+
+Amplitudes are 0-p (half of the peak-to-peak value) unless a name says `pp`. Angles are measured
+from the keyphasor mark, the shaft's angle 0: a lag is negative.
+"""
+
+from .contact import Contact, contact, power_by_sink
+from .orbits import Displacement, Orbit, Poincare, Whirl, displacement, orbit, poincare, whirl
+from .orders import OrderTrack, Resonance, order_track, resonances
+from .spectra import Cascade, FullSpectrum, cascade, full_spectrum
+from .turns import Synchronous, TooFewTurns, synchronous
+
+__all__ = [
+    "Cascade",
+    "Contact",
+    "Displacement",
+    "FullSpectrum",
+    "Orbit",
+    "OrderTrack",
+    "Poincare",
+    "Resonance",
+    "Synchronous",
+    "TooFewTurns",
+    "Whirl",
+    "cascade",
+    "contact",
+    "displacement",
+    "full_spectrum",
+    "orbit",
+    "order_track",
+    "poincare",
+    "power_by_sink",
+    "resonances",
+    "synchronous",
+    "whirl",
+]

@@ -1,0 +1,114 @@
+"""Full spectrum and cascade: how much of a motion turns forward, how much backward, at each order.
+
+The full spectrum of z = x + i y (Southwick, Orbit 14 (1993); Muszynska, Rotordynamics, 2005) has
+forward whirl at positive and backward whirl at negative orders; a straight line is equal halves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .turns import Synchronous, hann, synchronous
+
+MOST_ORDER = 8.0
+
+
+@dataclass(frozen=True)
+class FullSpectrum:
+    """Amplitudes over signed orders of a block of turns at one speed.
+
+    speed [rad/s]; order: shape (k,) [1], growing, negative ones whirl backward; amplitude: radius
+    of the circle that each draws, 0-p, shape (k,) [m], the mean position taken out.
+    """
+
+    speed: float
+    order: np.ndarray
+    amplitude: np.ndarray
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """Whirl frequency, negative backward, shape (k,) [rad/s]."""
+        return self.order * self.speed
+
+    @property
+    def resolution(self) -> float:
+        """Distance of two lines [orders]."""
+        return float(self.order[1] - self.order[0])
+
+
+@dataclass(frozen=True)
+class Cascade:
+    """Full spectra through a run (a waterfall).
+
+    t, speed: shape (m,) [s], [rad/s]; order: shape (k,); amplitude: 0-p, shape (m, k) [m].
+    """
+
+    t: np.ndarray
+    speed: np.ndarray
+    order: np.ndarray
+    amplitude: np.ndarray
+
+    @property
+    def frequency(self) -> np.ndarray:
+        """Whirl frequencies, shape (m, k) [rad/s]."""
+        return self.speed[:, None] * self.order
+
+
+def full_spectrum(
+    t: np.ndarray,
+    phi: np.ndarray,
+    z: np.ndarray,
+    speed: float,
+    *,
+    turns: int = 16,
+    most_order: float = MOST_ORDER,
+    per_turn: int | None = None,
+) -> FullSpectrum:
+    """Full spectrum of the `turns` turns nearest to a speed [rad/s], under Hann's window.
+
+    Orders that are multiples of 1 / turns are told with their amplitude; one between two lines
+    with up to 15 % less. Raises `TooFewTurns`.
+    """
+    signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
+    first = np.array([signal.nearest(speed, turns)])
+    order, amplitude = _spectra(signal, first, turns, most_order)
+    return FullSpectrum(float(signal.speed_over(first, turns)[0]), order, amplitude[0])
+
+
+def cascade(
+    t: np.ndarray,
+    phi: np.ndarray,
+    z: np.ndarray,
+    *,
+    turns: int = 16,
+    lines: int = 120,
+    most_order: float = MOST_ORDER,
+    per_turn: int | None = None,
+) -> Cascade:
+    """Full spectra of up to `lines` blocks of turns, evenly through the turns of a run.
+
+    Raises `TooFewTurns` for less turns than a block.
+    """
+    signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
+    last = len(signal.values) - turns
+    first = np.unique(np.linspace(0, last, min(lines, last + 1)).round().astype(int))
+    order, amplitude = _spectra(signal, first, turns, most_order)
+    middle = (signal.marks[first] + signal.marks[first + turns]) / 2
+    return Cascade(middle, signal.speed_over(first, turns), order, amplitude)
+
+
+def _spectra(
+    signal: Synchronous, first: np.ndarray, turns: int, most_order: float
+) -> tuple[np.ndarray, np.ndarray]:
+    per_turn = signal.per_turn
+    window = hann(turns, per_turn)
+    order = np.fft.fftshift(np.fft.fftfreq(turns * per_turn, 1 / per_turn))
+    kept = np.abs(order) <= most_order
+    amplitude = np.empty((len(first), np.count_nonzero(kept)))
+    for row, begin in enumerate(first):
+        block = signal.values[begin : begin + turns]
+        around = window * (block - (window * block).sum())
+        amplitude[row] = np.abs(np.fft.fftshift(np.fft.fft(around.ravel())))[kept]
+    return order[kept], amplitude

@@ -1,0 +1,239 @@
+"""Signals against closed forms: chirps with known orders, ellipses, whirls of a known frequency."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+
+from rotor_fmu import vibration
+from rotor_fmu.linear.answers import unbalance_response
+
+TURN = 2 * np.pi
+
+
+def run_down(duration=20.0, speed=400.0, rate=-10.0, step=7e-4, seed=1):
+    """Time and angle of a run-down at uneven steps."""
+    rng = np.random.default_rng(seed)
+    t = np.cumsum(step * rng.uniform(0.4, 1.0, int(1.4 * duration / step)))
+    t = t[t < duration]
+    return t, 0.3 + speed * t + rate * t**2 / 2
+
+
+def test_a_chirp_gives_back_amplitude_and_phase_of_its_orders():
+    t, phi = run_down()
+    given = {0.5: 3e-6 * np.exp(0.4j), 1.0: 80e-6 * np.exp(-1.1j), 2.0: 7e-6 * np.exp(2.0j)}
+    z = 1e-3 - 2e-4j + sum(a * np.exp(1j * k * phi) for k, a in given.items())
+    track = vibration.order_track(t, phi, z)
+    for i, (order, amplitude) in enumerate(given.items()):
+        assert np.abs(track.forward[:, i] - amplitude).max() < 2e-9, order
+        assert np.abs(track.backward[:, i]).max() < 2e-9, order
+        assert track.major(order) == pytest.approx(abs(amplitude), rel=1e-3)
+    assert np.mod(track.phase_x(1.0) + 1.1 + np.pi, TURN) == pytest.approx(np.pi, abs=1e-3)
+    # y lags x by a quarter turn
+    assert track.phase_y(1.0) == pytest.approx(track.phase_x(1.0) - np.pi / 2, abs=1e-3)
+    assert track.speed == pytest.approx(400.0 - 10.0 * track.t, rel=1e-4)
+
+
+def test_a_straight_line_is_half_forward_and_half_backward():
+    t, phi = run_down(5.0)
+    track = vibration.order_track(t, phi, 50e-6 * np.cos(phi - 0.7))
+    assert np.abs(track.forward[:, 1]) == pytest.approx(25e-6, rel=1e-3)
+    assert np.abs(track.backward[:, 1]) == pytest.approx(25e-6, rel=1e-3)
+    assert np.abs(track.x()) == pytest.approx(50e-6, rel=1e-3)
+    assert np.abs(track.y()).max() < 1e-9
+    assert np.angle(track.x()) == pytest.approx(-0.7, abs=1e-3)
+
+
+def test_an_amplitude_that_changes_is_followed():
+    t, phi = run_down()
+    amplitude = 1e-6 * (20 + 60 * np.exp(-(((400 - 10 * t - 300) / 15) ** 2)))
+    track = vibration.order_track(t, phi, amplitude * np.exp(1j * phi))
+    assert track.major() == pytest.approx(np.interp(track.t, t, amplitude), rel=2e-3)
+
+
+def test_a_resonance_has_the_amplification_of_one_over_two_zeta():
+    zeta, critical = 0.02, 200.0
+    speed = np.linspace(400.0, 20.0, 4001)
+    r = speed / critical
+    amplitude = 1e-5 / np.abs(1 - r**2 + 2j * zeta * r)
+    (peak,) = vibration.resonances(speed, amplitude)
+    assert peak.speed == pytest.approx(critical, rel=1e-3)
+    assert peak.amplitude == pytest.approx(1e-5 / (2 * zeta), rel=1e-3)
+    assert peak.amplification == pytest.approx(1 / (2 * zeta), rel=1e-2)
+    (cut,) = vibration.resonances(speed[speed > 197.5], amplitude[speed > 197.5])
+    assert np.isnan(cut.amplification)
+    assert vibration.resonances(speed, np.zeros_like(speed)) == []
+
+
+def test_full_spectrum_tells_forward_from_backward():
+    t, phi = run_down(10.0)
+    z = 5e-5j + 40e-6 * np.exp(1j * phi) + 10e-6 * np.exp(-1j * phi) + 5e-6 * np.exp(-0.5j * phi)
+    found = vibration.full_spectrum(t, phi, z, 350.0)
+    at = {round(k, 6): a for k, a in zip(found.order, found.amplitude, strict=True)}
+    assert found.speed == pytest.approx(350.0, abs=2.0)
+    assert at[1.0] == pytest.approx(40e-6, rel=1e-3)
+    assert at[-1.0] == pytest.approx(10e-6, rel=1e-3)
+    assert at[-0.5] == pytest.approx(5e-6, rel=1e-3)
+    assert at[0.5] < 1e-9
+    assert at[0.0] < 1e-9
+    assert found.frequency[np.argmax(found.amplitude)] == pytest.approx(found.speed)
+
+
+def test_orders_do_not_leak_past_the_neighbouring_lines():
+    t, phi = run_down(10.0)
+    found = vibration.full_spectrum(t, phi, 1e-4 * np.exp(1j * phi), 350.0)
+    far = np.abs(found.order - 1.0) > 1.5 * found.resolution
+    assert found.amplitude[far].max() < 1e-8
+    # between two lines Hann's window takes at most 15 %
+    between = vibration.full_spectrum(t, phi, 1e-4 * np.exp(1j * (1 + 1 / 32) * phi), 350.0)
+    assert 0.84e-4 < between.amplitude.max() < 0.86e-4
+
+
+def test_what_is_faster_than_half_the_sampling_does_not_fold_back():
+    t, phi = run_down(5.0, step=6e-5)
+    z = 1e-6 * np.exp(1j * phi) + 1e-5 * np.exp(63j * phi)
+    # 64 samples a turn would show order 63 as backward 1x
+    folded = vibration.order_track(t, phi, z, per_turn=64)
+    assert np.abs(folded.backward[:, 1]).min() > 5e-6
+    track = vibration.order_track(t, phi, z)
+    assert np.abs(track.backward[:, 1]).max() < 2e-8
+    assert track.major(1.0) == pytest.approx(1e-6, rel=0.02)
+
+
+def test_cascade_follows_an_order_and_a_frequency_of_its_own():
+    t, phi = run_down(30.0)
+    own = 250.0
+    z = 30e-6 * np.exp(1j * phi) + 10e-6 * np.exp(-1j * own * t)
+    found = vibration.cascade(t, phi, z, lines=40)
+    assert found.amplitude.shape == (40, len(found.order))
+    forward = found.order > 0
+    ahead = np.argmax(np.where(forward, found.amplitude, 0), axis=1)
+    assert found.order[ahead] == pytest.approx(1.0)
+    back = np.argmax(np.where(forward, 0, found.amplitude), axis=1)
+    line = 1.01 * found.speed / 16
+    assert np.all(np.abs(found.frequency[np.arange(40), back] + own) < line)
+
+
+@pytest.mark.parametrize(("sense", "order"), [(1, 1.0), (-1, -1.0), (0, 0.0)])
+def test_sense_of_whirl_of_circles_and_of_a_line(sense, order):
+    t, phi = run_down(5.0)
+    z = {1: np.exp(1j * phi), -1: np.exp(-1j * phi), 0: np.cos(phi) + 0j}[sense] * 1e-5
+    found = vibration.whirl(t, phi, 3e-4 + z)
+    assert found.sense == pytest.approx(sense, abs=1e-3)
+    assert found.order == pytest.approx(order, abs=1e-2)
+
+
+def test_sense_and_order_of_a_backward_whip():
+    t, phi = run_down(5.0, step=1.5e-4)
+    found = vibration.whirl(t, phi, 1e-4 * np.exp(-5j * phi))
+    assert found.sense == pytest.approx(-1, abs=1e-3)
+    assert found.order == pytest.approx(-5, rel=1e-2)
+
+
+def test_orbit_begins_at_the_mark_and_holds_whole_turns():
+    t, phi = run_down(10.0)
+    z = 40e-6 * np.exp(1j * (phi - 0.5)) + 10e-6 * np.exp(-1j * phi)
+    found = vibration.orbit(t, phi, z, 350.0, turns=2)
+    at_mark = 40e-6 * np.exp(-0.5j) + 10e-6
+    assert np.abs(found.marks - at_mark).max() < 1e-9
+    assert found.z[0] == found.marks[0]
+    assert np.abs(found.z).max() == pytest.approx(50e-6, rel=1e-3)
+    assert np.abs(found.z).min() == pytest.approx(30e-6, rel=3e-3)
+    assert found.t[-1] - found.t[0] == pytest.approx(2 * TURN / 350.0, rel=0.02)
+
+
+def test_poincare_points_of_a_motion_of_two_turns_alternate():
+    t, phi = run_down(5.0)
+    z = 1e-5 * np.exp(1j * phi) + 4e-6 * np.exp(0.5j * phi)
+    points = vibration.poincare(t, phi, z).points
+    assert np.abs(np.abs(np.diff(points)) - 8e-6).max() < 1e-8
+    assert np.abs(points[2:] - points[:-2]).max() < 1e-8
+
+
+def test_displacements_of_an_ellipse():
+    t, phi = run_down(5.0)
+    z = 2e-4 + 30e-6 * np.cos(phi) + 20e-6j * np.sin(phi)
+    found = vibration.displacement(t, phi, z)
+    assert found.x_pp == pytest.approx(60e-6, rel=2e-3)
+    assert found.y_pp == pytest.approx(40e-6, rel=2e-3)
+    assert found.s_max == pytest.approx(30e-6, rel=2e-3)
+
+
+def test_a_contact_that_touches_a_quarter_of_each_turn():
+    t, phi = run_down(10.0, step=5e-5)
+    psi = np.mod(phi, TURN)
+    touches = (psi > np.pi) & (psi < 1.5 * np.pi)
+    found = vibration.contact(t, phi, psi, 40.0 * touches)
+    assert found.share == pytest.approx(0.25, abs=0.01)
+    assert found.mean == pytest.approx(10.0, rel=0.04)
+    assert found.peak == pytest.approx(40.0)
+    assert found.angle == pytest.approx(1.25 * np.pi, abs=0.02)
+    # mean of exp(i psi) over a quarter is 2 sqrt(2) / pi long
+    assert found.spread == pytest.approx(1 - 2 * np.sqrt(2) / np.pi, abs=0.01)
+
+
+def test_without_a_touch_there_is_no_angle():
+    t, phi = run_down(2.0)
+    found = vibration.contact(t, phi, np.zeros_like(t), np.zeros_like(t))
+    assert not found.share.any()
+    assert np.isnan(found.angle).all()
+
+
+def test_power_by_sink_is_what_was_dissipated_in_the_turn():
+    t, phi = run_down(5.0)
+    middle, speed, powers = vibration.power_by_sink(t, phi, {"friction": 3.0 * t, "shaft": t**2})
+    assert powers["friction"] == pytest.approx(3.0)
+    assert powers["shaft"] == pytest.approx(2 * middle, rel=1e-3)
+    assert speed == pytest.approx(400.0 - 10.0 * middle, rel=1e-3)
+
+
+@pytest.mark.parametrize("function", ["order_track", "cascade", "poincare", "whirl"])
+def test_a_signal_of_too_few_turns_is_refused_with_its_length(function):
+    t = np.linspace(0, 0.01, 50)
+    with pytest.raises(vibration.TooFewTurns, match="holds 0 whole turns"):
+        getattr(vibration, function)(t, 300.0 * t, t + 0j)
+
+
+def test_what_was_recorded_after_the_shaft_turned_back_is_left_out():
+    t = np.linspace(0, 10.0, 20001)
+    phi = 100.0 * t - 10.0 * t**2  # turns back at 5 s
+    found = vibration.synchronous(t, phi, np.exp(1j * phi))
+    assert found.marks[-1] < 5.0
+    assert np.abs(np.abs(found.values) - 1.0).max() < 1e-3
+
+
+def test_an_order_that_the_block_does_not_hold_is_refused():
+    t, phi = run_down(2.0)
+    with pytest.raises(ValueError, match=r"order 0\.3: a block of 4 turns"):
+        vibration.order_track(t, phi, phi + 0j, [0.3])
+    with pytest.raises(ValueError, match=r"order 3: must be one of 0\.5, 1, 2"):
+        vibration.order_track(t, phi, phi + 0j).x(3)
+
+
+def test_a_slow_run_down_without_contact_follows_the_linear_response_to_unbalance():
+    text = rig_toml().split("[[bearing]]")[0]
+    bearings = "".join(
+        f"[[linear_bearing]]\nnode = {node}\nkxx = 4e5\nkyy = 2e6\ncxx = 60.0\ncyy = 60.0\n"
+        for node in (2, 8)
+    )
+    rotor = parse_rotor(text + bearings)
+    rate, speed, stop = -2.5, 225.0, 16.0
+    simulation = Simulation(rotor, choose("controlled", tolerance=1e-4), speed=speed, rate=rate)
+    names = ("phi", "disc[2].x", "disc[2].y")
+    times = np.arange(0.0, stop, TURN / 24 / speed)
+    rows = [[simulation.read(name) for name in names]]
+    for t, to in pairwise(times):
+        simulation.advance(to, speed + rate * t)
+        rows.append([simulation.read(name) for name in names])
+    phi, x, y = np.array(rows).T
+    track = vibration.order_track(times, phi, x + 1j * y)
+    late = np.flatnonzero(track.t > 4.0)[::40]
+    linear = unbalance_response(rotor, track.speed[late])
+    node = rotor.discs[1].node - 1
+    for found, truth in ((track.x(), linear.x[:, node]), (track.y(), linear.y[:, node])):
+        difference = np.abs(found[late] - truth) / np.abs(truth).max()
+        assert difference.max() < 0.02
+        assert np.median(np.abs(np.angle(found[late] / truth))) < 0.02
