@@ -36,6 +36,7 @@ COMMANDS = {
         "unbalance": "linear.command:unbalance",
         "static": "linear.command:static",
         "import-ross": "linear.command:import_ross",
+        "example": "machine_file.command:example",
         "schema": "machine_file.command:schema_command",
     },
     _PAPERS: {

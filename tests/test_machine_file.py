@@ -1,6 +1,7 @@
 """The page and the schema of machine files say what the reader takes."""
 
 import json
+import sys
 import tomllib
 from pathlib import Path
 
@@ -9,11 +10,13 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
+from rotor_fmu.cli import main
 from rotor_fmu.machine_file.page import page
 from rotor_fmu.machine_file.schema import schema
 from rotor_fmu.machine_file.tables import own_tables, part_tables
 
 ROOT = Path(__file__).parents[1]
+EXAMPLES = ROOT / "examples"
 MACHINES = [*ROOT.glob("examples/*/*.toml"), *ROOT.glob("model/machine/rigs/*.toml")]
 VALIDATOR = jsonschema.Draft202012Validator(schema())
 
@@ -72,3 +75,42 @@ def test_every_key_of_the_page_is_known_to_the_reader():
         known = set(str(refused.value).split("known are ")[1].split(", ")) - {""}
         mine = {key.name for key in table.keys} - {"z"}
         assert known == mine, table.name
+
+
+@pytest.fixture
+def told(tmp_path, monkeypatch, capsys):
+    """What `rotor-fmu example` prints or, refused, says."""
+
+    def tell(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", "example", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        said = capsys.readouterr()
+        return end.value.code, said.out, said.err
+
+    return tell
+
+
+def test_every_example_is_listed_printed_and_copied(told, tmp_path):
+    _, listed, _ = told()
+    names = [line.split()[0] for line in listed.splitlines()]
+    assert {"drive_train", "drop", "from_ross", "jeffcott_rub"} <= set(names)
+    assert parse_rotor(told("jeffcott_rub")[1]).name
+    for name in names:
+        assert told(name, "--out", "mine")[0] == 0
+        copied = {path.name for path in (tmp_path / "mine" / name).iterdir()}
+        own = {path.name for path in (EXAMPLES / name).iterdir()} - {"__pycache__"}
+        assert copied == own
+
+
+def test_an_example_is_never_copied_over_something(told, tmp_path):
+    (tmp_path / "drop").mkdir()
+    status, _, said = told("drop", "--out", ".")
+    assert (status, said) == (2, "rotor-fmu: --out .: drop is there already\n")
+
+
+def test_an_unknown_example_is_told_its_neighbour(told):
+    status, _, said = told("jefcott")
+    assert status == 2
+    assert said.endswith("did you mean jeffcott_rub?\n")
