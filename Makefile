@@ -7,12 +7,12 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-native test-all test-processors lint types coverage mutants bench clean
+.PHONY: run-down reproduce survey reference test test-native test-all test-processors docs lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage,docs]"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made
 
@@ -46,6 +46,10 @@ test-all: $(VENV)/made-native
 # all tests as on other processors, and on loaded cores: an hour or two
 test-processors: $(VENV)/made
 	$(BIN)/python tests/processors.py
+
+# the documentation as a site that works from disk: build/site/index.html
+docs: $(VENV)/made
+	$(BIN)/python docs/site/build.py
 
 lint: $(VENV)/made
 	$(BIN)/ruff check .
