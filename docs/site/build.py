@@ -1,6 +1,6 @@
 """Make the site: python docs/site/build.py [FOLDER]; default: build/site.
 
-README, docs/ and the examples' pages are copied into a tree like the repository's, where their links
+README, docs/ and the examples' pages are copied into a tree as the repository's, where their links
 hold, and Sphinx makes HTML of them. A warning, such as a link to nothing, is an error.
 """
 
