@@ -10,9 +10,12 @@ A machine is one TOML file in SI units: a material, a shaft, and parts on it and
 page is made from the declarations that the reader itself uses (`rotor-fmu schema --page`); for
 editors that check TOML, `rotor-fmu schema` prints the same as a JSON schema.
 
-    rotor-fmu show --rotor machine.toml        # a picture, and whether it can be read
-    rotor-fmu modes --rotor machine.toml       # trust its linear answers first
-    rotor-fmu run-down --rotor machine.toml    # then let it rub
+```sh
+rotor-fmu example drop > machine.toml      # one that comes with it
+rotor-fmu show --rotor machine.toml        # a picture, and whether it can be read
+rotor-fmu modes --rotor machine.toml       # trust its linear answers first
+rotor-fmu run-down --rotor machine.toml    # then let it rub
+```
 
 A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`. What is missing,
 misspelt or impossible is told in one line with the name, the value and what is allowed.

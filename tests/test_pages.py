@@ -1,0 +1,100 @@
+"""Every block of README, docs and examples, run as a reader would paste it.
+
+In an environment of its own, a copy of the project with what its README installs, page by page from
+the top. A block of TOML that begins with the name of a file is saved under it.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("examples/*/README.md")])
+RUN = {"sh": ["sh", "-e", "-c"], "python": ["python", "-c"]}
+# the tests are not run by the tests
+NOT_HERE = re.compile(r"^make test.*$", re.MULTILINE)
+
+
+def blocks(page):
+    """(language, text) of a page's fenced blocks that run, in turn."""
+    found = re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    return [(language, text) for language, text in found if language in (*RUN, "toml")]
+
+
+def readable(page):
+    """Whether a page has blocks to run."""
+    return any(language in RUN for language, _ in blocks(page))
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The project as it is checked out, and its environment made by its own rule."""
+    folder = tmp_path_factory.mktemp("newcomer") / "rotor-fmu"
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    for name in filter(None, listed.stdout.split("\0")):
+        if (ROOT / name).is_file():
+            target = folder / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / name, target)
+    made = subprocess.run(
+        ["make", f"PYTHON={sys.executable}", ".venv/made"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert made.returncode == 0, made.stdout + made.stderr
+    return folder
+
+
+def run(language, text, folder, environment):
+    """Run or save a block; what runs must succeed without a warning."""
+    if language == "toml":
+        if named := re.match(r"# (\w+\.toml)", text):
+            (folder / named[1]).write_text(text, encoding="utf-8")
+        return
+    text = NOT_HERE.sub("", text)
+    done = subprocess.run(
+        [*RUN[language], text],
+        cwd=folder,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"{text}\n{done.stdout}"
+    assert not re.search(r"warning|traceback", done.stdout, re.IGNORECASE), f"{text}\n{done.stdout}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if readable(page)], ids=lambda page: str(page.relative_to(ROOT))
+)
+def test_the_blocks_of_a_page_run_as_pasted_and_warn_of_nothing(copy, page):
+    bin_folder = copy / ".venv" / ("Scripts" if os.name == "nt" else "bin")
+    environment = {**os.environ, "PATH": f"{bin_folder}{os.pathsep}{os.environ['PATH']}"}
+    environment.pop("PYTHONPATH", None)
+    is_example = "examples" in page.relative_to(ROOT).parts
+    folder = (copy / page.relative_to(ROOT)).parent if is_example else copy
+    for language, text in blocks(page):
+        run(language, text, folder, environment)
+
+
+def test_commands_stand_in_blocks_that_are_run():
+    for page in PAGES:
+        indented = re.findall(
+            r"^    (?:rotor-fmu|make|pip|fmpy|python) .*$", page.read_text(), re.M
+        )
+        assert not indented, f"{page.name}: {indented}"
