@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-native test-all test-processors docs lint types coverage mutants bench clean
+.PHONY: run-down reproduce survey reference test test-native test-all test-processors docs dist lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -79,6 +79,12 @@ bench: $(VENV)/made
 	done
 	$(BIN)/python -m benchmarks
 
+# source archive and wheel in dist/, checked, installed and used; HOME_URL=address of the files for an
+# index page's pictures
+dist: $(VENV)/made
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check build twine
+	$(BIN)/python tests/release.py "$(HOME_URL)"
+
 clean:
-	rm -rf $(VENV) out build *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
+	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
