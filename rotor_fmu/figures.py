@@ -8,6 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from .files import unfinished
+
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
 
 
@@ -24,5 +26,6 @@ def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
 
 def save(figure: Figure, path: Path) -> Path:
     """Write a PNG without the date and versions that would make it differ each time."""
-    figure.savefig(path, metadata={"Software": None})
+    with unfinished(path) as part:
+        figure.savefig(part, metadata={"Software": None})
     return path

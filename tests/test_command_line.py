@@ -169,10 +169,24 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     assert figures["status"] == "ok"
     written = {path.name for path in (tmp_path / "here").iterdir()}
     pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
-    assert written == pictures | {"summary.json", "run_down.csv"}
+    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
     assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,bearing[1].psi")
     assert len(rows) == 1 + 101
+
+
+def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_earlier_one(tmp_path):
+    (tmp_path / "run_down_x.png").write_bytes(b"of an earlier run")
+    done = rotor_fmu(
+        *("run-down", "--set", "speed=185", "--preset", "robust", "--stop", "1"),
+        *("--direct", "--out", "."),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "no_peak              the run ends within the start-up" in done.stdout
+    pictures = {f"run_down_{name}.png" for name in ("time", "spectrum", "orbit")}
+    written = {path.name for path in tmp_path.iterdir()}
+    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz"}
 
 
 def test_signals_from_a_file_drive_the_run(tmp_path):

@@ -16,7 +16,17 @@ from ..packing.variable_table import markdown
 from ..packing.warm import warm as make_ready
 from .figures import write_run_down
 from .host_env import host_environment
-from .job import execute, fmu_in, load_rotor, prepare, write_csv, write_json
+from .job import (
+    clear,
+    difference,
+    execute,
+    execute_recorded,
+    fmu_in,
+    load_rotor,
+    prepare,
+    write_csv,
+    write_json,
+)
 from .reproduce import reproduce as run_again
 from .run_down import summary
 from .signals import RUN_DOWN_STOP
@@ -45,16 +55,32 @@ def run_down(
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
 ) -> None:
-    """Drive the built FMU over the paper's run-down and write figures and pictures."""
+    """Drive the built FMU over the paper's run-down and write figures and pictures.
+
+    The same run is recorded at the solver's own steps, without the FMU, for the pictures.
+    """
     job = prepare(rotor, preset, sets or [], signals, stop, step)
     writable_folder(out)
     fmu = None if direct else fmu_in(out, job.toml)
-    name = preset or "default"
-    result = execute(job, fmu, f"run-down, {name}")
-    report = summary(result)
+    clear(out)
+    label = f"run-down, {preset or 'default'}"
+    driven = None if fmu is None else execute(job, fmu, label)
+    recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
+    result = driven or recorded
+    report = summary(result) | {"recorded_steps": len(recording.t)}
+    if driven is not None:
+        report["recorded_apart"] = difference(driven, recorded)
     write_csv(result, out / "run_down.csv")
-    write_run_down(result, report, name, job.settings.mode == "adaptive", out)
+    recording.save(out / "recording.npz")
+    name = f"Preset {preset}" if preset else "Default solver"
+    write_run_down(result, recording, report, name, job.settings.mode == "adaptive", out)
     write_json(report, out / "summary.json")
+    if apart := report.get("recorded_apart"):
+        typer.echo(
+            f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "
+            "apart from the FMU's; the pictures are of the recorded one",
+            err=True,
+        )
     for key, value in report.items():
         if key != "messages":
             typer.echo(f"{key:20s} {_shown(value)}")

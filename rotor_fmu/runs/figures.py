@@ -1,4 +1,5 @@
-"""Pictures of a run-down: the paper's figures 3 to 6 and 9 to 15."""
+"""Pictures of a run, drawn from what was recorded at the solver's own steps; the paper's figures 3
+to 6 and 9 to 15 among them."""
 
 from __future__ import annotations
 
@@ -9,120 +10,272 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
 from ..figures import BLUE, GREY, ORANGE, new_figure, save
-from .run_down import PEAKS_AFTER, Run, last_index
+from .recording import Recording
+from .run_down import PEAKS_AFTER, Run
+from .views import (
+    TURN,
+    contact_of,
+    envelope,
+    is_constant,
+    once_a_turn,
+    peak_index,
+    place_of,
+    rows_a_turn,
+    spectrum,
+    time_share,
+)
 
 SPEED_LABEL = "Rotational speed $n$ [Hz]"
 _PSI_TICKS = (
     [0, 90, 180, 270, 360],
     ["0 (right)", "90 (top)", "180 (left)", "270 (bottom)", "360"],
 )
+# Rows a turn below which a curve between them would be drawn, not computed.
+_FINE = 24
+_MOST_POINTS = 4000  # of a curve, above which its envelope is drawn
+_TURNS = 5  # of an orbit
 
 
-def _speed_axis(axes: Axes, run: Run) -> None:
+def spoken(part: str) -> str:
+    """`disc[3]` as `disc 3`."""
+    return part.replace("[", " ").rstrip("]")
+
+
+def _titled(axes: Axes, caption: str) -> None:
+    axes.set_title(caption, loc="left", fontsize=10)
+
+
+def _speed_axis(axes: Axes, hz: np.ndarray) -> None:
     axes.set_xlabel(SPEED_LABEL)
-    highest = float(run.hz.max()) if len(run.hz) else 60.0
+    highest = float(np.abs(hz).max()) if len(hz) else 60.0
     axes.set_xlim(0, 10 * math.ceil(highest / 10) or 10)
 
 
-def amplitude(run: Run, axis: str, caption: str, reference: Run | None = None) -> Figure:
-    """Largest displacement of the last disc over a revolution against speed; axis: `x` or `y`."""
+def amplitude(
+    run: Run,
+    axis: str,
+    caption: str,
+    compared: tuple[Run, str] | None = None,
+    label: str = "this run",
+) -> Figure:
+    """Largest displacement of a disc over a revolution against speed, the start-up apart.
+
+    axis: `x` or `y`; compared: another run and what it is, thinner behind.
+    """
     figure, axes = new_figure()
-    disc = last_index(run, "disc")
-    curves = [(run, "this run", BLUE, 1.0)]
-    if reference is not None:
-        curves.insert(0, (reference, "converged", GREY, 2.5))
-    for shown, label, color, width in curves:
-        values = shown.columns[f"disc[{disc}].{axis}_amp"] * 1e6
-        late = np.flatnonzero(shown.t > PEAKS_AFTER)
-        if len(late):
-            at = late[np.argmax(values[late])]
-            label += f": {values[at]:.0f} µm at {shown.hz[at]:.1f} Hz"
-        axes.plot(shown.hz, values, color=color, lw=width, label=label)
-    axes.legend(frameon=False, loc="upper right")
-    _speed_axis(axes, run)
+    place = place_of(run.columns)
+    curves = [(run, label, BLUE, 1.4)]
+    if compared is not None:
+        curves.insert(0, (*compared, ORANGE, 0.8))
+    for shown, text, color, width in curves:
+        values = shown.columns[f"{place}.{axis}_amp"] * 1e6
+        early, late = shown.t <= PEAKS_AFTER, shown.t >= PEAKS_AFTER
+        at = peak_index(shown.t, shown.columns["w"], values, PEAKS_AFTER)
+        if at is not None:
+            text += f": {values[at]:.0f} µm at {shown.hz[at]:.1f} Hz"
+            axes.plot(shown.hz[at], values[at], "o", color=color, ms=4)
+        start = f"start-up, the first {PEAKS_AFTER:g} s" if shown is run else None
+        axes.plot(shown.hz[early], values[early], color=GREY, lw=0.6, label=start)
+        axes.plot(shown.hz[late], values[late], color=color, lw=width, label=text)
+    axes.legend(frameon=False, loc="upper right", fontsize=8)
+    _speed_axis(axes, run.hz)
     axes.set_ylim(bottom=0)
     direction = "Horizontal" if axis == "x" else "Vertical"
-    axes.set_ylabel(f"{direction} amplitude of disc {disc} [µm]")
-    axes.set_title(caption, loc="left", fontsize=10)
+    axes.set_ylabel(f"{direction} amplitude of {spoken(str(place))} [µm]")
+    _titled(axes, caption)
     return figure
 
 
-def contact_angle(run: Run, caption: str) -> Figure:
-    """Contact angle of the last bearing against speed, one point a communication step."""
+def contact_angle(recording: Recording, caption: str) -> Figure:
+    """Where the journal lies in its bearing against speed: how much of the time, and once a turn;
+    where the steps are too long for that, each of them."""
     figure, axes = new_figure()
-    bearing = last_index(run, "bearing")
-    psi = np.degrees(run.columns[f"bearing[{bearing}].psi"])
-    axes.plot(run.hz, psi, ".", color=BLUE, ms=2.2, mew=0, rasterized=True)
-    _speed_axis(axes, run)
+    part = contact_of(recording.columns)
+    hz = np.abs(recording.columns["w"]) / TURN
+    per_turn = rows_a_turn(recording)
+    if per_turn >= _FINE and not is_constant(hz):
+        shown = time_share(recording, str(part))
+        image = axes.pcolormesh(
+            shown.hz,
+            np.degrees(shown.angle),
+            100 * shown.share.T,
+            cmap="Blues",
+            norm=PowerNorm(0.4, 0, 25),
+            rasterized=True,
+        )
+        width = math.degrees(shown.angle[1])
+        bar = figure.colorbar(image, ax=axes, extend="max")
+        bar.set_label(f"share of the time within {width:.0f}° [%]")
+        t, z = once_a_turn(recording, str(part))
+        at = np.interp(t, recording.t, hz)
+        mark = f"once a turn, the shaft's mark at 0° ({len(t)} points)"
+        axes.plot(at, np.degrees(np.angle(z)) % 360, ".", color=ORANGE, ms=1.6, mew=0, label=mark)
+    else:
+        psi = np.degrees(recording.columns[f"{part}.psi"])
+        label = _every_step(recording, per_turn)
+        axes.plot(hz, psi, ".", color=BLUE, ms=2.2, mew=0, rasterized=True, label=label)
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, markerscale=4)
+    _speed_axis(axes, hz)
     axes.set_yticks(*_PSI_TICKS)
     axes.set_ylim(0, 360)
-    axes.set_ylabel(f"Contact angle $\\psi$ of bearing {bearing} [deg]")
-    axes.set_title(caption, loc="left", fontsize=10)
+    axes.set_ylabel(f"Contact angle $\\psi$ of {spoken(str(part))} [deg]")
+    _titled(axes, caption)
     return figure
 
 
-def orbit(run: Run, at_hz: float, caption: str, width_hz: float = 0.15) -> Figure:
-    """Path of the last disc's centre while the speed is within width_hz of at_hz."""
+def _every_step(recording: Recording, per_turn: float) -> str:
+    """What points are that are the solver's steps, and what in them is the steps' own."""
+    usual = float(np.median(np.diff(recording.t)))
+    shortest, longest = (1e3 * float(f(np.diff(recording.t))) for f in (np.min, np.max))
+    if longest > 1.01 * shortest:
+        return f"every step of the solver, {shortest:.2g} to {longest:.2g} ms"
+    rate = 1 / usual
+    return (
+        f"every step of the solver, {1e3 * usual:.3g} ms, {per_turn:.0f} a turn; "
+        f"islands at {rate:.4g} Hz over 4, 5, ... are the steps'"
+    )
+
+
+def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
+    """Path of a disc's centre over the turns about a time [s], and where it was once a turn."""
     figure, axes = new_figure(5.4, 5.0)
-    disc = last_index(run, "disc")
-    near = (np.abs(run.hz - at_hz) <= width_hz) & (run.t > PEAKS_AFTER)
-    x, y = (run.columns[f"disc[{disc}].{axis}"][near] * 1e6 for axis in "xy")
-    axes.plot(x, y, "-", color=BLUE, lw=0.8, marker=".", ms=2.5)
-    rest = float(run.columns[f"disc[{disc}].y"][0]) * 1e6
-    axes.plot(0, rest, "+", color=ORANGE, ms=10, mew=1.5)
-    axes.annotate("rest", (0, rest), xytext=(7, -4), textcoords="offset points", color=ORANGE)
-    axes.set_aspect("equal")
-    if len(x):
-        half = 0.55 * max(np.ptp(x), np.ptp(y), 1.0)
-        for set_limits, values in ((axes.set_xlim, x), (axes.set_ylim, y)):
-            middle = (values.min() + values.max()) / 2
-            set_limits(middle - half, middle + half)
-    axes.set_xlabel(f"Horizontal displacement of disc {disc} [µm]")
+    place = str(place_of(recording.columns))
+    c = recording.columns
+    middle = float(np.interp(at_s, recording.t, c["phi"]))
+    near = np.abs(c["phi"] - middle) <= _TURNS * TURN / 2
+    x, y = (c[f"{place}.{axis}"][near] * 1e6 for axis in "xy")
+    per_turn = rows_a_turn(recording, near)
+    corners = "" if per_turn >= _FINE else f", {per_turn:.0f} steps a turn: the corners are theirs"
+    marker = {} if per_turn >= _FINE else {"marker": ".", "ms": 3}
+    axes.plot(x, y, "-", color=BLUE, lw=0.8, label=f"{_TURNS} turns{corners}", **marker)
+    if per_turn >= _FINE and math.isfinite(per_turn):
+        t, z = once_a_turn(recording, place)
+        z = z[np.isin(np.searchsorted(recording.t, t), np.flatnonzero(near))] * 1e6
+        axes.plot(z.real, z.imag, "o", color=ORANGE, ms=4, label="once a turn, the mark at 0°")
+    rest = float(c[f"{place}.y"][0]) * 1e6
+    axes.plot(0, rest, "+", color=GREY, ms=10, mew=1.5, label="rest")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.08)
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=3)
+    axes.set_xlabel(f"Horizontal displacement of {spoken(place)} [µm]")
     axes.set_ylabel("Vertical displacement [µm]")
-    axes.set_title(caption, loc="left", fontsize=10)
+    _titled(axes, caption)
     return figure
 
 
-def step_length(run: Run, caption: str) -> Figure:
-    """Length of the last step before each communication point against speed."""
+def motion(recording: Recording, caption: str) -> Figure:
+    """Both displacements of a disc over time: as curves, or where they are too dense the range that
+    each turn fills."""
+    figure, first = new_figure()
+    first.remove()
+    place = str(place_of(recording.columns))
+    turns = int(np.ptp(recording.columns["phi"]) / TURN)
+    both = figure.subplots(2, sharex=True)
+    for axes, axis, color, name in zip(
+        both, "xy", (BLUE, ORANGE), ("horizontal", "vertical"), strict=True
+    ):
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+        values = recording.columns[f"{place}.{axis}"] * 1e6
+        what = name
+        if len(values) <= _MOST_POINTS or turns < _FINE:
+            axes.plot(recording.t, values, color=color, lw=0.8)
+        else:
+            t, low, high = envelope(recording.t, values, min(turns, 600))
+            axes.fill_between(t, low, high, color=color, alpha=0.6, lw=0, step="mid")
+            what += ",\nrange of a turn"
+        axes.set_ylabel(f"{spoken(place)}, {what} [µm]")
+    both[1].set_xlabel("Time [s]")
+    _titled(both[0], caption)
+    return figure
+
+
+def spectra(recording: Recording, caption: str) -> Figure:
+    """Spectra of both displacements of a disc over the second half of a run at one speed."""
     figure, axes = new_figure()
-    axes.plot(run.hz[1:], run.columns["solver.h_last"][1:] * 1e3, ".", color=BLUE, ms=2.5, mew=0)
-    _speed_axis(axes, run)
+    place = str(place_of(recording.columns))
+    late = recording.t >= recording.t[-1] / 2
+    hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
+    highest = 1e-3
+    for axis, color, name in (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical")):
+        values = recording.columns[f"{place}.{axis}"][late] * 1e6
+        f, lines = spectrum(recording.t[late], values)
+        highest = max(highest, float(lines.max()))
+        axes.semilogy(f, np.maximum(lines, 1e-12), color=color, lw=0.9, label=name)
+    if hz > 0:
+        axes.axvline(hz, color=GREY, lw=0.8, ls="--", label=f"1x, {hz:.4g} Hz")
+        axes.set_xlim(0, min(6 * hz, f[-1]))
+    axes.set_ylim(highest * 1e-5, highest * 2)
+    axes.legend(frameon=False, loc="upper right")
+    axes.set_xlabel("Frequency [Hz]")
+    axes.set_ylabel(f"Displacement of {spoken(place)}, 0-p [µm]")
+    _titled(axes, caption)
+    return figure
+
+
+def step_length(recording: Recording, caption: str) -> Figure:
+    """Length of the solver's steps against speed."""
+    figure, axes = new_figure()
+    hz = np.abs(recording.columns["w"][1:]) / TURN
+    lengths = recording.columns["solver.h_last"][1:] * 1e3
+    axes.plot(hz, lengths, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
+    _speed_axis(axes, hz)
     axes.set_ylim(bottom=0)
     axes.set_ylabel("Step length [ms]")
-    axes.set_title(caption, loc="left", fontsize=10)
+    _titled(axes, caption)
     return figure
 
 
-def error_indicator(run: Run, caption: str) -> Figure:
-    """Relative error of the last step before each communication point against speed."""
+def error_indicator(recording: Recording, caption: str) -> Figure:
+    """Relative error of the solver's steps against speed."""
     figure, axes = new_figure()
-    axes.semilogy(run.hz[1:], run.columns["solver.error"][1:], ".", color=BLUE, ms=2.5, mew=0)
-    _speed_axis(axes, run)
+    hz = np.abs(recording.columns["w"][1:]) / TURN
+    errors = recording.columns["solver.error"][1:]
+    axes.semilogy(hz, errors, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
+    _speed_axis(axes, hz)
     axes.set_ylabel("Relative error indicator [1]")
-    axes.set_title(caption, loc="left", fontsize=10)
+    _titled(axes, caption)
     return figure
 
 
 def write_run_down(
-    run: Run, figures: Mapping[str, Any], name: str, is_adaptive: bool, out: Path
+    run: Run,
+    recording: Recording,
+    figures: Mapping[str, Any],
+    name: str,
+    is_adaptive: bool,
+    out: Path,
 ) -> list[Path]:
-    """The pictures of one run-down in the folder `out`; figures: its `summary`."""
-    if not len(run.t):
+    """The pictures of a run in the folder `out`: against its speed, or against time and frequency
+    where it has one speed; figures: its `summary`."""
+    if len(recording.t) < 3:
         return []
-    pictures = {
-        "x": amplitude(run, "x", f"{name}: horizontal amplitude through the run-down"),
-        "y": amplitude(run, "y", f"{name}: vertical amplitude through the run-down"),
-    }
-    if last_index(run, "bearing"):
-        pictures["psi"] = contact_angle(run, f"{name}: where the journal touches its bearing")
-    if figures["x_peak_hz"] is not None:
-        peak = figures["x_peak_hz"]
-        pictures["orbit"] = orbit(run, peak, f"{name}: orbit at the horizontal peak, {peak:.1f} Hz")
+    pictures = {}
+    end = float(recording.t[-1])
+    has_place = place_of(recording.columns) is not None
+    if is_constant(run.columns["w"]):
+        speed = f"{float(run.hz[-1]):.4g} Hz"
+        if has_place:
+            pictures["time"] = motion(recording, f"{name} at {speed}: motion over time")
+            pictures["spectrum"] = spectra(recording, f"{name} at {speed}: spectrum")
+            pictures["orbit"] = orbit(recording, end, f"{name} at {speed}: orbit at the end")
+    else:
+        if has_place:
+            for axis, text in (("x", "horizontal"), ("y", "vertical")):
+                pictures[axis] = amplitude(run, axis, f"{name}: {text} amplitude over speed")
+            at_s, at_hz = figures["x_peak_s"], figures["x_peak_hz"]
+            where = "end of the run" if at_s is None else f"horizontal peak, {at_hz:.1f} Hz"
+            at_s = end if at_s is None else at_s
+            pictures["orbit"] = orbit(recording, at_s, f"{name}: orbit at the {where}")
+        if contact_of(recording.columns):
+            caption = f"{name}: where the journal lies in its bearing"
+            pictures["psi"] = contact_angle(recording, caption)
     if is_adaptive:
-        pictures["error"] = error_indicator(run, f"{name}: error indicator")
-        pictures["h"] = step_length(run, f"{name}: step length")
+        pictures["error"] = error_indicator(recording, f"{name}: error indicator of every step")
+        pictures["h"] = step_length(recording, f"{name}: length of every step")
     return [save(figure, out / f"run_down_{key}.png") for key, figure in pictures.items()]

@@ -5,14 +5,18 @@ from __future__ import annotations
 import csv
 import difflib
 import json
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 
 from ..errors import InputError
+from ..files import unfinished
 from ..fmu.binding import build_simulation
 from ..fmu.interface import interface
 from ..fmu.solver_parameters import AS_PRESET, settings_of
@@ -24,9 +28,12 @@ from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
 from .machine_file import machine_text
-from .run_down import Plan, Run, run_direct, run_fmu
+from .recording import Recording
+from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .signals import make_signals, read_signals
 
+# What a run leaves in its folder.
+RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")
 _console = Console(stderr=True)
 _MOST_ROWS = 2e6
 
@@ -170,6 +177,39 @@ def _step_of(settings: Settings) -> float:
 
 def execute(job: Job, fmu: Path | None, label: str) -> Run:
     """Carry out a run with a progress bar: through the FMU, or directly where `fmu` is None."""
+    with _bar(job, label) as progress:
+        return run_direct(job.rotor, job, progress) if fmu is None else run_fmu(fmu, job, progress)
+
+
+def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
+    """Carry out a run directly, with a progress bar, and record what is usual of its steps."""
+    with _bar(job, label) as progress:
+        about = {"toml": job.toml}
+        return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
+
+
+def clear(out: Path) -> None:
+    """Take away what an earlier run left in its folder, its own files alone."""
+    for pattern in RESULTS:
+        for path in out.glob(pattern):
+            path.unlink()
+
+
+def difference(one: Run, other: Run) -> float:
+    """By how much two runs end apart, of the scale of each of their columns [1]; infinite where one
+    ends before the other."""
+    if len(one.t) != len(other.t):
+        return math.inf
+    apart = [
+        abs(float(column[-1] - other.columns[name][-1])) / (float(np.abs(column).max()) or 1.0)
+        for name, column in one.columns.items()
+        if len(column)
+    ]
+    return max(apart, default=0.0)
+
+
+@contextmanager
+def _bar(job: Job, label: str) -> Iterator[Callable[[float], None]]:
     with Progress(
         *Progress.get_default_columns()[:-1],
         TimeRemainingColumn(),
@@ -181,7 +221,7 @@ def execute(job: Job, fmu: Path | None, label: str) -> Run:
         def progress(t: float) -> None:
             bar.update(task, completed=t)
 
-        return run_direct(job.rotor, job, progress) if fmu is None else run_fmu(fmu, job, progress)
+        yield progress
 
 
 def fmu_in(out: Path, toml: str) -> Path:
@@ -192,7 +232,7 @@ def fmu_in(out: Path, toml: str) -> Path:
 
 def write_csv(run: Run, path: Path) -> None:
     """Every communication point: time [s], then all that the model computes, in SI units."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(["time", *run.columns])
         for row in zip(run.t.tolist(), *(c.tolist() for c in run.columns.values()), strict=True):
@@ -206,6 +246,5 @@ def write_json(data: Mapping[str, object], path: Path) -> None:
 
 def write_text(text: str, path: Path) -> None:
     """A text file, whole or not at all."""
-    unfinished = path.with_suffix(".part")
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
+    with unfinished(path) as part:
+        part.write_text(text, encoding="utf-8")

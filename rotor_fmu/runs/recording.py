@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..files import unfinished
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,10 @@ class Recording:
 
     def save(self, path: Path) -> None:
         """Write a file of NumPy arrays, whole or not at all; a motion hardly compresses."""
-        unfinished = path.with_suffix(".part")
         head = {"names": list(self.columns), "units": dict(self.units), "about": dict(self.about)}
         values = np.array(list(self.columns.values()))
-        with unfinished.open("wb") as file:
-            np.savez(file, t=self.t, values=values, head=json.dumps(head))
-        unfinished.replace(path)
+        with unfinished(path) as part:
+            np.savez(part, t=self.t, values=values, head=json.dumps(head))
 
 
 def load_recording(path: Path) -> Recording:

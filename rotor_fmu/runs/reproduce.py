@@ -13,12 +13,15 @@ from typing import Any
 import numpy as np
 
 from ..figures import save
+from ..files import unfinished
 from ..model.machine.toml import rig_toml
 from ..packing.bundle import package_name
 from . import figures
-from .job import Job, execute, fmu_in, prepare, write_json
+from .job import Job, execute, execute_recorded, fmu_in, prepare, write_json
+from .recording import Recording, load_recording
 from .run_down import Run, summary
 
+_RECORDED = ("converged", "paper", "adaptive")  # whose orbits and contact angles are drawn
 _PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
 
 
@@ -102,12 +105,20 @@ CASES = (
 
 @dataclass(frozen=True)
 class Result:
-    """A case that was run: the run, its `summary`, and those of its perturbed repetitions."""
+    """A case that was run: the run, its `summary`, those of its perturbed repetitions, and the run
+    at its own steps where pictures need it."""
 
     case: PaperRun
     run: Run
     figures: Mapping[str, Any]
     repeated: tuple[Mapping[str, Any], ...]
+    recording: Recording | None
+
+    @property
+    def steps(self) -> Recording:
+        """The run at its own steps."""
+        assert self.recording is not None, self.case.name
+        return self.recording
 
     def spread(self, key: str) -> tuple[float, float, float] | None:
         """Median, least and largest of a figure over all repetitions; None if the run failed."""
@@ -140,9 +151,19 @@ def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
             )
             for i in range(1, case.repetitions)
         )
-        results.append(Result(case, first, summary(first), repeated))
+        recording = None
+        if case.name in _RECORDED:
+            recording = _recorded(store / f"{case.name}-steps.npz", job, case.title)
+        results.append(Result(case, first, summary(first), repeated, recording))
         announce(f"{case.title}: {first.status.split(':')[0]}")
     return results
+
+
+def _recorded(path: Path, job: Job, label: str) -> Recording:
+    """The same run without the FMU, at its own steps: from its file, or made now and put there."""
+    if not path.exists():
+        execute_recorded(job, f"{label}, recorded", is_silent=True)[1].save(path)
+    return load_recording(path)
 
 
 def _perturbed(job: Job, phase: float) -> Job:
@@ -165,49 +186,62 @@ def _stored(path: Path, make: Callable[[], Run]) -> Run:
         "messages": run.messages,
         "wall_s": run.wall_s,
     }
-    unfinished = path.with_suffix(".part.npz")
-    np.savez_compressed(
-        unfinished, t=run.t, columns=np.array(list(run.columns.values())), about=json.dumps(about)
-    )
-    unfinished.replace(path)
+    with unfinished(path) as part:
+        np.savez_compressed(
+            part, t=run.t, columns=np.array(list(run.columns.values())), about=json.dumps(about)
+        )
     return run
 
 
 def write_figures(results: list[Result], out: Path) -> list[Path]:
-    """The paper's figures 3 to 6 and 9 to 15; in grey behind the amplitudes the converged run."""
+    """The paper's figures 3 to 6 and 9 to 15, its runs with the converged one behind; and the
+    default run with the paper's behind."""
     by_name = {result.case.name: result for result in results}
-    converged = by_name["converged"].run
-    fixed, damped, adaptive = (by_name[name] for name in ("paper", "damped", "adaptive"))
-    label, lower = "0.1 / 0.08, h = 4 ms", "0.15 / 0.1, h = 4 ms"
-    peak = fixed.figures["x_peak_hz"]
-    amplitude, angle = figures.amplitude, figures.contact_angle
+    fixed, damped, adaptive, default, converged = (
+        by_name[name] for name in ("paper", "damped", "adaptive", "controlled", "converged")
+    )
+    coarse = "steps of 4 ms, generalized-alpha 0.1 / 0.08"
+    lower = "steps of 4 ms, generalized-alpha 0.15 / 0.1"
+    variable = "steps of 4 to 20 ms, generalized-alpha 0.1 / 0.08"
+    truth = converged.run, "converged, steps of 0.1 ms"
     pictures = {
-        "figure_03_x": amplitude(fixed.run, "x", f"Paper A, Fig. 3: {label}", converged),
-        "figure_04_y": amplitude(fixed.run, "y", f"Paper A, Fig. 4: {label}", converged),
-        "figure_05_psi": angle(fixed.run, f"Paper A, Fig. 5: {label}"),
-        "figure_06_orbit": figures.orbit(
-            fixed.run, peak, f"Paper A, Fig. 6: orbit at {peak:.1f} Hz"
+        "run_down": figures.amplitude(
+            default.run,
+            "x",
+            "The test rig runs down from 64 Hz in 40 s",
+            (fixed.run, "paper A's integrator, 4 ms"),
+            "this FMU's default",
         ),
-        "figure_09_x": amplitude(damped.run, "x", f"Paper A, Fig. 9: {lower}", converged),
-        "figure_10_y": amplitude(damped.run, "y", f"Paper A, Fig. 10: {lower}", converged),
-        "figure_11_x": amplitude(
-            adaptive.run, "x", "Paper A, Fig. 11: 0.1 / 0.08, variable step", converged
-        ),
-        "figure_12_y": amplitude(
-            adaptive.run, "y", "Paper A, Fig. 12: 0.1 / 0.08, variable step", converged
-        ),
-        "figure_13_psi": angle(adaptive.run, "Paper A, Fig. 13: 0.1 / 0.08, variable step"),
         "figure_14_error": figures.error_indicator(
-            adaptive.run, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
+            adaptive.steps, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
         ),
-        "figure_15_h": figures.step_length(adaptive.run, "Paper A, Fig. 15: step length"),
-        "converged_psi": angle(converged, "Converged run, h = 0.1 ms: contact angle"),
-        "converged_orbit": figures.orbit(
-            converged,
-            by_name["converged"].figures["x_peak_hz"],
-            "Converged run: orbit at the horizontal peak",
-        ),
+        "figure_15_h": figures.step_length(adaptive.steps, "Paper A, Fig. 15: step length"),
     }
+    for number, axis, result, text in (
+        ("03", "x", fixed, coarse),
+        ("04", "y", fixed, coarse),
+        ("09", "x", damped, lower),
+        ("10", "y", damped, lower),
+        ("11", "x", adaptive, variable),
+        ("12", "y", adaptive, variable),
+    ):
+        caption = f"Paper A, Fig. {int(number)}: {text}"
+        pictures[f"figure_{number}_{axis}"] = figures.amplitude(
+            result.run, axis, caption, truth, "the paper's run"
+        )
+    for key, result, caption in (
+        ("figure_05_psi", fixed, f"Paper A, Fig. 5: {coarse}"),
+        ("figure_13_psi", adaptive, f"Paper A, Fig. 13: {variable}"),
+        ("converged_psi", converged, "Where the journal lies: converged, steps of 0.1 ms"),
+    ):
+        pictures[key] = figures.contact_angle(result.steps, caption)
+    for key, result, text in (
+        ("figure_06_orbit", fixed, "Paper A, Fig. 6"),
+        ("converged_orbit", converged, "Converged, steps of 0.1 ms"),
+    ):
+        at_s, at_hz = result.figures["x_peak_s"], result.figures["x_peak_hz"]
+        caption = f"{text}: orbit at the horizontal peak, {at_hz:.1f} Hz"
+        pictures[key] = figures.orbit(result.steps, at_s, caption)
     return [save(figure, out / f"{name}.png") for name, figure in pictures.items()]
 
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 
 from ..errors import RunFailed
@@ -25,6 +24,7 @@ from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
 from .recording import Recording
 from .signals import Signals
+from .views import contact_of, is_constant, peak_index, place_of
 
 Progress = Callable[[float], None]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
@@ -71,6 +71,8 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
 
     A run that fails is returned up to its last good communication point, with the reason.
     """
+    import fmpy
+
     recorded = [v.name for v in plan.table if v.is_observed]
     messages: list[str] = []
     recorder = None
@@ -80,7 +82,7 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
             # the wrapper puts a line of its own before the message of an exception
             messages.append(text.decode("utf-8", "replace").splitlines()[-1])
 
-    def step_finished(t: float, its_recorder: fmpy.simulation.Recorder) -> bool:
+    def step_finished(t: float, its_recorder: Any) -> bool:
         nonlocal recorder
         recorder = its_recorder
         progress(t)
@@ -136,6 +138,8 @@ def interrupts_noted() -> Iterator[list[int]]:
 
 
 def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
+    import fmpy
+
     description = fmpy.read_model_description(folder)
     try:
         return fmpy.instantiate_fmu(
@@ -156,18 +160,19 @@ def run_recorded(
     record: Record | Sequence[str] | None = None,
     progress: Progress = lambda t: None,
     about: Mapping[str, Any] | None = None,
+    is_silent: bool = False,
 ) -> tuple[Run, Recording]:
     """`run_direct`, bit for bit, and what it was at its own steps.
 
     record: names of `recordable`, or with the least angle between rows; by default `usual`. phi and
     w are always recorded. about: said of the run in the recording besides machine, parameters,
-    stop and step [s], angle between rows [rad], status and messages. Raises `ValueError` for what
-    cannot be recorded.
+    stop and step [s], angle between rows [rad], status and messages. is_silent: warnings go to the
+    run's messages alone. Raises `ValueError` for what cannot be recorded.
     """
     given = usual(rotor) if record is None else record
     taped = given if isinstance(given, Record) else Record(given, rows=_TAPE_ROWS)
     taped = taped._replace(names=tuple(dict.fromkeys(("phi", "w", *taped.names))))
-    run, rows = _march(rotor, plan, taped, progress)
+    run, rows = _march(rotor, plan, taped, progress, is_silent)
     units = {str(entry.name): entry.output.unit for entry in recordable(rotor)}
     told = {
         "machine": rotor.name,
@@ -202,7 +207,11 @@ def usual(rotor: Rotor) -> tuple[str, ...]:
 
 
 def _march(
-    rotor: Rotor, plan: Plan, record: Record | Sequence[str], progress: Progress
+    rotor: Rotor,
+    plan: Plan,
+    record: Record | Sequence[str],
+    progress: Progress,
+    is_silent: bool = False,
 ) -> tuple[Run, np.ndarray]:
     """A run and the rows of its tape."""
     signals, stop = plan.signals, plan.stop
@@ -212,7 +221,8 @@ def _march(
 
     def warn(message: str) -> None:
         messages.append(message)
-        print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
+        if not is_silent:
+            print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
 
     begun = time.perf_counter()
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
@@ -253,8 +263,10 @@ def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
 
 
 def summary(run: Run) -> dict[str, Any]:
-    """The figures of a run-down: peaks of the last disc for t > 2 s, the last bearing's psi there,
-    and what the solver did; None where a run did not come that far.
+    """The figures of a run: peaks of the last disc for t > 2 s, the last bearing's psi there, and
+    what the solver did; None where there is no peak, an amplitude that is largest at an edge of
+    the run or a run at one speed having none (no_peak says why). x_largest_um, y_largest_um: the
+    largest for t > 2 s, peak or not.
 
     energy_residual: energy that the integrator made, relative to all that was dissipated [1].
     """
@@ -281,30 +293,41 @@ def summary(run: Run) -> dict[str, Any]:
     }
 
 
-def last_index(run: Run, part: str) -> int:
-    """Number of the last disc or bearing of a run."""
-    return sum(1 for name in run.columns if name.startswith(part) and name.endswith("].x"))
-
-
 def _peaks(run: Run) -> dict[str, Any]:
-    keys = ("x_peak_um", "x_peak_hz", "y_peak_um", "y_peak_hz", "y_static_um")
-    figures: dict[str, Any] = dict.fromkeys((*keys, "psi_at_x_peak_deg", "circulation_hz"))
+    keys = [f"{axis}_{key}" for axis in "xy" for key in ("peak_um", "peak_hz", "peak_s")]
+    keys += [
+        "no_peak",
+        "x_largest_um",
+        "y_largest_um",
+        "y_static_um",
+        "psi_at_x_peak_deg",
+        "circulation_hz",
+    ]
+    figures: dict[str, Any] = dict.fromkeys(keys)
     c, hz = run.columns, run.hz
-    disc = f"disc[{last_index(run, 'disc')}]"
-    if len(hz):
-        figures["y_static_um"] = float(c[f"{disc}.y"][0]) * 1e6
+    place, contact = place_of(c), contact_of(c)
+    if len(hz) and place:
+        figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > PEAKS_AFTER)
     if not len(late):
-        return figures
-    for axis in "xy":
-        at = late[np.argmax(c[f"{disc}.{axis}_amp"][late])]
-        figures[f"{axis}_peak_um"] = float(c[f"{disc}.{axis}_amp"][at]) * 1e6
-        figures[f"{axis}_peak_hz"] = float(hz[at])
-    bearings = last_index(run, "bearing")
-    if bearings:
-        psi = c[f"bearing[{bearings}].psi"]
-        near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
-        figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
+        return figures | {"no_peak": f"the run ends within the start-up, {PEAKS_AFTER:g} s"}
+    for axis in "xy" if place else "":
+        amplitude = c[f"{place}.{axis}_amp"]
+        figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
+        at = peak_index(run.t, c["w"], amplitude, PEAKS_AFTER)
+        if at is not None:
+            figures[f"{axis}_peak_um"] = float(amplitude[at]) * 1e6
+            figures[f"{axis}_peak_hz"] = float(hz[at])
+            figures[f"{axis}_peak_s"] = float(run.t[at])
+        elif is_constant(c["w"]):
+            figures["no_peak"] = "the speed is constant"
+        else:
+            figures["no_peak"] = "the amplitude is largest at an edge of the run"
+    if contact:
+        psi = c[f"{contact}.psi"]
+        if figures["x_peak_hz"] is not None:
+            near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
+            figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
         round_trip = late[psi[late] < 1.0]
         if len(round_trip):
             figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]

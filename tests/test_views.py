@@ -1,0 +1,158 @@
+"""Pictures of runs draw the run, not where it was sampled."""
+
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.march.tape import Record
+
+from rotor_fmu.runs.job import clear, execute_recorded, prepare
+from rotor_fmu.runs.recording import Recording
+from rotor_fmu.runs.run_down import run_recorded, summary
+from rotor_fmu.runs.signals import Signals
+from rotor_fmu.runs.views import (
+    envelope,
+    is_constant,
+    once_a_turn,
+    peak_index,
+    place_of,
+    spectrum,
+    time_share,
+)
+
+TURN = 2 * math.pi
+NAMES = ("bearing[2].x", "bearing[2].y", "bearing[2].psi")
+
+
+def sampled(recording: Recording, rate: float) -> Recording:
+    """The rows nearest to equal times, as an FMU's host has them."""
+    even = np.arange(recording.t[0], recording.t[-1], 1 / rate)
+    rows = np.searchsorted(recording.t, even)
+    columns = {name: column[rows] for name, column in recording.columns.items()}
+    return Recording(recording.t[rows], columns, recording.units, {})
+
+
+@pytest.fixture(scope="module")
+def past_50_hz():
+    """Through 50 Hz, 250 Hz over 5, at 64 and at 150 rows a turn, and at every step."""
+    job = prepare(None, None, ["solver.tolerance=1e-4"], None, 4.0, 0.04)
+    t = np.array([0.0, 1.0, 4.0])
+    speed = TURN * np.array([52.0, 52.0, 48.0])
+    constant = {name: np.zeros(3) for name in job.signals.values}
+    signals = Signals(t, constant | {"speed": speed})
+    plan = prepare(None, None, ["solver.tolerance=1e-4", f"speed={speed[0]}"], None, 4.0, 0.04)
+    plan = type(plan)(**{**vars(plan), "signals": signals})
+
+    def at(angle):
+        recording = run_recorded(job.rotor, plan, Record(NAMES, angle, 100_000))[1]
+        late = recording.t > 1.0
+        columns = {name: column[late] for name, column in recording.columns.items()}
+        return Recording(recording.t[late], columns, recording.units, {})
+
+    return at(TURN / 64), at(TURN / 150), at(0.0)
+
+
+def apart(one, other):
+    """Share of the time by which two pictures differ, at each speed [1]."""
+    bins = {"speeds": 40, "angles": 36}
+    shares = [time_share(recording, "bearing[2]", **bins).share for recording in (one, other)]
+    return 0.5 * np.abs(shares[0] - shares[1]).sum(axis=1)
+
+
+def test_contact_angles_do_not_depend_on_the_rate_of_recording(past_50_hz):
+    at_64, at_150, every = past_50_hz
+    assert len(every.t) > 1.3 * len(at_64.t)
+    for other in (at_150, every):
+        assert apart(at_64, other).max() < 0.05
+
+
+def test_samples_at_250_hz_show_islands_at_50_hz_which_the_recording_has_not(past_50_hz):
+    at_64, _, every = past_50_hz
+    as_sampled = apart(sampled(every, 250.0), every)
+    assert as_sampled.max() > 5 * apart(at_64, every).max()
+
+
+def test_once_a_turn_is_where_the_mark_was():
+    phi = np.linspace(0.0, 20.5 * TURN, 20 * 64 * 5)
+    t = phi / 100
+    z = np.exp(1j * (phi - 0.7))
+    columns = {"phi": phi, "w": np.full_like(phi, 100.0), "disc[1].x": z.real, "disc[1].y": z.imag}
+    at, points = once_a_turn(Recording(t, columns, {}, {}), "disc[1]")
+    assert at == pytest.approx(np.arange(21) * TURN / 100)
+    assert points == pytest.approx(np.full(21, np.exp(-0.7j)), abs=1e-4)
+
+
+def test_an_envelope_holds_every_value():
+    t = np.linspace(0, 1, 5000)
+    values = np.sin(300 * t)
+    middle, low, high = envelope(t, values, 20)
+    assert len(middle) == 20
+    assert low.min() == values.min()
+    assert high.max() == values.max()
+
+
+def test_a_spectrum_tells_amplitude_and_frequency_of_unevenly_sampled_sines():
+    rng = np.random.default_rng(1)
+    t = np.sort(rng.uniform(0, 4, 20_000))
+    f, lines = spectrum(t, 3.0 + 2.0 * np.sin(TURN * 25 * t) + 0.1 * np.sin(TURN * 60 * t))
+    for hz, size in ((25, 2.0), (60, 0.1)):
+        near = np.abs(f - hz) < 1
+        assert lines[near].max() == pytest.approx(size, rel=0.02)
+    assert lines[0] < 0.01
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "expected"),
+    [
+        (lambda t: np.exp(-((t - 6) ** 2)), 6.0),
+        (lambda t: t, None),
+        (lambda t: -t, None),
+        (lambda t: np.minimum(t, 9.95), None),  # the last turn's maximum at the end
+        (lambda t: np.where(t < 1, 10.0, np.exp(-((t - 6) ** 2))), 6.0),  # a start-up
+    ],
+)
+def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected):
+    t = np.linspace(0, 10, 1001)
+    w = 400 - 20 * t
+    at = peak_index(t, w, amplitude(t), 2.0)
+    assert (None if at is None else pytest.approx(t[at])) == expected
+    assert peak_index(t, np.full_like(t, 100.0), amplitude(t), 2.0) is None
+
+
+def test_one_speed_is_told_from_many():
+    assert is_constant(np.full(5, 100.0))
+    assert is_constant(np.zeros(5))
+    assert not is_constant(np.linspace(100, 90, 5))
+
+
+def test_the_last_disc_stands_for_a_machine_or_what_else_is_probed():
+    discs = ["bearing[1].x", "disc[1].x", "disc[1].x_amp", "disc[2].x", "disc[2].x_amp"]
+    assert place_of(discs) == "disc[2]"
+    assert place_of(["body[1].x", "body[1].x_amp", "bearing[1].x"]) == "body[1]"
+    assert place_of(["bearing[1].x", "w"]) is None
+
+
+@pytest.mark.parametrize(
+    ("stop", "sets", "reason"),
+    [
+        (1.0, [], "the run ends within the start-up, 2 s"),
+        (3.0, [], "the amplitude is largest at an edge of the run"),
+        (3.0, ["speed=185"], "the speed is constant"),
+    ],
+)
+def test_a_run_without_a_peak_says_why(stop, sets, reason):
+    job = prepare(None, None, sets, None, stop, 0.01)
+    run, _ = execute_recorded(job, "")
+    figures = summary(run)
+    assert figures["no_peak"] == reason
+    assert figures["x_peak_um"] is figures["x_peak_hz"] is None
+    assert (figures["x_largest_um"] is None) == (stop == 1.0)
+
+
+def test_a_run_takes_away_its_own_earlier_files_alone(tmp_path):
+    own = ("summary.json", "run_down.csv", "recording.npz", "run_down_orbit.png")
+    for name in (*own, "notes.txt", "RotorBearing.fmu", "summary.json.bak"):
+        (tmp_path / name).write_bytes(b"")
+    clear(tmp_path)
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {"notes.txt", "RotorBearing.fmu", "summary.json.bak"}
