@@ -20,6 +20,7 @@ COMMANDS = {
     _RUNS: {
         "run-down": "runs.command:run_down",
         "drive-train": "drive_train.command:drive_train",
+        "magnetic-bearing": "magnetic_bearing.command:magnetic_bearing",
         "plot": "report.command:plot",
     },
     _FMU: {

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import modes
-from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 
 from rotor_fmu.cli import app
 
@@ -103,3 +103,18 @@ def test_the_seals_added_to_the_rotor_from_ross_hold_it_back(from_ross):
     free = run_up(from_ross["without_contacts"](rotor), "disc.y", duration=1.0)
     assert rubs["contact[1].fn"].max() > 0
     assert np.ptp(rubs["disc.y"]) < 0.9 * np.ptp(free["disc.y"])
+
+
+# --- paper_rig ---
+
+
+def test_the_rigs_file_is_the_machine_that_commands_take_by_themselves():
+    assert (EXAMPLES / "paper_rig" / "rig.toml").read_text(encoding="utf-8") == rig_toml()
+
+
+def test_the_rig_runs_down_through_both_peaks_of_the_converged_run():
+    rig = script("paper_rig", "run_down.py")
+    told = rig["run"](stop=26.0)
+    # fixed steps of 0.1 ms: 393.0 um at 27.64 Hz, 442.2 um at 31.40 Hz
+    for name, size, hz in ((rig["NAMES"][0], 393.0e-6, 27.64), (rig["NAMES"][1], 442.2e-6, 31.40)):
+        assert rig["peak"](told, name) == pytest.approx((size, hz), rel=0.01)

@@ -351,5 +351,6 @@ class ClearanceContact(ContactQuantities, Part):
         yield Interface(self.node, CLEARANCE_CONTACT, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
-        """A stator about the journal."""
-        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, "housing")
+        """A stator about the journal, on springs where it is a housing."""
+        role = "stator" if self.housing == GROUND else "housing"
+        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, role)

@@ -229,8 +229,8 @@ class LinearBearing(Coefficients, Part):
         yield Interface(self.node, LINEAR_BEARING, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
-        """A spring from the shaft to ground."""
-        yield Shape(0.0, 0.0, 0.0, 0.0, "spring")
+        """A spring from the shaft to ground or to its housing."""
+        yield Shape(0.0, 0.0, 0.0, 0.0, "spring" if self.housing == GROUND else "pedestal")
 
 
 @dataclass(frozen=True, kw_only=True)

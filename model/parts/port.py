@@ -30,6 +30,10 @@ class Sensor(of.Part):
         yield of.Probe(self.node)
         yield of.Velocity(self.node)
 
+    def outline(self) -> Iterator[of.Shape]:
+        """A gauge beside the shaft."""
+        yield of.Shape(0.0, 0.0, 0.0, 0.0, "gauge")
+
 
 @dataclass(frozen=True)
 class Port(Sensor):
@@ -42,3 +46,7 @@ class Port(Sensor):
         """A port and two probes."""
         yield of.Port(self.node, f"node {self.node}")
         yield from super().elements(where, density)
+
+    def outline(self) -> Iterator[of.Shape]:
+        """An arrow to the shaft."""
+        yield of.Shape(0.0, 0.0, 0.0, 0.0, "force")

@@ -212,5 +212,6 @@ class TouchdownBearing(TouchdownQuantities, Part):
         yield Interface(self.node, TOUCHDOWN_BEARING, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
-        """A stator about the journal."""
-        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, "housing")
+        """A stator about the journal, on springs where it is a housing."""
+        role = "stator" if self.housing == GROUND else "housing"
+        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, role)

@@ -177,8 +177,9 @@ class Part(ABC):
 
 
 class Shape(NamedTuple):
-    """A block of a drawing: its left end and width along the shaft, its radii [m], and its role,
-    `body`, `housing` or `spring`."""
+    """A block of a drawing: its left end and width along the shaft, its radii [m] (outer 0: that of
+    the shaft), and its role: `body`; about the journal `housing`, on springs, or `stator`; `spring`
+    to ground or `pedestal`, a spring to a housing; `force` or `gauge`."""
 
     left: float
     width: float

@@ -6,25 +6,16 @@ gets the other's last output, then both step.
 
 from __future__ import annotations
 
-import runpy
-import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from hashlib import sha256
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 
-from ..about import RELEASED
-from ..errors import RunFailed
-from ..fmu import wrapper
-from ..fmu.description import complete
+from ..coupled.member import Member
+from ..coupled.partner import build_partner, example_folder, partner_table
 from ..fmu.variables import Variable
-from ..packing.bundle import repack, wrap
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
 SYSTEM_FILES = ("OspSystemStructure.xml", "SystemStructure.ssd", "cofmpy.json")
@@ -35,16 +26,12 @@ OF_THE_ROTOR = ("tau", "tau_load", "energy.drive_work", "disc[3].x_amp", "disc[3
 
 def example() -> Path:
     """Folder of the example: the drive train's source and the system files."""
-    return Path(str(files("rotor_fmu.examples") / "drive_train"))
+    return example_folder("drive_train")
 
 
 def drive_train_table() -> tuple[Variable, ...]:
     """Variables of the drive train's FMU, as its source lists them."""
-    listed = runpy.run_path(str(example() / "drive_train.py"))["VARIABLES"]
-    return tuple(
-        Variable(name, "Real", causality, text, unit, start, low=low)
-        for name, causality, unit, start, low, text in listed
-    )
+    return partner_table(example() / "drive_train.py")
 
 
 def build_drive_train(out: Path) -> Path:
@@ -52,23 +39,7 @@ def build_drive_train(out: Path) -> Path:
 
     Raises `OSError` if `out` cannot be written.
     """
-    source = (example() / "drive_train.py").read_text(encoding="utf-8")
-    out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
-        folder = Path(name)
-        # named after its content, so that two versions can live in one process
-        script = folder / f"drive_train_{sha256(source.encode()).hexdigest()[:12]}.py"
-        script.write_text(source, encoding="utf-8")
-        protection = folder / "rotor_fmu_wrapper.py"
-        shutil.copyfile(wrapper.__file__, protection)
-        wrap(script, [protection], folder / "raw.fmu")
-        table = drive_train_table()
-        return repack(
-            folder / "raw.fmu",
-            out / DRIVE_TRAIN_FMU,
-            {},
-            lambda root: complete(root, table, RELEASED),
-        )
+    return build_partner(example() / "drive_train.py", out / DRIVE_TRAIN_FMU)
 
 
 @dataclass(frozen=True)
@@ -94,69 +65,6 @@ class Coupled:
         """Energy that the coupling lost between the FMUs: what left the drive train less what the
         rotor took, shape (n,) [J]."""
         return self.drive["work_out"] - self.rotor["energy.drive_work"]
-
-
-class Member:
-    """One FMU of a coupled system, extracted and instantiated; a context that tidies up.
-
-    parameters: values by name; messages: of all FMUs together, since FMPy hands those of every FMU
-    to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
-    """
-
-    def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[str]) -> None:
-        self._messages = messages
-        self._name = fmu.name
-        self._folder = fmpy.extract(str(fmu))
-        description = fmpy.read_model_description(self._folder)
-        self._variables = {v.name: v for v in description.modelVariables}
-        self._fmu = fmpy.instantiate_fmu(
-            self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
-        )
-        self._parameters = parameters
-
-    def __enter__(self) -> Member:
-        self._call(self._fmu.setupExperiment, startTime=0.0)
-        for name, value in self._parameters.items():
-            kind = self._variables[name].type
-            setter = getattr(self._fmu, f"set{kind}")
-            self._call(setter, self.references(name), [int(value) if kind != "Real" else value])
-        self._call(self._fmu.enterInitializationMode)
-        return self
-
-    def __exit__(self, *reason: object) -> None:
-        self._fmu.freeInstance()
-        shutil.rmtree(self._folder, ignore_errors=True)
-
-    def references(self, *names: str) -> list[int]:
-        """Value references of variables."""
-        return [self._variables[name].valueReference for name in names]
-
-    def begin(self) -> None:
-        """Leave the initialization mode."""
-        self._call(self._fmu.exitInitializationMode)
-
-    def get(self, references: list[int]) -> list[float]:
-        """Values of Reals."""
-        return self._call(self._fmu.getReal, references)
-
-    def set(self, references: list[int], values: list[float]) -> None:
-        """Set Reals."""
-        self._call(self._fmu.setReal, references, values)
-
-    def step(self, t: float, h: float) -> None:
-        """Step from t [s] over h [s]."""
-        self._call(self._fmu.doStep, t, h)
-
-    def _call(self, call: Callable[..., object], *arguments: object, **named: object) -> Any:
-        try:
-            return call(*arguments, **named)
-        except fmpy.fmi1.FMICallException as error:
-            reason = self._messages[-1] if self._messages else str(error)
-            raise RunFailed(f"{self._name}: {reason}") from error
-
-    def _log(self, environment: object, name: bytes, status: int, category: bytes, text: bytes):
-        if status != fmpy.fmi2.fmi2OK:
-            self._messages.append(text.decode("utf-8", "replace").splitlines()[-1])
 
 
 def couple(

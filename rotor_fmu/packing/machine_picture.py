@@ -8,7 +8,7 @@ from collections.abc import Callable
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.ticker import FuncFormatter
 
 from ..model.machine.rotor import Rotor
@@ -17,7 +17,7 @@ from ..model.protocol.part import Shape
 _LABEL = "#555555"
 _LINE = 0.035  # height of a line of names, of the machine's size
 _LAYER = "#dddddd"
-_SHAFT, _BODY, _HOUSING = "#bbbbbb", "#56b4e9", "#e69f00"
+_SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 
 def machine_picture(rotor: Rotor) -> bytes:
@@ -113,7 +113,7 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
         if section.bore_left or section.bore_right:
             _tube(axes, (z, right), (section.bore_left, section.bore_right), "white")
     shapes = [
-        (nodes[node - 1], shape)
+        (nodes[node - 1], shape if shape.outer else shape._replace(outer=_radius(rotor, node)))
         for part in rotor.parts
         if (node := getattr(part, "node", 0)) > 0
         for shape in part.outline()
@@ -125,7 +125,7 @@ def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
     for z, shape in shapes:
         _DRAWN[shape.role](axes, z, shape, size, rotor.length)
     axes.plot([nodes[0], nodes[-1]], [0, 0], color="black", lw=0.6, ls=(0, (8, 2, 1, 2)))
-    is_grounded = any(shape.role != "body" for _, shape in shapes)
+    is_grounded = any(shape.role in _GROUNDED for _, shape in shapes)
     low = max(size, thickest) * (1.05 if not is_grounded else 1.1)
     return -low, max(tallest, thickest)
 
@@ -137,13 +137,22 @@ def _tube(axes: Axes, z: tuple[float, float], diameters: tuple[float, float], co
     axes.add_patch(Polygon(corners, facecolor=color, edgecolor="black", lw=0.8))
 
 
+def _radius(rotor: Rotor, node: int) -> float:
+    """Of the shaft on either side of a node (from 1), the larger [m]."""
+    left, right = (
+        rotor.sections[max(node - 2, 0)],
+        rotor.sections[min(node, len(rotor.nodes) - 1) - 1],
+    )
+    return max(left.outer_right, right.outer_left) / 2
+
+
 def _body(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
     left, height = z + shape.left, 2 * shape.outer
     block = Rectangle((left, -shape.outer), shape.width, height, facecolor=_BODY, edgecolor="black")
     axes.add_patch(block)
 
 
-def _housing(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+def _stator(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
     width = 0.06 * length
     for side in (1, -1):
         low = side * (shape.inner + 0.01 * length)
@@ -151,22 +160,56 @@ def _housing(axes: Axes, z: float, shape: Shape, size: float, length: float) -> 
             (z - width / 2, low), width, side * 0.24 * size, facecolor=_HOUSING, edgecolor="black"
         )
         axes.add_patch(block)
-    _ground(axes, z, shape.inner + 0.01 * length + 0.24 * size, size, width)
+    high = shape.inner + 0.01 * length + 0.24 * size
+    _ground(axes, z, high, size, width, _SPRING if shape.role == "housing" else "-")
 
 
 def _spring(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
-    _ground(axes, z, shape.outer, size, 0.06 * length)
+    _ground(axes, z, shape.outer, size, 0.06 * length, _SPRING)
 
 
-def _ground(axes: Axes, z: float, high: float, size: float, width: float) -> None:
-    """A spring, as a dashed line, down to the ground."""
+def _pedestal(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    width, high = 0.06 * length, 0.14 * size
+    top = shape.outer + 0.25 * size
+    axes.plot([z, z], [-top, -shape.outer], color="black", lw=1.0, ls=_SPRING)
+    block = Rectangle(
+        (z - width / 2, -top - high), width, high, facecolor=_HOUSING, edgecolor="black"
+    )
+    axes.add_patch(block)
+    _ground(axes, z, top + high, size, width, _SPRING)
+
+
+def _ground(
+    axes: Axes, z: float, high: float, size: float, width: float, line: str | tuple
+) -> None:
+    """Down to the ground: springs dashed."""
     low = max(size, high + 0.1 * size)
-    axes.plot([z, z], [-low, -high], color="black", lw=1.0, ls=(0, (2, 1)))
+    axes.plot([z, z], [-low, -high], color="black", lw=1.0, ls=line)
     axes.plot([z - width, z + width], [-low, -low], color="black", lw=2.0)
 
 
+def _force(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    tip, half = shape.outer, 0.008 * length
+    axes.plot([z, z], [tip + half, tip + 0.05 * length], color=_PORT, lw=2.0)
+    head = Polygon([(z, tip), (z - half, tip + 2 * half), (z + half, tip + 2 * half)], color=_PORT)
+    axes.add_patch(head)
+
+
+def _gauge(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    radius = 0.006 * length
+    axes.add_patch(
+        Circle((z, shape.outer + 1.5 * radius), radius, facecolor="white", edgecolor=_PORT)
+    )
+
+
+_SPRING = (0, (2, 1))
+_GROUNDED = ("housing", "stator", "spring", "pedestal")
 _DRAWN: dict[str, Callable[[Axes, float, Shape, float, float], None]] = {
     "body": _body,
-    "housing": _housing,
+    "housing": _stator,
+    "stator": _stator,
     "spring": _spring,
+    "pedestal": _pedestal,
+    "force": _force,
+    "gauge": _gauge,
 }

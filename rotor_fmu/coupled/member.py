@@ -1,0 +1,75 @@
+"""One FMU of a coupled system, as a master of ours drives it through FMPy."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import fmpy
+
+from ..errors import RunFailed
+
+
+class Member:
+    """One FMU of a coupled system, extracted and instantiated; a context that tidies up.
+
+    parameters: values by name; messages: of all FMUs together, since FMPy hands those of every FMU
+    to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
+    """
+
+    def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[str]) -> None:
+        self._messages = messages
+        self._name = fmu.name
+        self._folder = fmpy.extract(str(fmu))
+        description = fmpy.read_model_description(self._folder)
+        self._variables = {v.name: v for v in description.modelVariables}
+        self._fmu = fmpy.instantiate_fmu(
+            self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
+        )
+        self._parameters = parameters
+
+    def __enter__(self) -> Member:
+        self._call(self._fmu.setupExperiment, startTime=0.0)
+        for name, value in self._parameters.items():
+            kind = self._variables[name].type
+            setter = getattr(self._fmu, f"set{kind}")
+            self._call(setter, self.references(name), [int(value) if kind != "Real" else value])
+        self._call(self._fmu.enterInitializationMode)
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        self._fmu.freeInstance()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def references(self, *names: str) -> list[int]:
+        """Value references of variables."""
+        return [self._variables[name].valueReference for name in names]
+
+    def begin(self) -> None:
+        """Leave the initialization mode."""
+        self._call(self._fmu.exitInitializationMode)
+
+    def get(self, references: list[int]) -> list[float]:
+        """Values of Reals."""
+        return self._call(self._fmu.getReal, references)
+
+    def set(self, references: list[int], values: list[float]) -> None:
+        """Set Reals."""
+        self._call(self._fmu.setReal, references, values)
+
+    def step(self, t: float, h: float) -> None:
+        """Step from t [s] over h [s]."""
+        self._call(self._fmu.doStep, t, h)
+
+    def _call(self, call: Callable[..., object], *arguments: object, **named: object) -> Any:
+        try:
+            return call(*arguments, **named)
+        except fmpy.fmi1.FMICallException as error:
+            reason = self._messages[-1] if self._messages else str(error)
+            raise RunFailed(f"{self._name}: {reason}") from error
+
+    def _log(self, environment: object, name: bytes, status: int, category: bytes, text: bytes):
+        if status != fmpy.fmi2.fmi2OK:
+            self._messages.append(text.decode("utf-8", "replace").splitlines()[-1])

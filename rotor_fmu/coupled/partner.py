@@ -1,0 +1,49 @@
+"""FMUs of the examples that the rotor is coupled with: each made from one script, which lists its
+variables in `VARIABLES`."""
+
+from __future__ import annotations
+
+import runpy
+import shutil
+import tempfile
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+
+from ..about import RELEASED
+from ..fmu import wrapper
+from ..fmu.description import complete
+from ..fmu.variables import Variable
+from ..packing.bundle import repack, wrap
+
+
+def example_folder(name: str) -> Path:
+    """Folder of an example that is installed."""
+    return Path(str(files("rotor_fmu.examples") / name))
+
+
+def partner_table(source: Path) -> tuple[Variable, ...]:
+    """Variables of a partner's FMU, as its source lists them."""
+    return tuple(
+        Variable(name, "Real", causality, text, unit, start, low=low)
+        for name, causality, unit, start, low, text in runpy.run_path(str(source))["VARIABLES"]
+    )
+
+
+def build_partner(source: Path, target: Path) -> Path:
+    """Build the FMU `target` of a partner's source and return its path; equal sources, equal bytes.
+
+    Raises `OSError` if its folder cannot be written.
+    """
+    text = source.read_text(encoding="utf-8")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
+        folder = Path(name)
+        # named after its content, so that two versions can live in one process
+        script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
+        script.write_text(text, encoding="utf-8")
+        protection = folder / "rotor_fmu_wrapper.py"
+        shutil.copyfile(wrapper.__file__, protection)
+        wrap(script, [protection], folder / "raw.fmu")
+        table = partner_table(source)
+        return repack(folder / "raw.fmu", target, {}, lambda root: complete(root, table, RELEASED))

@@ -1,0 +1,1 @@
+"""`rotor-fmu magnetic-bearing`: a compressor coupled with the FMU of its magnetic bearings."""

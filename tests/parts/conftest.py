@@ -1,0 +1,34 @@
+"""FMUs of machines told in TOML, each built once."""
+
+from importlib.util import find_spec
+
+import pytest
+
+from rotor_fmu.native.pack import build_native
+from rotor_fmu.packing.bundle import build
+
+from .driven import Machine
+
+
+@pytest.fixture(
+    scope="session", params=["python", pytest.param("native", marks=pytest.mark.native)]
+)
+def machine_of(request, tmp_path_factory):
+    """`machine_of(toml, is_free)`: its FMU, ready to be driven."""
+    if request.param == "native" and find_spec("ziglang") is None:
+        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[native]')")
+    built = {}
+
+    def machine(toml, is_free=False):
+        if (toml, is_free) not in built:
+            folder = tmp_path_factory.mktemp("machine")
+            if request.param == "native":
+                fmu = build_native(folder, toml, is_free, platforms=["linux64"])
+            else:
+                fmu = build(folder, toml, is_free)
+            built[toml, is_free] = Machine(fmu)
+        return built[toml, is_free]
+
+    yield machine
+    for each in built.values():
+        each.close()
