@@ -48,11 +48,11 @@ def read_study(path: Path, read_model: ReadModel | None = None) -> Study:
         if isinstance(model, MachineRuns):
             model = _with_keeps(model, tables, axes)
             _check_values(model, axes)
+        _check_columns(model.columns, axes)
         limits = {}
         numbers = [c.name for c in model.columns if not c.dimension]
         for name, value in _table(tables, "limits").items():
             limits[_known("limits", name, numbers)] = number(f"limits {name}", value)
-        _check_columns(model.columns, axes)
     except (InputError, QuantityError) as error:
         raise InputError(f"{path}: {error}") from error
     return Study(str(tables.get("name", path.stem)), model, design, limits, text)
