@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 import time
@@ -14,11 +15,11 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.progress import Progress as Bar
-from rich.progress import TextColumn, TimeRemainingColumn
+from rich.progress import TextColumn
 from rich.table import Table
 
 from ..errors import InputError, RunFailed, writable_folder
-from .conduct import Progress, conduct, rate
+from .conduct import Progress, conduct
 from .engines import Where, engine
 from .machine_runs import MachineRuns
 from .reading import read_study
@@ -40,6 +41,9 @@ def study(
     cluster: Annotated[
         str, typer.Option(help="local:N, a Dask cluster of N workers on this machine.")
     ] = "",
+    is_quick: Annotated[
+        bool, typer.Option("--quick", help="With the study's table [quick]: a small one.")
+    ] = False,
     is_analysed: Annotated[
         bool, typer.Option("--analyse", help="Quantiles, limits, Sobol or Morris indices.")
     ] = False,
@@ -52,7 +56,7 @@ def study(
     A call that was stopped, however, goes on where it was; rows that are there are not made again.
     """
     _need_extra()
-    told = read_study(file)
+    told = read_study(file, is_quick=is_quick)
     where = _where(jobs, scheduler, cluster)
     if select:
         _select(told, select, out)
@@ -84,44 +88,54 @@ def _where(jobs: int | None, scheduler: str, cluster: str) -> Where:
     return Where(cluster=int(count))
 
 
+class _Pace:
+    """Runs a second, from the first rows on: what comes before is compiling."""
+
+    def __init__(self) -> None:
+        self._begun, self._first = math.nan, 0
+
+    def sentence(self, progress: Progress) -> str:
+        """How far a study is, with rate and time left."""
+        now = time.perf_counter()
+        if progress.now and math.isnan(self._begun):
+            self._begun, self._first = now, progress.now
+        done = progress.before + progress.now
+        parts = [f"{done} of {progress.runs} runs"]
+        if progress.now > self._first:
+            rate = (progress.now - self._first) / (now - self._begun)
+            parts.append(f"{rate:.3g} a second")
+            if done < progress.runs:
+                parts.append(f"{_duration((progress.runs - done) / rate)} left")
+        if progress.failed:
+            parts.append(f"{progress.failed} failed")
+        return ", ".join(parts)
+
+
 @contextmanager
 def _shown(told: Study) -> Iterator[Callable[[Progress], None]]:
     """Progress with rate and time left: a bar on a terminal, a line now and then elsewhere."""
-    begun, last = time.perf_counter(), -_LINE_EVERY
+    pace, last = _Pace(), -math.inf
     if _errors.is_terminal:
         columns = (*Bar.get_default_columns()[:-1], TextColumn("{task.fields[told]}"))
-        with Bar(*columns, TimeRemainingColumn(), console=_errors, transient=True) as bar:
+        with Bar(*columns, console=_errors, transient=True) as bar:
             task = bar.add_task(told.name, total=len(told.design), told="")
 
             def update(progress: Progress) -> None:
                 done = progress.before + progress.now
-                bar.update(task, completed=done, told=_sentence(progress, begun))
+                bar.update(task, completed=done, told=pace.sentence(progress))
 
             yield update
         return
 
     def line(progress: Progress) -> None:
         nonlocal last
-        now = time.perf_counter()
+        now, sentence = time.perf_counter(), pace.sentence(progress)
         is_end = progress.before + progress.now == progress.runs
         if now - last >= _LINE_EVERY or is_end:
             last = now
-            print(f"{told.name}: {_sentence(progress, begun)}", file=sys.stderr, flush=True)
+            print(f"{told.name}: {sentence}", file=sys.stderr, flush=True)
 
     yield line
-
-
-def _sentence(progress: Progress, begun: float) -> str:
-    done = progress.before + progress.now
-    parts = [f"{done} of {progress.runs} runs"]
-    speed, left = rate(progress, time.perf_counter() - begun)
-    if speed == speed:
-        parts.append(f"{speed:.3g} a second")
-        if left > 0:
-            parts.append(f"{_duration(left)} left")
-    if progress.failed:
-        parts.append(f"{progress.failed} failed")
-    return ", ".join(parts)
 
 
 def _duration(seconds: float) -> str:

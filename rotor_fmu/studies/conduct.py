@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
@@ -160,11 +159,3 @@ def row_of(study: Study, number: int, result: Result) -> Row:
     """The row of a run."""
     point = study.design.point(number)
     return Row(number, study.row_id(study.design.settings(point)), point, result)
-
-
-def rate(progress: Progress, seconds: float) -> tuple[float, float]:
-    """Runs a second so far, and the seconds that are left; nan before the first."""
-    if not progress.now or seconds <= 0:
-        return math.nan, math.nan
-    speed = progress.now / seconds
-    return speed, (progress.runs - progress.before - progress.now) / speed

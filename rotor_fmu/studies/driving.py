@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -156,41 +156,75 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
         raise InputError(f"run.to = {numbers['to']:g} rad/s: must differ from run.from")
 
 
-class Window(NamedTuple):
-    """A part of a run that is looked at: t, shape (n,) [s]; columns by name, shape (n,); the speed
-    that is held [rad/s], nan where it varies; samples a turn, 0 where they are not so spaced."""
+class Samples(NamedTuple):
+    """Outputs at instants: t, shape (n,) [s]; columns by name, shape (n,)."""
 
     t: np.ndarray
     columns: Mapping[str, np.ndarray]
+
+
+class Window(NamedTuple):
+    """A part of a run that is looked at: at chosen instants, and at the solver's own steps; the
+    speed that is held [rad/s], nan where it varies; samples a turn, 0 where they are not so spaced.
+    """
+
+    sampled: Samples
+    steps: Samples
     speed: float
     per_turn: int
 
 
-Look = Callable[[Simulation], np.ndarray]
+class _Watch:
+    """What is looked at while a simulation marches on: some outputs at chosen instants, others,
+    taped, at the solver's steps."""
+
+    def __init__(self, simulation: Simulation, names: Sequence[str], taped: Sequence[str]) -> None:
+        self._simulation = simulation
+        self._names, self._taped = names, taped
+        self._at = np.array([simulation.names.index(name) for name in names], dtype=int)
+        self._tapes: list[np.ndarray] = []
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was seen, but where the tape stands."""
+        self._times: list[float] = []
+        self._rows: list[np.ndarray] = []
+        tapes = [*self._tapes, self._simulation.drain()] if self._taped else []
+        whole = [tape[-1:] for tape in tapes if len(tape)]
+        self._tapes = whole[-1:]
+
+    def look(self) -> None:
+        """Take a sample, and the tape so far."""
+        self._times.append(self._simulation.time)
+        self._rows.append(self._simulation.observed[self._at])
+        if self._taped:
+            self._tapes.append(self._simulation.drain())
+
+    def window(self, speed: float, per_turn: int) -> Window:
+        """What was seen since the beginning."""
+        sampled = dict(zip(self._names, np.array(self._rows).T, strict=True))
+        tape = np.concatenate([np.zeros((0, 1 + len(self._taped))), *self._tapes]).T
+        steps = Samples(tape[0], dict(zip(self._taped, tape[1:], strict=True)))
+        return Window(Samples(np.array(self._times), sampled), steps, speed, per_turn)
 
 
-def drive(simulation: Simulation, how: Drive, names: Sequence[str]) -> Iterator[Window]:
-    """March through a run; yields its windows, in which the outputs `names` were sampled.
+def drive(
+    simulation: Simulation, how: Drive, names: Sequence[str], taped: Sequence[str] = ()
+) -> Iterator[Window]:
+    """March through a run; yields its windows, in which the outputs `names` were sampled and those
+    that the simulation records, `taped`, read.
 
     Raises `StepFailure` where the run stops.
     """
-    at = np.array([simulation.names.index(name) for name in names])
+    watch = _Watch(simulation, names, taped)
     if how.kind in LEVELS:
-        yield from _levels(simulation, how, names, at)
+        yield from _levels(simulation, how, watch)
         return
     advance = {"signals": _by_signals, "drop": _dropping, "motor": _by_motor}.get(how.kind, _ramp)
-    times, rows = [0.0], [simulation.observed[at]]
-    for t in advance(simulation, how):
-        times.append(t)
-        rows.append(simulation.observed[at])
-    yield _window(times, rows, names, math.nan, 0)
-
-
-def _window(
-    times: list[float], rows: list[np.ndarray], names: Sequence[str], speed: float, per_turn: int
-) -> Window:
-    columns = dict(zip(names, np.array(rows).T, strict=True))
-    return Window(np.array(times), columns, speed, per_turn)
+    watch.look()
+    for _ in advance(simulation, how):
+        watch.look()
+    yield watch.window(math.nan, 0)
 
 
 def _instants(start: float, stop: float, step: float) -> Iterator[float]:
@@ -224,9 +258,7 @@ def _kick_off(simulation: Simulation, how: Drive, drive: float) -> None:
     simulation.advance(simulation.time, drive, _kicked(how, simulation.time))
 
 
-def _levels(
-    simulation: Simulation, how: Drive, names: Sequence[str], at: np.ndarray
-) -> Iterator[Window]:
+def _levels(simulation: Simulation, how: Drive, watch: _Watch) -> Iterator[Window]:
     n = how.numbers
     _kick_off(simulation, how, float(how.speeds[0]))
     for speed in how.speeds.tolist():
@@ -240,12 +272,11 @@ def _levels(
             simulation.advance(begun, speed)
             per_turn = int(n["per_turn"])
             count, interval = int(n["turns"]) * per_turn, math.tau / speed / per_turn
-        times, rows = [], []
+        watch.begin()
         for k in range(1, count + 1):
             simulation.advance(begun + k * interval, speed)
-            times.append(simulation.time)
-            rows.append(simulation.observed[at])
-        yield _window(times, rows, names, speed, per_turn)
+            watch.look()
+        yield watch.window(speed, per_turn)
 
 
 def _ramp(simulation: Simulation, how: Drive) -> Iterator[float]:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .driving import Drive, Window
+from .driving import Drive, Samples, Window
 from .study import Cell, Column
 
 Options = Mapping[str, Any]
@@ -37,12 +37,15 @@ KINDS: Mapping[str, Kind] = {
     "amplitude": Kind(("bins",), {}, False, "largest absolute value in each bin of the speed"),
     "poincare": Kind((), {}, True, "value once a turn, at the keyphasor's mark"),
     "order": Kind(("order",), {}, True, "amplitude of an order of the speed"),
+    "passing": Kind(("order", "speed"), {}, False, "amplitude of an order where a speed is passed"),
     "spectrum": Kind(("orders",), {}, True, "full spectrum: negative orders whirl backward"),
     "contact": Kind((), {"after": 0.0}, False, "time in contact"),
     "dissipated": Kind((), {}, False, "work of friction at a contact"),
     "whirl": Kind((), {}, False, "mean rate at which PART.x, PART.y turn about zero"),
     "jump": Kind(("way",), {"least": 0.2}, False, "speed of the largest jump of a mean"),
 }
+# Kinds that look at the solver's own steps.
+TAPED = ("contact", "dissipated", "passing")
 # Kinds whose quantity is a part, with the outputs that they look at.
 _OF_PARTS = {
     "contact": ("contact",),
@@ -70,7 +73,7 @@ class Keep:
     def needs(self) -> tuple[str, ...]:
         """The outputs that must be sampled."""
         also = ("w",) if self.kind in ("value", "amplitude") else ()
-        also = ("phi",) if self.kind == "dissipated" else also
+        also = ("phi",) if self.kind in ("dissipated", "passing") else also
         if self.kind in _OF_PARTS:
             return (*(f"{self.of}.{output}" for output in _OF_PARTS[self.kind]), *also)
         if self.of.endswith(".r"):
@@ -118,18 +121,23 @@ def cells(keep: Keep, windows: list[Window], drive: Drive) -> Cell:
     return numbers if drive.kind == "steps" else numbers[0]
 
 
+def _seen(keep: Keep, window: Window) -> Samples:
+    return window.steps if keep.kind in TAPED else window.sampled
+
+
 def _quantity(keep: Keep, window: Window) -> np.ndarray:
-    if keep.of.endswith(".r") and keep.of not in window.columns:
+    columns = _seen(keep, window).columns
+    if keep.of.endswith(".r") and keep.of not in columns:
         part = keep.of.removesuffix(".r")
-        return np.hypot(window.columns[f"{part}.x"], window.columns[f"{part}.y"])
-    return window.columns[keep.of]
+        return np.hypot(columns[f"{part}.x"], columns[f"{part}.y"])
+    return columns[keep.of]
 
 
 def _late(keep: Keep, window: Window, options: Options) -> tuple[np.ndarray, np.ndarray]:
     """Times and values from `after` on, counted from the window's beginning."""
-    first = int(np.searchsorted(window.t, window.t[0] + options["after"]))
-    first = min(first, len(window.t) - 1)
-    return window.t[first:], _quantity(keep, window)[first:]
+    t = _seen(keep, window).t
+    first = min(int(np.searchsorted(t, t[0] + options["after"])), len(t) - 1)
+    return t[first:], _quantity(keep, window)[first:]
 
 
 def _peak(keep: Keep, window: Window, options: Options) -> float:
@@ -157,7 +165,7 @@ def _last(keep: Keep, window: Window, options: Options) -> float:
 
 def _value(keep: Keep, window: Window, options: Options) -> float:
     """Linear between the two samples about the speed; nan where it is never passed."""
-    w, values = window.columns["w"] - options["speed"], _quantity(keep, window)
+    w, values = window.sampled.columns["w"] - options["speed"], _quantity(keep, window)
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
         return math.nan
@@ -170,7 +178,7 @@ def _amplitude(keep: Keep, window: Window, options: Options) -> list[float]:
     bins = options["bins"]
     edges = np.linspace(bins["from"], bins["to"], int(bins["count"]) + 1)
     values = np.abs(_quantity(keep, window))
-    at = np.digitize(window.columns["w"], edges) - 1
+    at = np.digitize(window.sampled.columns["w"], edges) - 1
     largest = np.full(len(edges) - 1, math.nan)
     for i in range(len(largest)):
         inside = values[at == i]
@@ -190,6 +198,22 @@ def _order(keep: Keep, window: Window, options: Options) -> float:
     return float(2 * abs(np.mean(values * np.exp(-1j * options["order"] * angle))))
 
 
+def _passing(keep: Keep, window: Window, options: Options) -> float:
+    """By revolution-synchronous resampling, of the block of turns nearest to the speed; nan where
+    the speed is not reached."""
+    from ..vibration import TooFewTurns, order_track
+
+    phi = window.steps.columns["phi"]
+    try:
+        track = order_track(window.steps.t, phi, _quantity(keep, window), [options["order"]])
+    except TooFewTurns:
+        return math.nan
+    if not track.speed.min() <= options["speed"] <= track.speed.max():
+        return math.nan
+    nearest = int(np.argmin(np.abs(track.speed - options["speed"])))
+    return float(abs(track.x(options["order"])[nearest]))
+
+
 def spectrum_orders(highest: float, turns: int) -> np.ndarray:
     """Orders of a full spectrum over so many turns, from -highest to highest."""
     most = round(highest * turns)
@@ -198,7 +222,8 @@ def spectrum_orders(highest: float, turns: int) -> np.ndarray:
 
 def _spectrum(keep: Keep, window: Window, options: Options) -> np.ndarray:
     """Amplitudes of the orders of x + i y; the mean is taken away."""
-    z = window.columns[f"{keep.of}.x"] + 1j * window.columns[f"{keep.of}.y"]
+    columns = window.sampled.columns
+    z = columns[f"{keep.of}.x"] + 1j * columns[f"{keep.of}.y"]
     turns = len(z) // window.per_turn
     found = np.abs(np.fft.fft(z - z.mean())) / len(z)
     lines = np.rint(spectrum_orders(options["orders"], turns) * turns).astype(int)
@@ -206,26 +231,27 @@ def _spectrum(keep: Keep, window: Window, options: Options) -> np.ndarray:
 
 
 def _contact(keep: Keep, window: Window, options: Options) -> float:
-    first = int(np.searchsorted(window.t, window.t[0] + options["after"]))
-    closed, t = window.columns[f"{keep.of}.contact"][first:], window.t[first:]
-    return float(np.trapezoid(closed, t)) if len(t) > 1 else 0.0
+    t = window.steps.t
+    first = int(np.searchsorted(t, t[0] + options["after"]))
+    closed = window.steps.columns[f"{keep.of}.contact"][first:]
+    return float(np.trapezoid(closed, t[first:]))
 
 
 def _dissipated(keep: Keep, window: Window, options: Options) -> float:
     """Friction times the way slid: that of the journal's surface, R dphi, and of its centre along
     the wall, (x dy - y dx) / r."""
-    force, x, y = (window.columns[f"{keep.of}.{name}"] for name in ("ft", "x", "y"))
+    force, x, y = (window.steps.columns[f"{keep.of}.{name}"] for name in ("ft", "x", "y"))
     mid_x, mid_y = 0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])
     r = np.hypot(mid_x, mid_y)
     along = (mid_x * np.diff(y) - mid_y * np.diff(x)) / np.where(r > 0, r, 1.0)
-    slid = keep.scale * np.diff(window.columns["phi"]) + along
+    slid = keep.scale * np.diff(window.steps.columns["phi"]) + along
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * slid))
 
 
 def _whirl(keep: Keep, window: Window, options: Options) -> float:
-    x, y = (window.columns[f"{keep.of}.{axis}"] for axis in "xy")
+    x, y = (window.sampled.columns[f"{keep.of}.{axis}"] for axis in "xy")
     angle = np.unwrap(np.arctan2(y, x))
-    span = window.t[-1] - window.t[0]
+    span = window.sampled.t[-1] - window.sampled.t[0]
     return float((angle[-1] - angle[0]) / span) if span > 0 else math.nan
 
 
@@ -250,6 +276,7 @@ _NUMBERS: Mapping[str, Callable[[Keep, Window, Options], float]] = {
     "last": _last,
     "value": _value,
     "order": _order,
+    "passing": _passing,
     "contact": _contact,
     "dissipated": _dissipated,
     "whirl": _whirl,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -16,15 +16,17 @@ from ..fmu.interface import interface
 from ..fmu.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
+from ..model.march.tape import Record, recordable
 from ..model.quantities import QuantityError
 from ..model.settings import SettingsError
 from ..model.simulation import EquilibriumError, Simulation, StepFailure
 from ..runs.recording import Recording
-from .driving import FREE, Drive, Window, drive
-from .keeping import Keep, cells
+from .driving import FREE, Drive, Samples, drive
+from .keeping import TAPED, Keep, cells
 from .study import FAILED, OK, Column, Result
 
 RUN = "run."
+TAPE_ROWS = 16384  # between two samples; beyond it every second step is dropped
 
 
 class Machine(NamedTuple):
@@ -74,9 +76,8 @@ class MachineRuns:
 
     def warm(self) -> None:
         """Compile what runs need, or load it, by a start and a short step."""
-        machine = machine_of(self.toml, self.is_free)
         try:
-            simulation = self._begin(machine, self.how, self.values, [])
+            _, simulation = self._prepared({}, [], self._needs(True))
             speed = 0.0 if self.is_free else self.how.start["speed"]
             simulation.advance(1e-6, speed)
         except (InputError, EquilibriumError, StepFailure):
@@ -85,8 +86,8 @@ class MachineRuns:
     def run(self, values: Mapping[str, float]) -> Result:
         """One run; what fails in it, impossible values included, is its status."""
         try:
-            how, simulation = self._prepared(values, [])
-            windows = list(drive(simulation, how, self._sampled))
+            how, simulation = self._prepared(values, [], self._needs(True))
+            windows = list(drive(simulation, how, self._needs(False), self._needs(True)))
         except StepFailure as error:
             return Result(f"{FAILED}{error}", {})
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
@@ -95,49 +96,52 @@ class MachineRuns:
         return Result(status_of(simulation), kept)
 
     def record(self, values: Mapping[str, float]) -> Recording:
-        """One run with all that can be read, as far as it comes."""
+        """One run at its own steps, as far as it comes; the same run as its row's."""
+        from ..runs.run_down import usual  # with FMPy, which no worker needs
+
+        machine = machine_of(self.toml, self.is_free)
+        names = tuple(dict.fromkeys(("phi", "w", *usual(machine.rotor), *self._needs(True))))
         messages: list[str] = []
-        how, simulation = self._prepared(values, messages)
-        names = simulation.names
-        windows: list[Window] = []
-        status = ""
+        how, simulation = self._prepared(values, messages, names)
+        tapes: list[Samples] = []
+        failure = ""
         try:
-            windows += drive(simulation, how, names)
+            tapes += (window.steps for window in drive(simulation, how, (), names))
         except StepFailure as error:
-            status = f"{FAILED}{error}"
-        units = {v.name: v.unit for v in machine_of(self.toml, self.is_free).table}
+            failure = f"{FAILED}{error}"
+        units = {str(entry.name): entry.output.unit for entry in recordable(machine.rotor)}
         about = {
-            "parameters": dict(values),
-            "status": status or status_of(simulation),
-            "messages": messages,
+            "machine": machine.rotor.name,
             "toml": self.toml,
+            "parameters": {**self.values, **values},
             "run": {"kind": how.kind, **how.numbers},
+            "status": failure or status_of(simulation),
+            "messages": messages,
         }
-        t = np.concatenate([w.t for w in windows]) if windows else np.zeros(0)
+        t = np.concatenate([np.zeros(0), *(tape.t for tape in tapes)])
         columns = {
-            name: np.concatenate([w.columns[name] for w in windows]) if windows else np.zeros(0)
+            name: np.concatenate([np.zeros(0), *(tape.columns[name] for tape in tapes)])
             for name in names
         }
         return Recording(t, columns, {name: units[name] for name in names}, about)
 
-    @property
-    def _sampled(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(name for keep in self.keeps for name in keep.needs))
+    def _needs(self, is_taped: bool) -> tuple[str, ...]:
+        """The outputs that are kept of, at chosen instants or at the solver's steps."""
+        chosen = (keep for keep in self.keeps if (keep.kind in TAPED) == is_taped)
+        return tuple(dict.fromkeys(name for keep in chosen for name in keep.needs))
 
     def _prepared(
-        self, values: Mapping[str, float], messages: list[str]
+        self, values: Mapping[str, float], messages: list[str], taped: Sequence[str]
     ) -> tuple[Drive, Simulation]:
         own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
         of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
         how = self.how.changed(own)
         machine = machine_of(self.toml, self.is_free)
-        return how, self._begin(machine, how, {**self.values, **of_machine}, messages)
-
-    def _begin(
-        self, machine: Machine, how: Drive, values: Mapping[str, float], messages: list[str]
-    ) -> Simulation:
-        everything = {**machine.start, **how.start, **values}
-        return build_simulation(machine.rotor, machine.table, everything, messages.append)
+        everything = {**machine.start, **how.start, **self.values, **of_machine}
+        tape = Record(taped, 0.0, TAPE_ROWS)
+        return how, build_simulation(
+            machine.rotor, machine.table, everything, messages.append, record=tape
+        )
 
 
 def status_of(simulation: Simulation) -> str:

@@ -23,16 +23,17 @@ from .keeping import WAYS, Keep, column
 from .machine_runs import RUN, Machine, MachineRuns, machine_of
 from .study import Column, Model, Study
 
-TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits")
+TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits", "quick")
 Tables = Mapping[str, Any]
 # Tables of a study and its folder -> the model, without columns, and the names that can be varied.
 ReadModel = Callable[[Tables, Path], tuple[Model, Iterable[str]]]
 
 
-def read_study(path: Path, read_model: ReadModel | None = None) -> Study:
+def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: bool = False) -> Study:
     """Read a study's file; paths in it are relative to its folder. Raises `InputError` in one line.
 
-    read_model: what is run, in the place of a machine.
+    read_model: what is run, in the place of a machine; is_quick: with what stands in the table
+    [quick] in the place of the same elsewhere.
     """
     text = read_text("study", path)
     try:
@@ -42,6 +43,13 @@ def read_study(path: Path, read_model: ReadModel | None = None) -> Study:
     try:
         for key in tables:
             _known("", key, TABLES)
+        quick = _table(tables, "quick")
+        for key in quick:
+            _known("quick", key, TABLES[:-1])
+        if is_quick:
+            if not quick:
+                raise InputError("--quick: the study has no table [quick]")
+            tables = _merged(tables, quick)
         model, names = (read_model or read_machine)(tables, path.parent)
         axes = tuple(_axes(_table(tables, "vary"), tuple(names)))
         design = _design(_table(tables, "design"), axes)
@@ -56,6 +64,16 @@ def read_study(path: Path, read_model: ReadModel | None = None) -> Study:
     except (InputError, QuantityError) as error:
         raise InputError(f"{path}: {error}") from error
     return Study(str(tables.get("name", path.stem)), model, design, limits, text)
+
+
+def _merged(base: Tables, over: Tables) -> dict[str, Any]:
+    """Tables with some of their entries replaced, tables in them likewise."""
+    merged = dict(base)
+    for key, value in over.items():
+        before = merged.get(key)
+        both = isinstance(before, dict) and isinstance(value, dict)
+        merged[key] = _merged(before, value) if both else value
+    return merged
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
@@ -235,7 +253,7 @@ def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, 
     where = f"keep {name}"
     if not isinstance(given, dict):
         raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
-    kinds = [key for key in given if key in KEPT]
+    kinds = [key for key in given if key in KEPT and key != "passing"]
     if not kinds and given:
         _known(where + ":", next(iter(given)), KEPT)
     kind = kinds[0] if kinds else ""
@@ -248,7 +266,9 @@ def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, 
         raise InputError(f"{where}: must have one of {', '.join(KEPT)}")
     told = KEPT[kind]
     options = {key: value for key, value in given.items() if key not in (kind, "of")}
-    if kind == "order":
+    if kind == "order":  # the order itself, unless a speed is to be passed
+        kind = "passing" if "speed" in given else kind
+        told = KEPT[kind]
         options["order"] = given["order"]
     for key in options:
         _known(where + ":", key, (*told.needed, *told.optional))
@@ -263,7 +283,7 @@ def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, 
         raise InputError(f"{where}: {kind} is kept of runs at a constant speed in whole turns")
     if kind == "jump" and how.kind != "steps":
         raise InputError(f"{where}: jump is kept of runs in steps")
-    if kind in ("value", "amplitude") and how.kind in LEVELS:
+    if kind in ("value", "amplitude", "passing") and how.kind in LEVELS:
         raise InputError(f"{where}: {kind} is kept of runs whose speed goes on")
     if kind == "order" and (checked["order"] * how.numbers["turns"]) % 1:
         raise InputError(f"{where}: order = {checked['order']:g}: must make whole periods in turns")

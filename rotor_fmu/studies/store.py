@@ -62,6 +62,17 @@ class Store:
         self._lock = ProcessLock(self._folder / "study.lock")
         if not self._lock.take():
             raise InputError(f"--out {self._folder}: another call is at work in it")
+        try:
+            self._begin()
+        except BaseException:
+            self._lock.release()
+            raise
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        self._lock.release()
+
+    def _begin(self) -> None:
         self._refuse_another()
         try:
             write_json(self._study.about, self._folder / "study.json")
@@ -69,10 +80,6 @@ class Store:
             raise self._full(error) from error
         for left in (self._folder / "rows").glob("*.unfinished"):
             left.unlink()
-        return self
-
-    def __exit__(self, *reason: object) -> None:
-        self._lock.release()
 
     def _refuse_another(self) -> None:
         try:

@@ -67,8 +67,14 @@ def ishigami_study(folder, model=None, text=None):
 
 @contextlib.contextmanager
 def here():
-    """An engine in this process, with short chunks."""
-    yield Engine(Here(), 1, 0.002)
+    """An engine in this process."""
+    yield Engine(Here(), 1, 0.05)
+
+
+@contextlib.contextmanager
+def one_by_one():
+    """An engine in this process whose chunks are single runs."""
+    yield Engine(Here(), 1, 0.0)
 
 
 def quiet(progress):

@@ -20,7 +20,7 @@ from rotor_fmu.studies.conduct import conduct, row_of
 from rotor_fmu.studies.engines import Where, engine
 from rotor_fmu.studies.store import Store
 
-from .functions import Ishigami, here, ishigami_study, quiet, study_text
+from .functions import Ishigami, here, ishigami_study, one_by_one, quiet, study_text
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def test_a_call_that_dies_at_any_moment_leaves_rows_that_the_next_one_goes_on_fr
     deaths = 0
     while True:
         try:
-            conduct(study, tmp_path / "out", here, quiet)
+            conduct(study, tmp_path / "out", one_by_one, quiet)
         except Killed:
             deaths += 1
             continue
@@ -115,11 +115,11 @@ def test_a_full_disk_is_said_in_one_line_and_loses_no_row_that_was_written(
 
     monkeypatch.setattr(store, "write_part", full)
     with pytest.raises(RunFailed, match="cannot be written to: No space left on device; what was"):
-        conduct(study, tmp_path, here, quiet)
+        conduct(study, tmp_path, one_by_one, quiet)
     assert studies.open(tmp_path).sizes["run"] == sum(written)
     assert not list(tmp_path.rglob("*.unfinished"))
     monkeypatch.setattr(store, "write_part", whole)
-    assert conduct(study, tmp_path, here, quiet).before == sum(written)
+    assert conduct(study, tmp_path, one_by_one, quiet).before == sum(written)
     assert studies.open(tmp_path).identical(data)
 
 
@@ -237,7 +237,7 @@ def test_a_hundred_thousand_rows_are_made_and_opened_in_little_memory(tmp_path):
     script = """
 import sys
 from pathlib import Path
-from tests.studies.functions import here, ishigami_study, quiet, study_text
+from tests.studies.functions import here, ishigami_study, one_by_one, quiet, study_text
 from rotor_fmu.studies.conduct import conduct
 study = ishigami_study(Path(sys.argv[1]), text=study_text("random", 100_000))
 conduct(study, Path(sys.argv[1]) / "out", here, quiet)
