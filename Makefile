@@ -77,7 +77,9 @@ bench: $(VENV)/made
 		$(BIN)/python -m pip install --quiet --disable-pip-version-check $$peers \
 			|| echo "$$peers: cannot be installed; the report will say so"; \
 	done
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[study,cluster]"
 	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks.throughput
 
 # source archive and wheel in dist/, checked, installed and used; HOME_URL=address of the files for an
 # index page's pictures

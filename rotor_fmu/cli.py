@@ -19,6 +19,7 @@ _RUNS, _FMU, _LINEAR, _PAPERS = "Runs", "FMUs", "Machines", "The papers"
 COMMANDS = {
     _RUNS: {
         "run-down": "runs.command:run_down",
+        "study": "studies.command:study",
         "drive-train": "drive_train.command:drive_train",
         "magnetic-bearing": "magnetic_bearing.command:magnetic_bearing",
         "plot": "report.command:plot",

@@ -1,0 +1,121 @@
+"""Runs a second of a study: `python -m benchmarks.throughput`.
+
+The rig's run-down at the tolerance 1e-2 over clearances, one after another in a bare loop, then as
+a study in one process, in as many as there are processors, and through Dask. Rates are counted from
+the first rows on, without start and compiling.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from rotor_fmu import studies
+from rotor_fmu.errors import run, writable_folder
+from rotor_fmu.runs.job import write_json, write_text
+from rotor_fmu.studies.conduct import Progress, conduct
+from rotor_fmu.studies.engines import Where, engine
+from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.study import Study
+
+from .report import table
+from .store import machine_name
+
+STUDY = """
+[run]
+kind = "run-down"
+[set]
+"solver.tolerance" = 1e-2
+[vary]
+clearance = { names = "bearing[*].clearance", grid = { from = 30e-6, to = 70e-6, count = COUNT } }
+[keep]
+X = { peak = "disc[3].x_amp", after = 2 }
+Y = { peak = "disc[3].y_amp", after = 2 }
+"""
+LOOP = "a bare loop"
+app = typer.Typer(add_completion=False)
+_console = Console(stderr=True)
+
+
+@app.command()
+def main(
+    out: Annotated[Path, typer.Option(help="Folder of the results.")] = Path("out/throughput"),
+    runs: Annotated[int, typer.Option(min=10, help="Run-downs of each engine.")] = 1000,
+) -> None:
+    """Measure run-downs a second, alone, in processes and through Dask."""
+    writable_folder(out)
+    cores = os.cpu_count() or 1
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        study = study_of(folder, runs)
+        found = {LOOP: alone(study_of(folder, max(10, runs // 10)))}
+        _console.print(f"{LOOP}: {found[LOOP]:.3g} runs a second")
+        engines = {
+            "one process": Where(jobs=1),
+            f"{cores} processes": Where(jobs=cores),
+            f"Dask, {cores} workers": Where(cluster=cores),
+        }
+        for engine_name, where in engines.items():
+            found[engine_name] = measured(study, folder / engine_name, where)
+            _console.print(f"{engine_name}: {found[engine_name]:.3g} runs a second")
+        rows = [studies.open(folder / engine_name) for engine_name in engines]
+        are_equal = all(other.identical(rows[0]) for other in rows[1:])
+    page = page_of(found, cores, runs, are_equal)
+    write_json({"rates": found, "runs": runs, "equal": are_equal}, out / "throughput.json")
+    write_text(page, out / "throughput.md")
+    typer.echo(page)
+
+
+def study_of(folder: Path, runs: int) -> Study:
+    """The study of so many run-downs."""
+    path = folder / "study.toml"
+    path.write_text(STUDY.replace("COUNT", str(runs)), encoding="utf-8")
+    return read_study(path)
+
+
+def alone(study: Study) -> float:
+    """Runs a second of a loop in this process, warmed."""
+    study.model.warm()
+    values = [study.design.settings(study.design.point(i)) for i in range(len(study.design))]
+    begun = time.perf_counter()
+    for point in values:
+        study.model.run(point)
+    return len(values) / (time.perf_counter() - begun)
+
+
+def measured(study: Study, folder: Path, where: Where) -> float:
+    """Runs a second of a study, from the first rows to the last."""
+    seen: list[tuple[float, int]] = []
+
+    def report(progress: Progress) -> None:
+        seen.append((time.perf_counter(), progress.now))
+
+    conduct(study, folder, partial(engine, where), report)
+    (begun, first), (ended, last) = next(x for x in seen if x[1]), seen[-1]
+    return (last - first) / (ended - begun)
+
+
+def page_of(found: dict[str, float], cores: int, runs: int, are_equal: bool) -> str:
+    """The results as a page of Markdown."""
+    one = found["one process"]
+    lines = []
+    for name, rate in found.items():
+        used = 1 if name in (LOOP, "one process") else cores
+        lines.append((name, f"{rate:.2f}", f"{rate / used:.2f}", f"{rate / one:.2f}"))
+    head = ("engine", "runs a second", "and core", "to one process")
+    rows = "are" if are_equal else "are NOT"
+    return (
+        f"# Run-downs a second\n\n{machine_name()}; {runs} of the rig, tolerance 1e-2.\n\n"
+        f"{table(head, lines)}\n\nThe rows of all engines {rows} equal bit for bit.\n"
+    )
+
+
+if __name__ == "__main__":
+    run(app)

@@ -1,0 +1,209 @@
+"""Pictures of this folder's studies, from the folders that hold their rows.
+
+python pictures.py FOLDER_OF_STUDIES [FOLDER for the pictures]
+
+The first holds a folder a study, named after its file: bifurcation_clearance, hysteresis, ...
+"""
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray
+from matplotlib.colors import LogNorm
+from scipy.optimize import brentq
+
+from rotor_fmu import studies
+from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.studies.analysis import analyse
+
+# The whipping Jeffcott rotor: damping, stiffness of the stator, radius over clearance, spin [rad/s]
+ZETA, BETA, RADIUS, OMEGA = 0.05, 20.0, 50.0, 100.0
+_COLOURS = (GREY, BLUE, ORANGE, GREEN)
+
+
+def fold(mu: float, e: float, beta: float = 4.0, zeta: float = 0.1) -> float:
+    """Speed, in natural frequencies, up to which the full annular rub exists.
+
+    The quadratic for its radius has a double root there. e: eccentricity in clearances.
+    """
+
+    def discriminant(speed: float) -> float:
+        s, d = 1 + beta - speed**2, 2 * zeta * speed + mu * beta
+        b = beta * (s + mu * d)
+        return b * b - (s * s + d * d) * ((1 + mu**2) * beta**2 - (e * speed**2) ** 2)
+
+    speeds = np.linspace(1.5, 4.0, 2001)
+    signs = np.sign([discriminant(speed) for speed in speeds])
+    last = np.flatnonzero(signs[:-1] * signs[1:] < 0)[0]
+    return brentq(discriminant, speeds[last], speeds[last + 1])
+
+
+def rolling_friction(v: np.ndarray) -> np.ndarray:
+    """Friction that backward rolling needs, against V = spin radius / clearance in natural
+    frequencies; nan where it lies inside the clearance."""
+    omega = (-BETA + np.sqrt(BETA**2 + 4 * v**2 * (1 + BETA))) / (2 * v)
+    r = v / omega
+    return np.where(r > 1, 2 * ZETA * omega / (BETA * (1 - 1 / np.maximum(r, 1 + 1e-9))), np.nan)
+
+
+def bifurcation(data: xarray.Dataset, varied: str, path: Path) -> None:
+    """Where the disc is once a turn, over the speed, and its largest share off the turn."""
+    values = np.unique(data[varied])
+    figure, first = new_figure(7.2, 1.9 * len(values) + 0.5)
+    first.remove()
+    rows = np.atleast_1d(figure.subplots(len(values), 1, sharex=True))
+    for axes, value in zip(rows, values, strict=True):
+        chosen = data.where(data[varied] == value, drop=True)
+        hz = chosen["run.speed"].values / (2 * math.pi)
+        points = 1e6 * chosen.y.values
+        axes.plot(np.repeat(hz, points.shape[1]), points.ravel(), ".", color=BLUE, ms=1.2, mew=0)
+        axes.set_ylabel("y at the mark [µm]")
+        axes.set_title(f"{varied} {1e6 * value:.0f} µm", loc="left", fontsize=9)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
+    rows[-1].set_xlabel("Rotational speed $n$ [Hz]")
+    save(figure, path)
+
+
+def full_spectrum(data: xarray.Dataset, varied: str, value: float, path: Path) -> None:
+    """The full spectrum over the speed, at one value of what is varied."""
+    figure, axes = new_figure(6.4, 4.2)
+    chosen = data.where(np.isclose(data[varied], value), drop=True).sortby("run.speed")
+    hz, orders = chosen["run.speed"].values / (2 * math.pi), chosen["spectrum order"].values
+    shown = np.maximum(1e6 * chosen.spectrum.values, 1e-2)
+    mesh = axes.pcolormesh(orders, hz, shown, norm=LogNorm(1e-1, 500), cmap="cividis")
+    axes.set(xlabel="Order of the speed, backward below 0 [1]", ylabel="Rotational speed $n$ [Hz]")
+    axes.set_title(f"{varied} {1e6 * value:.0f} µm", loc="left", fontsize=9)
+    axes.grid(visible=False)
+    figure.colorbar(mesh, label="amplitude [µm]", extend="min")
+    save(figure, path)
+
+
+def hysteresis(data: xarray.Dataset, path: Path) -> None:
+    """Jump speeds of run-up and run-down against friction, beside the fold."""
+    figure, axes = new_figure()
+    frictions = np.linspace(data["contact[1].mu"].min(), data["contact[1].mu"].max(), 41)
+    for colour, clearance in zip(
+        _COLOURS[1:], np.unique(data["contact[1].clearance"]), strict=True
+    ):
+        chosen = data.where(data["contact[1].clearance"] == clearance, drop=True)
+        exact = [fold(mu, 0.5e-3 / clearance) for mu in frictions]
+        label = f"clearance {1e3 * clearance:.1f} mm"
+        axes.plot(frictions, exact, color=colour)
+        axes.plot(chosen["contact[1].mu"], chosen.fall / OMEGA, ">", color=colour, label=label)
+        axes.plot(chosen["contact[1].mu"], chosen.rise / OMEGA, "<", color=colour, mfc="none")
+    axes.plot([], [], color=GREY, label="closed form of the fold")
+    axes.plot([], [], "<", color=GREY, mfc="none", label="stepped down: jump up")
+    axes.set(xlabel="Coefficient of friction [1]", ylabel="Jump speed / natural frequency [1]")
+    axes.set_title("Stepped up, the rub falls off the wall at its fold", loc="left", fontsize=10)
+    axes.legend(frameon=False, fontsize=8)
+    save(figure, path)
+
+
+def worst_of_fold(data: xarray.Dataset) -> float:
+    """Largest relative difference between the jumps of the study and the fold [1]."""
+    exact = [
+        fold(float(mu), 0.5e-3 / float(clearance))
+        for mu, clearance in zip(data["contact[1].mu"], data["contact[1].clearance"], strict=True)
+    ]
+    return float(np.abs(data.fall.values / OMEGA / exact - 1).max())
+
+
+def tolerances(data: xarray.Dataset, report: dict, path: Path) -> None:
+    """Distribution of the peak, its limit, and what is to blame."""
+    figure, first = new_figure(8.0, 3.6)
+    first.remove()
+    left, right = figure.subplots(1, 2)
+    found = report["limits"]["X"]
+    left.hist(1e6 * data.X.values, bins=40, color=BLUE)
+    left.axvline(1e6 * found["limit"], color=ORANGE)
+    left.set_title(f"{found['share']:.1%} of the rigs pass the limit", loc="left", fontsize=10)
+    left.set(xlabel="Horizontal peak X of disc 3 [µm]", ylabel="runs")
+    indices = report["sensitivity"]["X"]["indices"]
+    at = np.arange(len(indices))
+    for shift, key, colour, label in (
+        (-0.18, "S1", BLUE, "alone"),
+        (0.18, "ST", ORANGE, "with all it acts with"),
+    ):
+        height = [row[key] for row in indices.values()]
+        width = [row[f"{key}_conf"] for row in indices.values()]
+        right.barh(at + shift, height, 0.34, xerr=width, color=colour, label=label, ecolor=GREY)
+    right.set_yticks(at, list(indices))
+    right.invert_yaxis()
+    right.set_xlabel("Sobol index of X, with its 95 % interval [1]")
+    right.legend(frameon=False, fontsize=8)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    save(figure, path)
+
+
+def dry_whip(data: xarray.Dataset, path: Path) -> None:
+    """Who whirls on after the kick, over friction and speed, beside the closed forms."""
+    figure, axes = new_figure(6.4, 4.4)
+    v = data["run.speed"].values / OMEGA * RADIUS
+    mu, radius = data["contact[1].mu"].values, 1e3 * data.radius.values
+    whips = radius > 0.5
+    axes.plot(v[~whips], mu[~whips], ".", color="#cccccc", ms=3, label="comes to rest")
+    dots = axes.scatter(v[whips], mu[whips], c=radius[whips], s=9, cmap="cividis", label="whips on")
+    speeds = np.linspace(1.01, v.max(), 400)
+    axes.plot(speeds, rolling_friction(speeds), color=ORANGE, label="friction that rolling needs")
+    least = 2 * ZETA * math.sqrt(1 + BETA) / BETA
+    axes.axhline(least, color=BLUE, ls="--", label=f"$\\mu_c$ = {least:.4f}")
+    axes.set(
+        xlabel="Surface speed / (clearance x natural frequency), $V$ [1]",
+        ylabel="Coefficient of friction [1]",
+        ylim=(mu.min() - 0.002, mu.max() + 0.002),
+    )
+    axes.legend(frameon=True, fontsize=8, loc="upper right")
+    figure.colorbar(dots, label="radius of the whirl / clearance [1]")
+    save(figure, path)
+
+
+def motor(data: xarray.Dataset, path: Path) -> None:
+    """Speed reached over torque and unbalance."""
+    figure, axes = new_figure()
+    values = np.unique(data.unbalance)
+    for colour, value in zip((GREY, BLUE, GREEN, ORANGE, "black"), values, strict=True):
+        chosen = data.where(data.unbalance == value, drop=True)
+        label = f"unbalance {1e6 * value:.0f} µm"
+        hz = chosen.w / (2 * math.pi)
+        axes.plot(1e3 * chosen["run.torque"], hz, "o-", color=colour, label=label, ms=4, lw=1)
+    axes.set(xlabel="Largest torque of the motor [N mm]", ylabel="Speed after 60 s [Hz]")
+    axes.set_title("Too small a motor hangs at a resonance", loc="left", fontsize=10)
+    axes.legend(frameon=False, fontsize=8)
+    save(figure, path)
+
+
+def smallest_torques(data: xarray.Dataset, least: float = 240.0) -> dict[float, float]:
+    """By the unbalance [m]: the smallest torque of those tried that ends above a speed [N.m]."""
+    return {
+        float(value): float(
+            data["run.torque"].where((data.unbalance == value) & (data.w > least)).min()
+        )
+        for value in np.unique(data.unbalance)
+    }
+
+
+def main(rows: str, out: str = "") -> None:
+    """All pictures."""
+    source, target = Path(rows), Path(out or rows)
+    for varied, shown in (("unbalance", 80e-6), ("clearance", 300e-6)):
+        data = studies.open(source / f"bifurcation_{varied}")
+        bifurcation(data, varied, target / f"study_bifurcation_{varied}.png")
+        full_spectrum(data, varied, shown, target / f"study_spectrum_{varied}.png")
+    data = studies.open(source / "hysteresis")
+    hysteresis(data, target / "study_hysteresis.png")
+    print(f"jump up and fold differ by at most {worst_of_fold(data):.2%}")
+    data = studies.open(source / "tolerances")
+    tolerances(data, analyse(source / "tolerances"), target / "study_tolerances.png")
+    dry_whip(studies.open(source / "dry_whip"), target / "study_dry_whip.png")
+    data = studies.open(source / "motor")
+    motor(data, target / "study_motor.png")
+    for value, torque in smallest_torques(data).items():
+        print(f"unbalance {1e6 * value:.0f} um: {1e3 * torque:.0f} N mm pass")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,17 @@
+"""Studies: many runs of one machine, kept as rows, opened as one dataset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def open(folder: Path | str) -> xarray.Dataset:
+    """The rows of a study's folder, finished or not, as one dataset along `run`; see
+    `dataset.open_dataset`."""
+    from .dataset import open_dataset
+
+    return open_dataset(Path(folder))

@@ -1,0 +1,239 @@
+"""`rotor-fmu study`: many runs of a machine, their rows, and what they say."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import Progress as Bar
+from rich.progress import TextColumn
+from rich.table import Table
+
+from ..errors import InputError, RunFailed, writable_folder
+from .conduct import Progress, conduct
+from .engines import Where, engine
+from .machine_runs import MachineRuns
+from .reading import read_study
+from .study import FAILED, Study
+
+_LINE_EVERY = 10.0  # lines of progress where there is no terminal [s]
+_errors = Console(stderr=True)
+
+
+def study(
+    file: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What to run and keep.")],
+    out: Annotated[Path, typer.Option(help="Folder of the study; one that is begun goes on.")],
+    jobs: Annotated[
+        int | None, typer.Option(help="Processes. [default: one a processor]", min=1)
+    ] = None,
+    scheduler: Annotated[
+        str, typer.Option(help="Address of a Dask scheduler that shares the work out.")
+    ] = "",
+    cluster: Annotated[
+        str, typer.Option(help="local:N, a Dask cluster of N workers on this machine.")
+    ] = "",
+    is_quick: Annotated[
+        bool, typer.Option("--quick", help="With the study's table [quick]: a small one.")
+    ] = False,
+    is_analysed: Annotated[
+        bool, typer.Option("--analyse", help="Quantiles, limits, Sobol or Morris indices.")
+    ] = False,
+    select: Annotated[
+        str, typer.Option(help="Run one again with all its signals: its id, or its number.")
+    ] = "",
+) -> None:
+    """Make many runs of a machine, one row each, and say what they show.
+
+    A call that was stopped, however, goes on where it was; rows that are there are not made again.
+    """
+    _need_extra()
+    told = read_study(file, is_quick=is_quick)
+    where = _where(jobs, scheduler, cluster)
+    if select:
+        _select(told, select, out)
+        return
+    with _shown(told) as report:
+        progress = conduct(told, out, partial(engine, where), report)
+    _say_result(told, out, progress)
+    if is_analysed:
+        _analyse(out)
+
+
+def _need_extra() -> None:
+    try:
+        import pyarrow
+        import xarray
+    except ImportError:
+        raise InputError("study: needs pip install rotor-fmu[study]") from None
+    del pyarrow, xarray
+
+
+def _where(jobs: int | None, scheduler: str, cluster: str) -> Where:
+    if sum(map(bool, (jobs, scheduler, cluster))) > 1:
+        raise InputError("--jobs, --scheduler, --cluster: only one of them")
+    if not cluster:
+        return Where(jobs or os.cpu_count() or 1, scheduler)
+    kind, _, count = cluster.partition(":")
+    if kind != "local" or not count.isdecimal() or not int(count):
+        raise InputError(f"--cluster {cluster}: must be local:N, N the number of workers")
+    return Where(cluster=int(count))
+
+
+class _Pace:
+    """Runs a second, from the first rows on: what comes before is compiling."""
+
+    def __init__(self) -> None:
+        self._begun, self._first = math.nan, 0
+
+    def sentence(self, progress: Progress) -> str:
+        """How far a study is, with rate and time left."""
+        now = time.perf_counter()
+        if progress.now and math.isnan(self._begun):
+            self._begun, self._first = now, progress.now
+        done = progress.before + progress.now
+        parts = [f"{done} of {progress.runs} runs"]
+        if progress.now > self._first:
+            rate = (progress.now - self._first) / (now - self._begun)
+            parts.append(f"{rate:.3g} a second")
+            if done < progress.runs:
+                parts.append(f"{_duration((progress.runs - done) / rate)} left")
+        if progress.failed:
+            parts.append(f"{progress.failed} failed")
+        return ", ".join(parts)
+
+
+@contextmanager
+def _shown(told: Study) -> Iterator[Callable[[Progress], None]]:
+    """Progress with rate and time left: a bar on a terminal, a line now and then elsewhere."""
+    pace, last = _Pace(), -math.inf
+    if _errors.is_terminal:
+        columns = (*Bar.get_default_columns()[:-1], TextColumn("{task.fields[told]}"))
+        with Bar(*columns, console=_errors, transient=True) as bar:
+            task = bar.add_task(told.name, total=len(told.design), told="")
+
+            def update(progress: Progress) -> None:
+                done = progress.before + progress.now
+                bar.update(task, completed=done, told=pace.sentence(progress))
+
+            yield update
+        return
+
+    def line(progress: Progress) -> None:
+        nonlocal last
+        now, sentence = time.perf_counter(), pace.sentence(progress)
+        is_end = progress.before + progress.now == progress.runs
+        if now - last >= _LINE_EVERY or is_end:
+            last = now
+            print(f"{told.name}: {sentence}", file=sys.stderr, flush=True)
+
+    yield line
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+def _say_result(told: Study, out: Path, progress: Progress) -> None:
+    from .analysis import worst
+    from .dataset import open_dataset
+
+    data = open_dataset(out)
+    states = data.status.values.astype(str)
+    counts: dict[str, int] = {}
+    for status in states:
+        kind = "failed" if status.startswith(FAILED) else status.split(" since")[0]
+        counts[kind] = counts.get(kind, 0) + 1
+    shown = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
+    typer.echo(f"{told.name}: {progress.runs} runs, {progress.now} of them now: {shown}")
+    ranked = [c for c in told.model.columns if not c.dimension]
+    if ranked:
+        named = next((c for c in ranked if c.name in told.limits), ranked[0])
+        typer.echo(f"the largest of {named.name} [{named.unit}], what failed first:")
+        _print_table(worst(data, named.name))
+    typer.echo(f"written to {out}")
+
+
+def _print_table(rows: list[dict[str, Any]]) -> None:
+    if not rows:
+        return
+    table = Table(box=None)
+    for key in rows[0]:
+        table.add_column(key, overflow="fold")
+    for row in rows:
+        cells = (f"{v:.5g}" if isinstance(v, float) else str(v) for v in row.values())
+        table.add_row(*cells)
+    Console(width=max(Console().width, 100), highlight=False).print(table)
+
+
+def _analyse(out: Path) -> None:
+    from ..runs.job import write_json
+    from .analysis import analyse
+
+    report = analyse(out)
+    write_json(report, out / "analysis.json")
+    rows = [
+        {"column": name, "mean": f["mean"], "std": f["std"], **f["quantiles"]}
+        for name, f in report["columns"].items()
+        if f["count"]
+    ]
+    typer.echo("quantiles:")
+    _print_table(rows)
+    for name, found in report["limits"].items():
+        if found["count"]:
+            low, high = found["interval"]
+            typer.echo(
+                f"{name} > {found['limit']:g}: {found['above']} of {found['count']} runs, "
+                f"{found['share']:.2%} (95 %: {low:.2%} to {high:.2%})"
+            )
+    for name, found in report.get("sensitivity", {}).items():
+        if found:
+            typer.echo(f"{name}, indices from {found['blocks']} of {found['of']} blocks:")
+            _print_table([{"parameter": axis, **row} for axis, row in found["indices"].items()])
+        else:
+            typer.echo(f"{name}: no indices: fewer than two whole blocks, or it does not vary")
+    typer.echo(f"written to {out / 'analysis.json'}")
+
+
+def _select(told: Study, select: str, out: Path) -> None:
+    """Make one run again with all its signals, in a folder of its own."""
+    from ..runs.job import write_json
+
+    model = told.model
+    if not isinstance(model, MachineRuns):
+        raise InputError("--select: only of a machine's runs")
+    number = _number_of(told, select)
+    values = told.design.settings(told.design.point(number))
+    run_id = told.row_id(values)
+    recording = model.record(values)
+    folder = writable_folder(out / "runs" / run_id)
+    recording.save(folder / "recording.npz")
+    about = {"run": number, "id": run_id, "status": recording.about["status"], "values": values}
+    write_json(about | {"messages": recording.about["messages"]}, folder / "summary.json")
+    typer.echo(f"run {number}, {run_id}: {recording.about['status']}")
+    typer.echo(f"written to {folder}")
+    if str(recording.about["status"]).startswith(FAILED):
+        reason = str(recording.about["status"]).removeprefix(FAILED)
+        raise RunFailed(f"the run stopped before its end: {reason}")
+
+
+def _number_of(told: Study, select: str) -> int:
+    design = told.design
+    if select.isdecimal() and int(select) < len(design):
+        return int(select)
+    for number in range(len(design)):
+        if told.row_id(design.settings(design.point(number))) == select:
+            return number
+    raise InputError(
+        f"--select {select}: no run of this study has that id; numbers go to {len(design) - 1}"
+    )

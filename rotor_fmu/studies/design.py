@@ -1,0 +1,293 @@
+"""What is varied, and the list of runs: lists and grids in product, distributions sampled.
+
+A sample is drawn in the unit cube and mapped by the inverse of each distribution, so that every
+design serves every distribution. Run i takes the grid's point i mod g and the sample's i div g.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+
+GRID = "grid"
+SAMPLED = ("random", "latin-hypercube", "sobol")
+SENSITIVITY = ("saltelli", "morris")
+DESIGNS = (GRID, *SAMPLED, *SENSITIVITY)
+# name: (what it needs, what it may have)
+DISTRIBUTIONS = {
+    "uniform": (("low", "high"), ()),
+    "log-uniform": (("low", "high"), ()),
+    "normal": (("mean", "std"), ()),
+    "truncated-normal": (("mean", "std", "low", "high"), ()),
+}
+MOST = 10_000_000  # runs of a study
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """A distribution by name with its parameters; `InputError` for one that cannot be."""
+
+    name: str
+    parameters: Mapping[str, float]
+
+    def __post_init__(self) -> None:
+        p = self.parameters
+        if "low" in p and not p["low"] < p["high"]:
+            raise InputError(f"low = {p['low']:g}: must be below high = {p['high']:g}")
+        if self.name == "log-uniform" and not p["low"] > 0:
+            raise InputError(f"low = {p['low']:g}: must be > 0")
+        if "std" in p and not p["std"] > 0:
+            raise InputError(f"std = {p['std']:g}: must be > 0")
+
+    def at(self, u: np.ndarray) -> np.ndarray:
+        """The inverse of the cumulative distribution at shares u, of their shape."""
+        from scipy import stats
+
+        p = self.parameters
+        if self.name == "uniform":
+            return p["low"] + u * (p["high"] - p["low"])
+        if self.name == "log-uniform":
+            return np.exp(math.log(p["low"]) + u * math.log(p["high"] / p["low"]))
+        if self.name == "normal":
+            return stats.norm.ppf(u, p["mean"], p["std"])
+        a, b = ((p[end] - p["mean"]) / p["std"] for end in ("low", "high"))
+        return stats.truncnorm.ppf(u, a, b, p["mean"], p["std"])
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Something that is varied: its name, the names of what it sets, and its values, listed or
+    distributed."""
+
+    name: str
+    targets: tuple[str, ...]
+    values: tuple[float, ...] = ()
+    distribution: Distribution | None = None
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What it is, as JSON can say it."""
+        about: dict[str, Any] = {"name": self.name, "targets": list(self.targets)}
+        if self.distribution is None:
+            return about | {"values": list(self.values)}
+        law = self.distribution
+        return about | {"distribution": law.name, "parameters": dict(law.parameters)}
+
+
+@dataclass(frozen=True)
+class Design:
+    """The list of runs, made when it is asked for.
+
+    kind: one of `DESIGNS`; size: of a sample its points, of saltelli the base sample's, of morris
+    its trajectories. Raises `InputError`.
+    """
+
+    axes: tuple[Axis, ...]
+    kind: str = GRID
+    size: int = 0
+    seed: int = 0
+    levels: int = field(default=4, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.drawn and self.kind == GRID:
+            raise InputError(
+                f"vary {self.drawn[0].name}: is distributed; [design] must name one of "
+                f"{', '.join(DESIGNS[1:])} as its kind"
+            )
+        if self.kind != GRID and not self.drawn:
+            raise InputError(f"design {self.kind}: nothing in [vary] is distributed")
+        if self.kind in SENSITIVITY and self.listed:
+            raise InputError(
+                f"vary {self.listed[0].name}: is listed; {self.kind} takes distributions alone"
+            )
+        unbounded = [a for a in self.drawn if a.distribution and a.distribution.name == "normal"]
+        if self.kind == "morris" and unbounded:
+            raise InputError(
+                f"vary {unbounded[0].name}: is normal; morris reaches the ends of a distribution, "
+                "which must be bounded: truncated-normal, uniform or log-uniform"
+            )
+        if not 0 < len(self) <= MOST:
+            raise InputError(f"the design has {len(self)} runs; must be from 1 to {MOST}")
+
+    @property
+    def listed(self) -> tuple[Axis, ...]:
+        """What takes its values from lists, in product."""
+        return tuple(axis for axis in self.axes if axis.distribution is None)
+
+    @property
+    def drawn(self) -> tuple[Axis, ...]:
+        """What is distributed."""
+        return tuple(axis for axis in self.axes if axis.distribution is not None)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the lists."""
+        return tuple(len(axis.values) for axis in self.listed)
+
+    def __len__(self) -> int:
+        sampled = self.size
+        if self.kind == GRID:
+            sampled = 1
+        elif self.kind == "saltelli":
+            sampled = self.size * (len(self.drawn) + 2)
+        elif self.kind == "morris":
+            sampled = self.size * (len(self.drawn) + 1)
+        return math.prod(self.shape) * sampled
+
+    @cached_property
+    def sample(self) -> np.ndarray:
+        """The sample in the unit cube, shape (points, distributed)."""
+        from scipy.stats import qmc
+
+        n, d = self.size, len(self.drawn)
+        if self.kind == "random":
+            return np.random.default_rng(self.seed).random((n, d))
+        if self.kind == "latin-hypercube":
+            return qmc.LatinHypercube(d, rng=np.random.default_rng(self.seed)).random(n)
+        if self.kind == "sobol":
+            points = 1 << max(0, (n - 1).bit_length())  # whole powers of two, and their beginning
+            return qmc.Sobol(d, rng=np.random.default_rng(self.seed)).random(points)[:n]
+        problem = self.problem()
+        if self.kind == "saltelli":
+            from SALib.sample import sobol
+
+            return sobol.sample(problem, n, calc_second_order=False, seed=self.seed)
+        from SALib.sample import morris
+
+        return morris.sample(problem, n, num_levels=self.levels, seed=self.seed)
+
+    def problem(self) -> dict[str, Any]:
+        """The unit cube as SALib describes it."""
+        names = [axis.name for axis in self.drawn]
+        return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
+
+    @cached_property
+    def _drawn_values(self) -> np.ndarray:
+        columns = [
+            axis.distribution.at(self.sample[:, i])
+            for i, axis in enumerate(self.drawn)
+            if axis.distribution
+        ]
+        return np.array(columns)
+
+    def point(self, run: int) -> dict[str, float]:
+        """Values of a run by the axes' names."""
+        drawn, at = divmod(run, math.prod(self.shape))
+        values = {}
+        for axis, i in zip(self.listed, np.unravel_index(at, self.shape), strict=True):
+            values[axis.name] = axis.values[i]
+        for k, axis in enumerate(self.drawn):
+            values[axis.name] = float(self._drawn_values[k, drawn])
+        return {axis.name: values[axis.name] for axis in self.axes}
+
+    def settings(self, point: Mapping[str, float]) -> dict[str, float]:
+        """The values of a point by the names of what they set."""
+        return {target: point[axis.name] for axis in self.axes for target in axis.targets}
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What it is, as JSON can say it."""
+        return {
+            "kind": self.kind,
+            "size": self.size,
+            "seed": self.seed,
+            "levels": self.levels,
+            "axes": [axis.told for axis in self.axes],
+        }
+
+    @property
+    def identity(self) -> str:
+        """Hash of the axes, the kind, the seed and, since samplers change, of the sample."""
+        digest = sha256(repr(self.told).encode())
+        if self.drawn:
+            digest.update(self._drawn_values.tobytes())
+        return digest.hexdigest()
+
+
+def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any]) -> Axis:
+    """What a table of [vary] describes: `values`, `grid` or `distribution`; `InputError`."""
+    where = f"vary {name}"
+    given = [key for key in ("values", "grid", "distribution") if key in table]
+    if len(given) != 1:
+        raise InputError(f"{where}: must have one of values, grid, distribution")
+    allowed = {"names", given[0]}
+    if given[0] == "values":
+        values = _numbers(where, "values", table["values"])
+    elif given[0] == "grid":
+        values = _grid(where, table["grid"])
+    else:
+        allowed |= {p for needed, _ in DISTRIBUTIONS.values() for p in needed}
+    for key in table:
+        if key not in allowed:
+            raise InputError(f"{where}: {key} is unknown beside {given[0]}")
+    if given[0] != "distribution":
+        return Axis(name, tuple(targets), values)
+    return Axis(name, tuple(targets), distribution=_distribution(where, table))
+
+
+def _distribution(where: str, table: Mapping[str, Any]) -> Distribution:
+    kind = table["distribution"]
+    if kind not in DISTRIBUTIONS:
+        raise InputError(
+            f"{where}: distribution = {kind!r}: must be one of {', '.join(DISTRIBUTIONS)}"
+        )
+    needed, _ = DISTRIBUTIONS[kind]
+    parameters = {key: table[key] for key in table if key not in ("names", "distribution")}
+    for key in needed:
+        if key not in parameters:
+            raise InputError(f"{where}: a {kind} distribution needs {', '.join(needed)}; no {key}")
+    for key in parameters:
+        if key not in needed:
+            raise InputError(f"{where}: a {kind} distribution has no {key}")
+    numbers = {key: number(f"{where}: {key}", parameters[key]) for key in needed}
+    try:
+        return Distribution(kind, numbers)
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
+
+
+def _grid(where: str, grid: object) -> tuple[float, ...]:
+    if not isinstance(grid, dict):
+        raise InputError(f"{where}: grid must be {{ from, to, count }}")
+    unknown = sorted(grid.keys() - {"from", "to", "count", "spacing"})
+    missing = [key for key in ("from", "to", "count") if key not in grid]
+    if unknown or missing:
+        what = f"has no {missing[0]}" if missing else f"knows no {unknown[0]}"
+        raise InputError(f"{where}: grid {what}; it is {{ from, to, count, spacing }}")
+    low, high = (number(f"{where}: grid {key}", grid[key]) for key in ("from", "to"))
+    count = whole(f"{where}: grid count", grid["count"])
+    spacing = grid.get("spacing", "linear")
+    if spacing not in ("linear", "log"):
+        raise InputError(f"{where}: grid spacing = {spacing!r}: must be linear or log")
+    if spacing == "log" and not (low > 0 and high > 0):
+        raise InputError(f"{where}: grid from {low:g} to {high:g}: must be > 0 with spacing log")
+    spread = np.geomspace if spacing == "log" else np.linspace
+    return tuple(spread(low, high, count).tolist())
+
+
+def _numbers(where: str, key: str, values: object) -> tuple[float, ...]:
+    if not isinstance(values, list) or not values:
+        raise InputError(f"{where}: {key} = {values!r}: must be a list of numbers")
+    return tuple(number(f"{where}: {key}", value) for value in values)
+
+
+def number(where: str, value: object) -> float:
+    """A finite number, or `InputError`."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise InputError(f"{where} = {value!r}: must be a finite number")
+    return float(value)
+
+
+def whole(where: str, value: object, least: int = 1) -> int:
+    """An integer, or `InputError`."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise InputError(f"{where} = {value!r}: must be an integer >= {least}")
+    return value

@@ -1,0 +1,322 @@
+"""How a run of a study is driven, and when it is looked at.
+
+Ramps, signals, drops and motors are one window, sampled every `step`; at constant speeds every
+speed is a window of its own, sampled in whole turns after it has settled, so that a sample a turn
+is a point of the Poincare section.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..model.simulation import Simulation
+from ..runs.signals import Signals
+
+
+class Number(NamedTuple):
+    """A number of a kind of run: its unit, its default (None: must be given), its bound, and what
+    it is."""
+
+    unit: str
+    default: float | None
+    is_positive: bool
+    text: str
+
+
+_STEP = Number("s", 0.04, True, "interval between two samples")
+_STOP = Number("s", None, True, "end of the run")
+_RAMP = {
+    "from": Number("rad/s", 400.0, False, "speed at the start"),
+    "to": Number("rad/s", 0.0, False, "speed at the end"),
+    "rate": Number("rad/s2", 10.0, True, "rate of the speed, without sign"),
+    "step": _STEP,
+}
+_UP = _RAMP | {
+    "from": Number("rad/s", 0.0, False, "speed at the start"),
+    "to": Number("rad/s", 400.0, False, "highest speed"),
+}
+_MEASURED = {
+    "settle": Number("s", 1.0, False, "time that each speed is held before it is looked at"),
+    "turns": Number("1", 64.0, True, "turns looked at"),
+    "per_turn": Number("1", 32.0, True, "samples a turn"),
+    "measure": Number("s", 0.0, False, "time looked at, in the place of turns"),
+    "step": Number("s", 1e-3, True, "interval between two samples, where measure is given"),
+}
+# The numbers of each kind of run, all of which can be varied as `run.NAME`.
+KINDS: Mapping[str, Mapping[str, Number]] = {
+    "run-down": _RAMP,
+    "run-up": _UP,
+    "up-and-down": _UP,
+    "constant": {"speed": Number("rad/s", None, False, "speed")} | _MEASURED,
+    "steps": {
+        "from": Number("rad/s", None, False, "first speed"),
+        "to": Number("rad/s", None, False, "last speed"),
+        "count": Number("1", None, True, "speeds"),
+        "back": Number("1", 0.0, False, "1: and back to the first"),
+    }
+    | _MEASURED,
+    "signals": {"stop": _STOP, "step": _STEP},
+    "drop": {
+        "speed": Number("rad/s", None, False, "speed at the release"),
+        "stop": _STOP,
+        "step": Number("s", 1e-4, True, "interval between two samples"),
+    },
+    "motor": {
+        "torque": Number("N.m", None, True, "largest torque of the motor"),
+        "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
+        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it is told to follow"),
+        "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
+        "from": Number("rad/s", 1.0, False, "speed at the start"),
+        "stop": _STOP,
+        "step": Number("s", 2e-3, True, "interval between two commands to the motor"),
+    },
+}
+FREE = ("drop", "motor")  # the rotor's speed is a state
+WHOLE = ("turns", "per_turn", "count", "back")
+LEVELS = ("constant", "steps")
+
+
+@dataclass(frozen=True)
+class Kick:
+    """A force on a port at the start of a run: its size [N], the rate at which it turns [rad/s],
+    how long it lasts [s]."""
+
+    port: str
+    force: float
+    rate: float
+    duration: float
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How a run is driven: its kind, the kind's numbers, recorded signals, a kick."""
+
+    kind: str
+    numbers: Mapping[str, float]
+    signals: Signals | None = None
+    kick: Kick | None = None
+    loads: tuple[tuple[str, str], ...] = field(default=())
+
+    def changed(self, values: Mapping[str, float]) -> Drive:
+        """The drive with some of its numbers replaced; `InputError` for impossible ones."""
+        if not values:
+            return self
+        numbers = dict(self.numbers) | dict(values)
+        check_numbers(self.kind, numbers)
+        return replace(self, numbers=numbers)
+
+    @property
+    def speeds(self) -> np.ndarray:
+        """The speeds of a run at constant speeds [rad/s], in the order in which they are held."""
+        n = self.numbers
+        if self.kind == "constant":
+            return np.array([n["speed"]])
+        up = np.linspace(n["from"], n["to"], int(n["count"]))
+        return np.concatenate([up, up[-2::-1]]) if n["back"] else up
+
+    @property
+    def start(self) -> dict[str, float]:
+        """What the machine's variables are at the start."""
+        n = self.numbers
+        if self.kind in FREE:
+            first = n["speed"] if self.kind == "drop" else n["from"]
+            return {"w_start": first, "tau_drive": 0.0}
+        if self.kind in LEVELS:
+            return {"speed": float(self.speeds[0]), "speed_continuation": 1}
+        if self.signals is not None:
+            given = {name: self.signals.at(name, 0.0) for name in self.signals.values}
+            return given | {"speed_rate": self.signals.first_rate}
+        way = math.copysign(n["rate"], n["to"] - n["from"])
+        return {"speed": n["from"], "speed_rate": way}
+
+
+def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
+    """Refuse numbers that a kind of run cannot have."""
+    for name, told in KINDS[kind].items():
+        value, unit = numbers[name], "" if told.unit == "1" else f" {told.unit}"
+        if told.is_positive and not value > 0:
+            raise InputError(f"run.{name} = {value:g}{unit}: must be > 0")
+        if value < 0 and name in ("settle", "measure", "back"):
+            raise InputError(f"run.{name} = {value:g}{unit}: must be >= 0")
+        if name in WHOLE and value != int(value):
+            raise InputError(f"run.{name} = {value:g}: must be an integer")
+    if kind in LEVELS and not numbers["measure"]:
+        ends = ("speed",) if kind == "constant" else ("from", "to")
+        for name in ends:
+            if not numbers[name] > 0:
+                raise InputError(f"run.{name} = {numbers[name]:g} rad/s: must be > 0 to make turns")
+    if "rate" in numbers and numbers["from"] == numbers["to"]:
+        raise InputError(f"run.to = {numbers['to']:g} rad/s: must differ from run.from")
+
+
+class Samples(NamedTuple):
+    """Outputs at instants: t, shape (n,) [s]; columns by name, shape (n,)."""
+
+    t: np.ndarray
+    columns: Mapping[str, np.ndarray]
+
+
+class Window(NamedTuple):
+    """A part of a run that is looked at: at chosen instants, and at the solver's own steps; the
+    speed that is held [rad/s], nan where it varies; samples a turn, 0 where they are not so spaced.
+    """
+
+    sampled: Samples
+    steps: Samples
+    speed: float
+    per_turn: int
+
+
+class _Watch:
+    """What is looked at while a simulation marches on: some outputs at chosen instants, others,
+    taped, at the solver's steps."""
+
+    def __init__(self, simulation: Simulation, names: Sequence[str], taped: Sequence[str]) -> None:
+        self._simulation = simulation
+        self._names, self._taped = names, taped
+        self._at = np.array([simulation.names.index(name) for name in names], dtype=int)
+        self._tapes: list[np.ndarray] = []
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was seen, but where the tape stands."""
+        self._times: list[float] = []
+        self._rows: list[np.ndarray] = []
+        tapes = [*self._tapes, self._simulation.drain()] if self._taped else []
+        whole = [tape[-1:] for tape in tapes if len(tape)]
+        self._tapes = whole[-1:]
+
+    def look(self) -> None:
+        """Take a sample, and the tape so far."""
+        self._times.append(self._simulation.time)
+        self._rows.append(self._simulation.observed[self._at])
+        if self._taped:
+            self._tapes.append(self._simulation.drain())
+
+    def window(self, speed: float, per_turn: int) -> Window:
+        """What was seen since the beginning."""
+        sampled = dict(zip(self._names, np.array(self._rows).T, strict=True))
+        tape = np.concatenate([np.zeros((0, 1 + len(self._taped))), *self._tapes]).T
+        steps = Samples(tape[0], dict(zip(self._taped, tape[1:], strict=True)))
+        return Window(Samples(np.array(self._times), sampled), steps, speed, per_turn)
+
+
+def drive(
+    simulation: Simulation, how: Drive, names: Sequence[str], taped: Sequence[str] = ()
+) -> Iterator[Window]:
+    """March through a run; yields its windows, in which the outputs `names` were sampled and those
+    that the simulation records, `taped`, read.
+
+    Raises `StepFailure` where the run stops.
+    """
+    watch = _Watch(simulation, names, taped)
+    if how.kind in LEVELS:
+        yield from _levels(simulation, how, watch)
+        return
+    advance = {"signals": _by_signals, "drop": _dropping, "motor": _by_motor}.get(how.kind, _ramp)
+    watch.look()
+    for _ in advance(simulation, how):
+        watch.look()
+    yield watch.window(math.nan, 0)
+
+
+def _instants(start: float, stop: float, step: float) -> Iterator[float]:
+    """Times after `start` to `stop`, the last cut or stretched by less than half a step."""
+    count = max(1, round((stop - start) / step))
+    for n in range(1, count):
+        yield start + n * step
+    yield stop
+
+
+def _kicked(how: Drive, t: float) -> np.ndarray | None:
+    """The loads of a kick at a time, zero when it is over."""
+    kick = how.kick
+    if kick is None:
+        return None
+    loads = np.zeros(len(how.loads), dtype=complex)
+    if t < kick.duration * (1 - 1e-9):
+        at = [x for x, _ in how.loads].index(f"{kick.port}.fx")
+        loads[at] = cmath.rect(kick.force, kick.rate * t)
+    return loads
+
+
+def _kick_off(simulation: Simulation, how: Drive, drive: float) -> None:
+    """March over the kick, its direction renewed sixty-four times a turn."""
+    kick = how.kick
+    if kick is None:
+        return
+    turn = math.tau / abs(kick.rate) if kick.rate else kick.duration
+    for t in _instants(0.0, kick.duration, min(turn / 64, kick.duration)):
+        simulation.advance(t, drive, _kicked(how, simulation.time))
+    simulation.advance(simulation.time, drive, _kicked(how, simulation.time))
+
+
+def _levels(simulation: Simulation, how: Drive, watch: _Watch) -> Iterator[Window]:
+    n = how.numbers
+    _kick_off(simulation, how, float(how.speeds[0]))
+    for speed in how.speeds.tolist():
+        simulation.advance(simulation.time + n["settle"], speed)
+        begun, interval, count, per_turn = simulation.time, n["step"], 0, 0
+        if n["measure"]:
+            count = max(1, round(n["measure"] / n["step"]))
+        else:
+            # on to the keyphasor's mark, phi a multiple of a turn
+            begun += -simulation.read("phi") % math.tau / speed
+            simulation.advance(begun, speed)
+            per_turn = int(n["per_turn"])
+            count, interval = int(n["turns"]) * per_turn, math.tau / speed / per_turn
+        watch.begin()
+        for k in range(1, count + 1):
+            simulation.advance(begun + k * interval, speed)
+            watch.look()
+        yield watch.window(speed, per_turn)
+
+
+def _ramp(simulation: Simulation, how: Drive) -> Iterator[float]:
+    n = how.numbers
+    way = math.copysign(n["rate"], n["to"] - n["from"])
+    top = abs(n["to"] - n["from"]) / n["rate"]
+    stop = 2 * top if how.kind == "up-and-down" else top
+    _kick_off(simulation, how, n["from"])
+    for t in _instants(simulation.time, stop, n["step"]):
+        now = simulation.time
+        speed = n["from"] + way * (now if now <= top else 2 * top - now)
+        simulation.advance(t, speed)
+        yield t
+
+
+def _by_signals(simulation: Simulation, how: Drive) -> Iterator[float]:
+    signals = how.signals
+    assert signals is not None  # the reader sees to it
+    for t in _instants(0.0, how.numbers["stop"], how.numbers["step"]):
+        now = simulation.time
+        loads = np.array([complex(signals.at(x, now), signals.at(y, now)) for x, y in how.loads])
+        simulation.advance(t, signals.at("speed", now), loads)
+        yield t
+
+
+def _dropping(simulation: Simulation, how: Drive) -> Iterator[float]:
+    for t in _instants(0.0, how.numbers["stop"], how.numbers["step"]):
+        simulation.advance(t, 0.0)
+        yield t
+
+
+def _by_motor(simulation: Simulation, how: Drive) -> Iterator[float]:
+    """A motor that follows a ramp with a torque in proportion to what is missing, and its limit."""
+    n = how.numbers
+    inertia = simulation.read("J")
+    w = simulation.names.index("w")
+    for t in _instants(0.0, n["stop"], n["step"]):
+        told = n["from"] + n["ramp"] * simulation.time
+        ahead = inertia * n["ramp"] if told < n["target"] else 0.0
+        missing = min(told, n["target"]) - float(simulation.observed[w])
+        torque = max(-n["torque"], min(n["torque"], n["gain"] * missing + ahead))
+        simulation.advance(t, torque)
+        yield t

@@ -1,0 +1,183 @@
+"""Rows of a study as Parquet parts in its folder: written aside and moved, so that each is whole.
+
+FOLDER/study.json          what the study is
+FOLDER/study.lock          held by the call that is at work
+FOLDER/rows/*.parquet      rows, in no order; one that stands in two parts counts once
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import uuid
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError, RunFailed, writable_folder
+from ..model.kernels.process_lock import ProcessLock
+from ..runs.job import write_json
+from .study import Result, Study, read_about
+
+if TYPE_CHECKING:
+    import pyarrow
+
+_SMALL = 4 << 20  # parts below this are merged [bytes]
+_MOST_SMALL = 64
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: its number, its id, the values of what is varied, what came of it."""
+
+    run: int
+    id: str
+    point: Mapping[str, float]
+    result: Result
+
+
+def parts(folder: Path) -> list[Path]:
+    """The parts that are there, in the order of their names."""
+    return sorted((folder / "rows").glob("*.parquet"))
+
+
+class Store:
+    """The folder of a study, open to be written to; a context that holds its lock.
+
+    Raises `InputError` for a folder of another study or one that another call is at work in, and
+    `RunFailed` where a part cannot be written.
+    """
+
+    def __init__(self, folder: Path, study: Study) -> None:
+        self._folder = folder
+        self._study = study
+        self._schema = schema_of(study)
+        self._refuse_another()
+
+    def __enter__(self) -> Store:
+        writable_folder(self._folder / "rows")
+        self._lock = ProcessLock(self._folder / "study.lock")
+        if not self._lock.take():
+            raise InputError(f"--out {self._folder}: another call is at work in it")
+        try:
+            self._begin()
+        except BaseException:
+            self._lock.release()
+            raise
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        self._lock.release()
+
+    def _begin(self) -> None:
+        self._refuse_another()
+        try:
+            write_json(self._study.about, self._folder / "study.json")
+        except OSError as error:
+            raise self._full(error) from error
+        for left in (self._folder / "rows").glob("*.unfinished"):
+            left.unlink()
+
+    def _refuse_another(self) -> None:
+        try:
+            there = read_about(self._folder)
+        except (OSError, ValueError) as error:
+            raise InputError(f"--out {self._folder}: its study.json cannot be read") from error
+        if there is None or there.get("identity") == self._study.identity:
+            return
+        theirs = f"{there.get('name')!r} by version {there.get('version')}"
+        raise InputError(
+            f"--out {self._folder}: holds another study, {theirs}; its machine, run, design or "
+            "columns differ; name another folder"
+        )
+
+    def done(self) -> np.ndarray:
+        """Whether each run has its row, shape (runs,)."""
+        import pyarrow.parquet as pq
+
+        is_done = np.zeros(len(self._study.design), dtype=bool)
+        for path in parts(self._folder):
+            is_done[pq.read_table(path, columns=["run"])["run"].to_numpy()] = True
+        return is_done
+
+    def write(self, rows: Iterable[Row]) -> None:
+        """Write rows as a part of their own."""
+        import pyarrow as pa
+
+        table = pa.Table.from_pylist([_cells(row) for row in rows], schema=self._schema)
+        self._put(table)
+
+    def merge_small(self, least: int = _MOST_SMALL) -> None:
+        """Make one part of the small ones once there are `least`; a merge that is cut short leaves
+        rows twice, never none."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        small = [path for path in parts(self._folder) if path.stat().st_size < _SMALL]
+        if len(small) < least:
+            return
+        self._put(pa.concat_tables([pq.read_table(path, schema=self._schema) for path in small]))
+        for path in small:
+            path.unlink()
+
+    def _put(self, table: pyarrow.Table) -> None:
+        path = self._folder / "rows" / f"{uuid.uuid4().hex}.parquet"
+        unfinished = path.with_suffix(".unfinished")
+        try:
+            write_part(table, unfinished)
+            unfinished.replace(path)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                unfinished.unlink(missing_ok=True)
+            raise self._full(error) from error
+
+    def _full(self, error: OSError) -> RunFailed:
+        reason = error.strerror or str(error)
+        return RunFailed(
+            f"{self._folder}: cannot be written to: {reason}; what was written before is whole, "
+            "and the same call goes on from there"
+        )
+
+
+def write_part(table: pyarrow.Table, path: Path) -> None:
+    """Write a table and wait until it is on the disk."""
+    import pyarrow.parquet as pq
+
+    with path.open("wb") as file:
+        pq.write_table(table, file, compression="zstd")
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _cells(row: Row) -> dict[str, Any]:
+    head = {"run": row.run, "id": row.id, "status": row.result.status}
+    return {**head, **row.point, **row.result.cells}
+
+
+def schema_of(study: Study) -> pyarrow.Schema:
+    """Columns of the parts; cells of a failed run are null."""
+    import pyarrow as pa
+
+    fields = [pa.field("run", pa.int64()), pa.field("id", pa.string())]
+    fields.append(pa.field("status", pa.string()))
+    fields += [pa.field(axis.name, pa.float64()) for axis in study.design.axes]
+    for column in study.model.columns:
+        kind = pa.list_(pa.float64()) if column.dimension else pa.float64()
+        fields.append(pa.field(column.name, kind))
+    return pa.schema(fields)
+
+
+def read_rows(folder: Path, columns: list[str] | None = None) -> pyarrow.Table:
+    """All rows there are, each once, in the order of the runs; `InputError` without a study."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    found = parts(folder)
+    if not found:
+        raise InputError(f"{folder}: holds no rows of a study")
+    table = pa.concat_tables([pq.read_table(path, columns=columns) for path in found])
+    _, first = np.unique(table["run"].to_numpy(), return_index=True)
+    return table.take(pa.array(first))

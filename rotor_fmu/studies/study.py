@@ -1,0 +1,110 @@
+"""What a study is: something that is run, what is varied, and what identifies each of its runs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import Protocol
+
+from ..about import __version__
+from .design import Design
+
+OK = "ok"
+FAILED = "failed: "
+Cell = float | list[float]
+
+
+@dataclass(frozen=True)
+class Column:
+    """What is kept of a run: a number, or a list along a dimension.
+
+    dimension: its name, empty of a number; coordinate: its values, empty where they only count.
+    """
+
+    name: str
+    unit: str
+    text: str
+    dimension: str = ""
+    coordinate: tuple[float, ...] = ()
+    coordinate_unit: str = "1"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one run: `ok`, what makes it doubtful, or `failed: ` and why; the cells by the
+    names of the columns, none of a failed run."""
+
+    status: str
+    cells: Mapping[str, Cell]
+
+
+class Model(Protocol):
+    """What a study runs; it is sent to other processes, so it must be small and picklable."""
+
+    @property
+    def identity(self) -> str:
+        """All that decides, beside the values, what a run gives."""
+        ...
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """What is kept of each run."""
+        ...
+
+    def warm(self) -> None:
+        """Make ready in this process what all runs share."""
+        ...
+
+    def run(self, values: Mapping[str, float]) -> Result:
+        """One run with these values of what is varied; equal values, equal result, bit for bit."""
+        ...
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study that was checked and can begin.
+
+    limits: by column, what it should not pass; text: the file it was read from.
+    """
+
+    name: str
+    model: Model
+    design: Design
+    limits: Mapping[str, float] = field(default_factory=dict)
+    text: str = ""
+
+    @property
+    def identity(self) -> str:
+        """Hash of all that decides the rows: model, design with its seed, version."""
+        told = json.dumps([__version__, self.model.identity, self.design.identity])
+        return sha256(told.encode()).hexdigest()[:32]
+
+    def row_id(self, values: Mapping[str, float]) -> str:
+        """Hash of one run: of model, seed and version, and of the values."""
+        told = [__version__, self.model.identity, self.design.seed, sorted(values.items())]
+        return sha256(json.dumps(told).encode()).hexdigest()[:16]
+
+    @property
+    def about(self) -> dict[str, object]:
+        """What a folder says of its study."""
+        return {
+            "name": self.name,
+            "identity": self.identity,
+            "version": __version__,
+            "runs": len(self.design),
+            "design": self.design.told,
+            "columns": [vars(column) for column in self.model.columns],
+            "limits": dict(self.limits),
+            "text": self.text,
+        }
+
+
+def read_about(folder: Path) -> dict[str, object] | None:
+    """What a folder says of its study, None where it holds none."""
+    try:
+        return json.loads((folder / "study.json").read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        return None

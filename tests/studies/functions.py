@@ -1,0 +1,81 @@
+"""Functions in the place of a machine: the same path from a study's file to its rows."""
+
+import contextlib
+import math
+import os
+import signal
+import time
+from dataclasses import dataclass
+
+from rotor_fmu.studies.engines import Engine, Here
+from rotor_fmu.studies.study import Column, Result
+
+NAMES = ("x1", "x2", "x3")
+
+
+@dataclass(frozen=True)
+class Ishigami:
+    """sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1 on (-pi, pi)^3, and a curve of it.
+
+    pause: how long a run takes [s]; fails_above: x1 above which it raises; deadly_above: above
+    which it kills its process.
+    """
+
+    pause: float = 0.0
+    fails_above: float = math.inf
+    deadly_above: float = math.inf
+    identity = "ishigami"
+    columns = (
+        Column("y", "1", "value"),
+        Column("curve", "1", "beside x1", "beside", (-0.1, 0.0, 0.1)),
+    )
+
+    def warm(self):
+        pass
+
+    def run(self, values):
+        if self.pause:
+            time.sleep(self.pause)
+        x1, x2, x3 = (values[name] for name in NAMES)
+        if x1 > self.deadly_above:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if x1 > self.fails_above:
+            raise ValueError(f"x1 = {x1:.3g}: too large")
+        y = math.sin(x1) + 7 * math.sin(x2) ** 2 + 0.1 * x3**4 * math.sin(x1)
+        return Result("ok", {"y": y, "curve": [y - 0.1, y, y + 0.1]})
+
+
+def study_text(kind="saltelli", size=16):
+    """A study of Ishigami's function."""
+    lines = [
+        f"{name} = {{ distribution = 'uniform', low = -{math.pi}, high = {math.pi} }}"
+        for name in NAMES
+    ]
+    return "\n".join(
+        ["[design]", f"kind = '{kind}'", f"size = {size}", "seed = 3", "[vary]", *lines]
+    )
+
+
+def ishigami_study(folder, model=None, text=None):
+    """The study read from a file in a folder."""
+    from rotor_fmu.studies.reading import read_study  # which a worker need not import
+
+    path = folder / "study.toml"
+    path.write_text(text or study_text())
+    return read_study(path, lambda tables, beside: (model or Ishigami(), NAMES))
+
+
+@contextlib.contextmanager
+def here():
+    """An engine in this process."""
+    yield Engine(Here(), 1, 0.05)
+
+
+@contextlib.contextmanager
+def one_by_one():
+    """An engine in this process whose chunks are single runs."""
+    yield Engine(Here(), 1, 0.0)
+
+
+def quiet(progress):
+    """No progress."""

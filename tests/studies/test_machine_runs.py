@@ -1,0 +1,140 @@
+"""Runs of a machine as rows: what is kept of them, and that a row can be run again."""
+
+import json
+import math
+import sys
+
+import numpy as np
+import pytest
+
+from rotor_fmu import studies
+from rotor_fmu.cli import main
+from rotor_fmu.runs.recording import load_recording
+from rotor_fmu.studies.conduct import conduct
+from rotor_fmu.studies.driving import Drive, Samples, Window
+from rotor_fmu.studies.keeping import Keep, cells
+from rotor_fmu.studies.reading import read_study
+
+from .functions import here, quiet
+
+RIG = """
+[run]
+kind = "run-down"
+from = 210
+to = 160
+rate = 25
+[set]
+"solver.tolerance" = 1e-2
+[vary]
+clearance = { names = "bearing[*].clearance", values = [40e-6, 60e-6] }
+[keep]
+X = { peak = "disc[3].x_amp" }
+loss_1 = { dissipated = "bearing[1]" }
+loss_2 = { dissipated = "bearing[2]" }
+loss = { last = "energy.friction_loss" }
+touching = { contact = "bearing[1]" }
+over_speed = { amplitude = "disc[3].x_amp", bins = { from = 150, to = 220, count = 7 } }
+at_190 = { value = "disc[3].x_amp", speed = 190 }
+"1x at 190" = { order = 1, speed = 190, of = "disc[3].x" }
+"""
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    """A study's file, its folder and its rows."""
+    folder = tmp_path_factory.mktemp("rig")
+    path = folder / "study.toml"
+    path.write_text(RIG)
+    conduct(read_study(path), folder / "out", here, quiet)
+    return path, folder / "out", studies.open(folder / "out")
+
+
+def test_friction_at_each_contact_adds_up_to_the_ledger(rig):
+    _, _, data = rig
+    assert (data.loss_1 + data.loss_2).values == pytest.approx(data.loss.values, rel=1e-4)
+
+
+def test_kept_amplitudes_agree_with_one_another(rig):
+    _, _, data = rig
+    assert data.over_speed.max("over_speed speed").values == pytest.approx(data.X.values)
+    assert data["1x at 190"].values == pytest.approx(data.at_190.values, rel=0.1)
+    assert (data.touching.values > 0).all()
+    assert (data.touching.values <= 2.0).all()
+
+
+def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypatch):
+    path, out, data = rig
+    run_id = str(data.id.values[1])
+    arguments = ["study", str(path), "--out", str(out), "--select", run_id]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0
+    recording = load_recording(out / "runs" / run_id / "recording.npz")
+    touching = np.trapezoid(recording.columns["bearing[1].contact"], recording.t)
+    assert touching == data.touching.values[1]
+    assert recording.about["parameters"]["bearing[2].clearance"] == 60e-6
+    assert {"phi", "w", "disc[3].x", "bearing[1].fn"} <= set(recording.columns)
+    summary = json.loads((out / "runs" / run_id / "summary.json").read_text())
+    assert summary["run"] == 1
+    assert summary["status"] == "ok"
+
+
+def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
+    path = tmp_path / "study.toml"
+    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    path.write_text(
+        RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
+    )
+    conduct(read_study(path), tmp_path / "out", here, quiet)
+    (status,) = studies.open(tmp_path / "out").status.values
+    assert status.startswith("failed: bearing[")
+    assert status.endswith(" m: must be > 0 and finite") or "must be > 0" in status
+
+
+HELD = Drive("constant", {"speed": 10.0, "turns": 8.0, "per_turn": 32.0, "measure": 0.0})
+
+
+def window(values, turns=8, per_turn=32):
+    """A window at a held speed of functions of the angle."""
+    k = np.arange(1, turns * per_turn + 1)
+    angle = 2 * math.pi * k / per_turn
+    sampled = Samples(angle / 10.0, {name: f(angle) for name, f in values.items()})
+    return Window(sampled, Samples(np.zeros(0), {}), 10.0, per_turn)
+
+
+WHIRL = {
+    "d.x": lambda a: 0.5 + 3 * np.cos(a) + np.cos(0.5 * a) + 0.25 * np.cos(2 * a),
+    "d.y": lambda a: 3 * np.sin(a) - np.sin(0.5 * a) + 0.25 * np.sin(2 * a),
+}
+
+
+@pytest.mark.parametrize(("order", "amplitude"), [(1, 3), (0.5, 1), (2, 0.25), (3, 0)])
+def test_orders_are_told_apart(order, amplitude):
+    keep = Keep("q", "order", "d.x", (("order", order),))
+    assert cells(keep, [window(WHIRL)], HELD) == pytest.approx(amplitude, abs=1e-12)
+
+
+def test_the_full_spectrum_tells_forward_from_backward_whirl():
+    keep = Keep("q", "spectrum", "d", (("orders", 3),))
+    lines = np.array(cells(keep, [window(WHIRL)], HELD))
+    at = {float(order): lines[i] for i, order in enumerate(np.arange(-24, 25) / 8)}
+    assert at[1.0] == pytest.approx(3)
+    assert at[-0.5] == pytest.approx(1)
+    assert at[2.0] == pytest.approx(0.25)
+    assert at[0.5] == pytest.approx(0, abs=1e-12)
+
+
+def test_poincare_points_are_those_at_the_mark():
+    points = cells(Keep("q", "poincare", "d.x"), [window(WHIRL)], HELD)
+    # half an order: two points, in turns
+    assert points == pytest.approx([0.5 + 3 - 1 + 0.25, 0.5 + 3 + 1 + 0.25] * 4)
+
+
+def test_peak_rms_mean_and_whirl_of_a_circle():
+    circle = {"d.x": lambda a: 2 * np.cos(-a), "d.y": lambda a: 2 * np.sin(-a)}
+    seen = [window(circle, per_turn=256)]
+    assert cells(Keep("q", "whirl", "d"), seen, HELD) == pytest.approx(-10.0)
+    assert cells(Keep("q", "peak", "d.x"), seen, HELD) == pytest.approx(2.0)
+    assert cells(Keep("q", "rms", "d.x"), seen, HELD) == pytest.approx(math.sqrt(2), rel=1e-3)
+    assert cells(Keep("q", "mean", "d.r"), seen, HELD) == pytest.approx(2.0)

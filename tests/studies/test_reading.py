@@ -1,0 +1,230 @@
+"""STUDY.toml: what it may say, and the one line where it says something else."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from rotor_fmu.cli import main
+from rotor_fmu.errors import InputError
+from rotor_fmu.studies.design import Axis, Design, Distribution
+from rotor_fmu.studies.reading import read_study
+
+STUDY = """
+[run]
+kind = "run-down"
+from = 220
+rate = 40
+[set]
+"solver.tolerance" = 1e-2
+[vary]
+clearance = { names = "bearing[*].clearance", values = [40e-6, 60e-6] }
+"disc[2].e" = { grid = { from = 10e-6, to = 90e-6, count = 3 } }
+[keep]
+X = { peak = "disc[3].x_amp" }
+[limits]
+X = 400e-6
+"""
+HELD = (
+    '[run]\nkind = "constant"\nspeed = 150\nturns = 8\n[vary]\n"run.speed" = { values = [150] }\n'
+)
+
+
+def read(tmp_path, text):
+    path = tmp_path / "study.toml"
+    path.write_text(text)
+    return read_study(path)
+
+
+def test_a_study_is_the_product_of_its_lists_with_names_told_together(tmp_path):
+    study = read(tmp_path, STUDY)
+    points = [study.design.point(i) for i in range(len(study.design))]
+    assert [p["clearance"] for p in points] == [40e-6] * 3 + [60e-6] * 3
+    assert [p["disc[2].e"] for p in points][:3] == pytest.approx([10e-6, 50e-6, 90e-6])
+    assert study.design.settings(points[3]) == {
+        "bearing[1].clearance": 60e-6,
+        "bearing[2].clearance": 60e-6,
+        "disc[2].e": 10e-6,
+    }
+
+
+def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
+    point = {"bearing[1].clearance": 4e-5, "bearing[2].clearance": 4e-5, "disc[2].e": 1e-5}
+    first = read(tmp_path, STUDY)
+    said_otherwise = read(tmp_path, "# a comment\n" + STUDY.replace("from = 220", "from = 220.0"))
+    assert first.row_id(point) == said_otherwise.row_id(dict(reversed(point.items())))
+    assert first.identity == said_otherwise.identity
+    others = [
+        first.row_id(point | {"disc[2].e": np.nextafter(1e-5, 1)}),
+        *(
+            read(tmp_path, STUDY.replace(*change)).row_id(point)
+            for change in (("rate = 40", "rate = 41"), ("tolerance", "rtol"), ("X =", "Y ="))
+            if "X" not in change[0]
+        ),
+        read(tmp_path, STUDY + "[design]\nseed = 1\n").row_id(point),
+    ]
+    assert len({first.row_id(point), *others}) == 1 + len(others)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("[keep]", "[kep]", "kep: unknown name; did you mean keep"),
+        ('"run-down"', '"rundown"', "run kind = 'rundown': must be one of run-down, run-up"),
+        ("rate = 40", "rat = 40", "run run-down: rat: unknown name; did you mean rate"),
+        ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0"),
+        ("rate = 40", 'rate = "fast"', "run.rate = 'fast': must be a finite number"),
+        ("[run]", 'machine = "no.toml"\n[run]', "no.toml: cannot be read"),
+        ("solver.tol", "solver.tal", "set solver.talerance: unknown name; did you mean solver.tol"),
+        ("= 1e-2", "= 2", "set solver.tolerance = 2: must be from 0 to 1"),
+        ("disc[2].e", "disc[4].e", "vary disc[4].e: unknown name; did you mean disc[3].e"),
+        ("[*].clearance", "[*].clearence", "no name is so; did you mean bearing[1].clearance"),
+        ("disc[2].e", "bearing[1].clearance", "is varied by clearance too"),
+        ("disc[2].e", "solver.tolerance", "solver.tolerance stands in [set] too"),
+        ("disc[2].e", "run.rat", "vary run.rat: unknown name; did you mean run.rate"),
+        ("40e-6", "-40e-6", "vary clearance = -4e-05: must be >= 0"),
+        (", values = [40e-6, 60e-6]", "", "must have one of values, grid, distribution"),
+        (", count = 3", "", "grid has no count"),
+        ("count = 3", "count = 0", "grid count = 0: must be an integer >= 1"),
+        ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
+        ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
+        ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; did you mean X"),
+        ("X = {", "clearance = {", "keep clearance: is the name of something varied"),
+        (
+            "values = [40e-6, 60e-6]",
+            'distribution = "normal", mean = 5e-5',
+            "vary clearance: a normal distribution needs mean, std; no std",
+        ),
+        (
+            "values = [40e-6, 60e-6]",
+            'distribution = "gauss", mean = 5e-5',
+            "distribution = 'gauss': must be one of uniform, log-uniform, normal",
+        ),
+        (
+            "values = [40e-6, 60e-6]",
+            'distribution = "uniform", low = 2, high = 1',
+            "vary clearance: low = 2: must be below high = 1",
+        ),
+        (
+            "values = [40e-6, 60e-6]",
+            'distribution = "uniform", low = 4e-5, high = 6e-5',
+            "vary clearance: is distributed; [design] must name one of random",
+        ),
+        ("[limits]", '[design]\nkind = "sobol"\n[limits]', "design sobol: needs size"),
+        ("[limits]", "[limits", "is not valid TOML"),
+        ('peak = "disc[3].x_amp"', 'poincare = "disc[3].x"', "at a constant speed in whole turns"),
+        ('peak = "disc[3].x_amp"', 'value = "disc[3].x_amp"', "keep X: value needs speed"),
+    ],
+)
+def test_a_study_misread_is_refused_in_one_line_and_writes_nothing(
+    tmp_path, monkeypatch, capsys, old, new, expected
+):
+    assert old in STUDY
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY.replace(old, new, 1))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "study", "study.toml", "--out", "out"])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == [file]
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert line.startswith("rotor-fmu: study.toml: ")
+    assert expected in line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["--jobs", "2", "--cluster", "local:2"], "--jobs, --scheduler, --cluster: only one"),
+        (["--cluster", "far:2"], "--cluster far:2: must be local:N"),
+        (["--cluster", "local:0"], "--cluster local:0: must be local:N"),
+        (["--select", "99"], "--select 99: no run of this study has that id; numbers go to 5"),
+    ],
+)
+def test_options_that_cannot_be_are_refused(tmp_path, monkeypatch, capsys, arguments, expected):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY)
+    monkeypatch.setattr(
+        sys, "argv", ["rotor-fmu", "study", str(file), "--out", str(tmp_path / "out"), *arguments]
+    )
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == [file]
+    assert expected in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
+    tmp_path, monkeypatch, capsys
+):
+    file = tmp_path / "study.toml"
+    file.write_text(STUDY)
+    address = "tcp://127.0.0.1:9"
+    arguments = ["study", str(file), "--out", str(tmp_path / "out"), "--scheduler", address]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    assert list(tmp_path.iterdir()) == [file]
+    said = capsys.readouterr().err.strip()
+    assert said.endswith(f"rotor-fmu: --scheduler {address}: no scheduler answers within 10 s")
+
+
+@pytest.mark.parametrize(
+    ("keep", "expected"),
+    [
+        ('{ order = 0.3, of = "disc[3].x" }', "order = 0.3: must make whole periods in turns"),
+        ('{ spectrum = "disc[3]", orders = 99 }', "orders = 99: at most half of run.per_turn"),
+        ('{ amplitude = "disc[3].x" , bins = { from = 1, to = 2, count = 1 } }', "speed goes on"),
+        ('{ spectrum = "disc[9]", orders = 2 }', "disc[9]: unknown name; did you mean disc[3]"),
+    ],
+)
+def test_keeps_of_constant_speeds_that_cannot_be_are_refused(tmp_path, keep, expected):
+    with pytest.raises(InputError, match=expected.replace("[", r"\[")):
+        read(tmp_path, f"{HELD}[keep]\nq = {keep}\n")
+
+
+LAWS = {
+    "uniform": ({"low": 2.0, "high": 4.0}, 3.0),
+    "log-uniform": ({"low": 1.0, "high": 100.0}, 10.0),
+    "normal": ({"mean": 3.0, "std": 0.5}, 3.0),
+    "truncated-normal": ({"mean": 3.0, "std": 0.5, "low": 2.0, "high": 4.0}, 3.0),
+}
+
+
+@pytest.mark.parametrize("kind", ["random", "latin-hypercube", "sobol", "saltelli"])
+@pytest.mark.parametrize("law", LAWS)
+def test_every_design_draws_every_distribution_about_its_median(kind, law):
+    parameters, median = LAWS[law]
+    axes = tuple(Axis(n, (n,), distribution=Distribution(law, parameters)) for n in "ab")
+    design = Design(axes, kind, 256, 7)
+    drawn = np.array([list(design.point(i).values()) for i in range(len(design))])
+    below = (drawn < median).mean(axis=0)
+    assert below == pytest.approx([0.5, 0.5], abs=0.07 if kind == "random" else 0.02)
+    assert drawn.min() >= parameters.get("low", -np.inf)
+    assert drawn.max() <= parameters.get("high", np.inf)
+    again = Design(axes, kind, 256, 7)
+    assert again.identity == design.identity != Design(axes, kind, 256, 8).identity
+
+
+def test_a_normal_distribution_has_its_standard_deviation():
+    law = Distribution("normal", {"mean": 3.0, "std": 0.5})
+    # of a normal distribution 84.134474606854 % lie below one standard deviation
+    assert law.at(np.array([0.84134474606854]))[0] == pytest.approx(3.5)
+
+
+def test_samples_are_taken_at_every_point_of_a_grid():
+    drawn = Axis("a", ("a",), distribution=Distribution("uniform", {"low": 0.0, "high": 1.0}))
+    design = Design((Axis("n", ("n",), (1.0, 2.0, 3.0)), drawn), "latin-hypercube", 4)
+    points = [design.point(i) for i in range(len(design))]
+    assert len(points) == 12
+    assert [p["n"] for p in points[:4]] == [1.0, 2.0, 3.0, 1.0]
+    assert points[0]["a"] == points[2]["a"] != points[3]["a"]
+
+
+def test_morris_refuses_a_distribution_without_ends():
+    axis = Axis("a", ("a",), distribution=Distribution("normal", {"mean": 0.0, "std": 1.0}))
+    with pytest.raises(InputError, match="vary a: is normal; morris reaches the ends"):
+        Design((axis,), "morris", 4)
