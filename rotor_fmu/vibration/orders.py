@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, hann, synchronous
+from .turns import TURN, Synchronous, hann, synchronous
 
 _HALF_POWER = 0.5**0.5
 
@@ -90,6 +90,14 @@ def order_track(
     `TooFewTurns`, and `ValueError` for an order that the block cannot hold.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
+    return order_track_of(signal, orders, turns=turns)
+
+
+def order_track_of(
+    signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = 4
+) -> OrderTrack:
+    """`order_track` of a signal that is resampled already."""
+    signal.needs(turns)
     for order in orders:
         if not 0 < order < signal.per_turn / 2:
             raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
