@@ -125,14 +125,22 @@ def resonances(speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1) -> 
     speed [rad/s], amplitude 0-p [m], shape (m,); least: share of the highest amplitude below which
     a peak, and how far it stands out, is not told.
     """
-    from scipy.signal import find_peaks
-
     order = np.argsort(speed, kind="stable")
     n, a = np.asarray(speed)[order], np.asarray(amplitude)[order]
     floor = least * a.max(initial=0.0)
-    at, _ = find_peaks(a, height=floor, prominence=max(floor, np.finfo(float).tiny))
+    at = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
+    at = [i for i in at if a[i] >= floor and _prominence(a, i) >= floor]
     found = [Resonance(float(n[i]), float(a[i]), _amplification(n, a, i)) for i in at]
     return sorted(found, key=lambda peak: -peak.amplitude)
+
+
+def _prominence(a: np.ndarray, peak: int) -> float:
+    """How far one has to go down from a peak before a higher place is reached."""
+    lowest = []
+    for side in (a[:peak][::-1], a[peak + 1 :]):
+        higher = np.flatnonzero(side > a[peak])
+        lowest.append(side[: higher[0] if len(higher) else None].min())
+    return float(a[peak] - max(lowest))
 
 
 def _amplification(n: np.ndarray, a: np.ndarray, peak: int) -> float:
