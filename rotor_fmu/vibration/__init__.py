@@ -9,13 +9,25 @@ z = x + i y [m] of one place, each of shape (n,), at whatever steps they were re
     track.speed, abs(track.x(1.0)), track.phase_x(1.0)
 
 Amplitudes are 0-p (half of the peak-to-peak value) unless a name says `pp`. Angles are measured
-from the keyphasor mark, the shaft's angle 0: a lag is negative.
+from the keyphasor mark, the shaft's angle 0: a lag is negative. For many answers about one signal,
+resample it once by `synchronous` and take the functions whose names end in `_of`.
 """
 
 from .contact import Contact, contact, power_by_sink
-from .orbits import Displacement, Orbit, Poincare, Whirl, displacement, orbit, poincare, whirl
-from .orders import OrderTrack, Resonance, order_track, resonances
-from .spectra import Cascade, FullSpectrum, cascade, full_spectrum
+from .orbits import (
+    Displacement,
+    Orbit,
+    Poincare,
+    Whirl,
+    displacement,
+    displacement_of,
+    orbit,
+    poincare,
+    whirl,
+    whirl_of,
+)
+from .orders import OrderTrack, Resonance, order_track, order_track_of, resonances
+from .spectra import Cascade, FullSpectrum, cascade, cascade_of, full_spectrum
 from .turns import Synchronous, TooFewTurns, synchronous
 
 __all__ = [
@@ -31,14 +43,18 @@ __all__ = [
     "TooFewTurns",
     "Whirl",
     "cascade",
+    "cascade_of",
     "contact",
     "displacement",
+    "displacement_of",
     "full_spectrum",
     "orbit",
     "order_track",
+    "order_track_of",
     "poincare",
     "power_by_sink",
     "resonances",
     "synchronous",
     "whirl",
+    "whirl_of",
 ]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, synchronous
+from .turns import TURN, Synchronous, synchronous
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,12 @@ def whirl(t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None
     sense = Im <conj(w) w'> / sqrt(<|w|^2> <|w'|^2>), order = Im <conj(w) w'> / <|w|^2>; the area
     that is swept a turn is pi times Im <conj(w) w'>.
     """
-    signal = synchronous(t, phi, z, turns=3, per_turn=per_turn)
+    return whirl_of(synchronous(t, phi, z, turns=3, per_turn=per_turn))
+
+
+def whirl_of(signal: Synchronous) -> Whirl:
+    """`whirl` of a signal that is resampled already."""
+    signal.needs(3)
     slope = np.gradient(signal.values.ravel(), TURN / signal.per_turn).reshape(signal.values.shape)
     slope = slope[1:-1]
     around = signal.values[1:-1]
@@ -119,7 +124,11 @@ def displacement(
     t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None = None
 ) -> Displacement:
     """Peak-to-peak displacements and S_max of every turn (ISO 20816-1). Raises `TooFewTurns`."""
-    signal = synchronous(t, phi, z, per_turn=per_turn)
+    return displacement_of(synchronous(t, phi, z, per_turn=per_turn))
+
+
+def displacement_of(signal: Synchronous) -> Displacement:
+    """`displacement` of a signal that is resampled already."""
     values = signal.values
     return Displacement(
         (signal.marks[:-1] + signal.marks[1:]) / 2,

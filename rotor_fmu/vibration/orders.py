@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, hann, synchronous
+from .turns import TURN, Synchronous, hann, synchronous
 
 _HALF_POWER = 0.5**0.5
 
@@ -90,6 +90,14 @@ def order_track(
     `TooFewTurns`, and `ValueError` for an order that the block cannot hold.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
+    return order_track_of(signal, orders, turns=turns)
+
+
+def order_track_of(
+    signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = 4
+) -> OrderTrack:
+    """`order_track` of a signal that is resampled already."""
+    signal.needs(turns)
     for order in orders:
         if not 0 < order < signal.per_turn / 2:
             raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
@@ -117,14 +125,22 @@ def resonances(speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1) -> 
     speed [rad/s], amplitude 0-p [m], shape (m,); least: share of the highest amplitude below which
     a peak, and how far it stands out, is not told.
     """
-    from scipy.signal import find_peaks
-
     order = np.argsort(speed, kind="stable")
     n, a = np.asarray(speed)[order], np.asarray(amplitude)[order]
     floor = least * a.max(initial=0.0)
-    at, _ = find_peaks(a, height=floor, prominence=max(floor, np.finfo(float).tiny))
+    at = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
+    at = [i for i in at if a[i] >= floor and _prominence(a, i) >= floor]
     found = [Resonance(float(n[i]), float(a[i]), _amplification(n, a, i)) for i in at]
     return sorted(found, key=lambda peak: -peak.amplitude)
+
+
+def _prominence(a: np.ndarray, peak: int) -> float:
+    """How far one has to go down from a peak before a higher place is reached."""
+    lowest = []
+    for side in (a[:peak][::-1], a[peak + 1 :]):
+        higher = np.flatnonzero(side > a[peak])
+        lowest.append(side[: higher[0] if len(higher) else None].min())
+    return float(a[peak] - max(lowest))
 
 
 def _amplification(n: np.ndarray, a: np.ndarray, peak: int) -> float:

@@ -42,9 +42,11 @@ class FullSpectrum:
 class Cascade:
     """Full spectra through a run (a waterfall).
 
-    t, speed: shape (m,) [s], [rad/s]; order: shape (k,); amplitude: 0-p, shape (m, k) [m].
+    first: the first turn of each block, shape (m,); t, speed: of the blocks, shape (m,) [s],
+    [rad/s]; order: shape (k,); amplitude: 0-p, shape (m, k) [m].
     """
 
+    first: np.ndarray
     t: np.ndarray
     speed: np.ndarray
     order: np.ndarray
@@ -92,11 +94,19 @@ def cascade(
     Raises `TooFewTurns` for less turns than a block.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
+    return cascade_of(signal, turns=turns, lines=lines, most_order=most_order)
+
+
+def cascade_of(
+    signal: Synchronous, *, turns: int = 16, lines: int = 120, most_order: float = MOST_ORDER
+) -> Cascade:
+    """`cascade` of a signal that is resampled already."""
+    signal.needs(turns)
     last = len(signal.values) - turns
     first = np.unique(np.linspace(0, last, min(lines, last + 1)).round().astype(int))
     order, amplitude = _spectra(signal, first, turns, most_order)
     middle = (signal.marks[first] + signal.marks[first + turns]) / 2
-    return Cascade(middle, signal.speed_over(first, turns), order, amplitude)
+    return Cascade(first, middle, signal.speed_over(first, turns), order, amplitude)
 
 
 def _spectra(

@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 _LEAST, _MOST = 64, 1024  # samples a turn
 _SHORT = 0.1  # share of the steps that may be shorter than those that decide how fine to resample
+_TOO_FEW = "the signal holds {} whole turns of the shaft; {} are needed"
 TURN = 2 * math.pi
 
 
@@ -49,6 +50,11 @@ class Synchronous:
     def speed(self) -> np.ndarray:
         """Mean speed of each turn, shape (turns,) [rad/s]."""
         return TURN / np.diff(self.marks)
+
+    def needs(self, turns: int) -> None:
+        """Raise `TooFewTurns` for a signal of less than `turns` turns."""
+        if len(self.values) < turns:
+            raise TooFewTurns(_TOO_FEW.format(len(self.values), turns))
 
     def speed_over(self, first: np.ndarray, turns: int) -> np.ndarray:
         """Mean speed of blocks of turns that begin with the turns `first` [rad/s]."""
@@ -87,7 +93,7 @@ def synchronous(
     first, last = (math.ceil(phi[0] / TURN), math.floor(phi[-1] / TURN)) if len(phi) > 3 else (0, 0)
     whole = max(last - first, 0)
     if whole < turns:
-        raise TooFewTurns(f"the signal holds {whole} whole turns of the shaft; {turns} are needed")
+        raise TooFewTurns(_TOO_FEW.format(whole, turns))
     if per_turn is None:
         per_turn = _fine(phi)
     angles = TURN * (first + np.arange(whole * per_turn + 1) / per_turn)

@@ -1,0 +1,68 @@
+"""Numbers in little room: whole steps of a range, their differences, compressed, as text.
+
+A page has to hold a million samples in a few MB. Values are counted in steps of their range, 2^16
+or 2^24 of them; a smooth signal's differences are small; their bytes, low ones first, compress
+well. A browser undoes it with what it has built in.
+"""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from typing import Any
+
+import numpy as np
+
+COARSE, FINE = 16, 24  # bits: a screen's resolution; what a number is read by
+_MOST_DIFFERENCES = 2
+
+
+def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
+    """Real values of any shape, flattened, within half a step of (max - min) / (2^bits - 2).
+
+    What is not finite comes back as NaN. Keys: n, bits, low and step of the counts, how often
+    differences were taken, data in base64.
+    """
+    flat = np.asarray(values, float).ravel()
+    is_finite = np.isfinite(flat)
+    known = flat[is_finite]
+    low = float(known.min()) if len(known) else 0.0
+    top = 2**bits - 1  # stands for NaN
+    step = (float(known.max()) - low) / (top - 1) if len(known) else 0.0
+    counts = np.full(len(flat), top, np.uint32)
+    if len(known):
+        counts[is_finite] = np.rint((known - low) / step) if step > 0 else 0
+    best, differences = b"", 0
+    for times in range(_MOST_DIFFERENCES + 1):
+        data = zlib.compress(_planes(counts, bits), 6)
+        if not best or len(data) < len(best):
+            best, differences = data, times
+        # modulo 2^bits nothing is lost
+        counts = np.diff(counts, prepend=np.uint32(0)) & np.uint32(top)
+    return {
+        "n": len(flat),
+        "bits": bits,
+        "low": low,
+        "step": step,
+        "differences": differences,
+        "data": base64.b64encode(best).decode("ascii"),
+    }
+
+
+def unpacked(pack: dict[str, Any]) -> np.ndarray:
+    """The values again, as the browser reads them."""
+    bits, n = pack["bits"], pack["n"]
+    raw = zlib.decompress(base64.b64decode(pack["data"]))
+    planes = np.frombuffer(raw, np.uint8).reshape(bits // 8, n).astype(np.uint32)
+    shifts = 8 * np.arange(bits // 8, dtype=np.uint32)[:, None]
+    counts = (planes << shifts).sum(axis=0, dtype=np.uint32)
+    top = np.uint32(2**bits - 1)
+    for _ in range(pack["differences"]):
+        counts = np.cumsum(counts, dtype=np.uint32) & top
+    return np.where(counts == top, np.nan, pack["low"] + pack["step"] * counts)
+
+
+def _planes(counts: np.ndarray, bits: int) -> bytes:
+    return b"".join(
+        (counts >> np.uint32(shift)).astype(np.uint8).tobytes() for shift in range(0, bits, 8)
+    )

@@ -1,0 +1,101 @@
+"""The page of a run or of two, one file that needs no network."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+from collections.abc import Mapping, Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from ..about import __version__
+from ..runs.job import write_text
+from ..runs.recording import Recording
+from .places import Recorded
+from .run_data import run_data
+from .signals import ROOM, signal_data
+from .tables import notices, tables
+
+_ALWAYS = ("unpack.js", "chart.js")
+_OF_RUNS = ("signals.js", "over_speed.js", "run.js")
+
+
+def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -> None:
+    """Write the page of a run, whole or not at all; summary: its figures by name."""
+    write_text(runs_page([Recorded(recording, path.parent.resolve().name)], [summary]), path)
+
+
+def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
+    """The page of one or two runs as HTML."""
+    data = [run_data(run) for run in runs]
+    body = _text("run.html").substitute(
+        notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
+        tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
+        machine=_machine(runs[0]),
+        hidden=" hidden" if all(d["why"] for d in data) else "",
+        single=" hidden" if len(runs) == 1 else "",
+    )
+    room = ROOM // len(runs)
+    return page(
+        title=" and ".join(run.name for run in runs),
+        about=" | ".join(dict.fromkeys(str(run.about.get("machine", "")) for run in runs)),
+        body=body,
+        data={"runs": data},
+        signals=[{"name": run.name, **signal_data(run, room)} for run in runs],
+        scripts=_OF_RUNS,
+    )
+
+
+def page(
+    *, title: str, about: str, body: str, data: object, signals: object, scripts: Sequence[str]
+) -> str:
+    """A whole page; title and about are text, body is HTML."""
+    from bokeh.resources import Resources
+
+    # the third is what Bokeh's own Python pages set up
+    library = Resources(mode="inline", components=["bokeh", "bokeh-api"]).js_raw[:2]
+    return _text("page.html").substitute(
+        title=escape(title),
+        about=escape(about),
+        css=_text("page.css").template,
+        body=body,
+        footer=f"rotor-fmu {__version__}",
+        data=_json(data),
+        signals=_json(signals),
+        library="\n".join(f"<script>{script}</script>" for script in library),
+        script="\n".join(_text(name).template for name in (*_ALWAYS, *scripts)),
+    )
+
+
+def _text(name: str) -> Template:
+    return Template(files(__package__).joinpath("template", name).read_text(encoding="utf-8"))
+
+
+def _json(data: object) -> str:
+    # a script ends at the first "</", whatever holds it
+    return json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+
+
+def _machine(run: Recorded) -> str:
+    """The machine's picture, where the recording tells the machine."""
+    if run.rotor is None:
+        return ""
+    import matplotlib
+
+    from ..packing.machine_picture import machine_figure
+
+    buffer = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "rotor-fmu"}):
+        figure = machine_figure(run.rotor)
+        figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    picture = base64.b64encode(buffer.getvalue()).decode("ascii")
+    parts = ", ".join(name for name, part in run.rotor.named_parts() if hasattr(part, "node"))
+    alt = escape(f"{run.rotor.name} along its shaft of {run.rotor.length:.4g} m: {parts}", True)
+    return (
+        f'<figure class="machine"><img alt="{alt}" src="data:image/svg+xml;base64,{picture}">'
+        "<figcaption>The machine to scale</figcaption></figure>"
+    )

@@ -1,0 +1,132 @@
+"""What the page of a run shows, computed here once, so that the browser only draws."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from .. import vibration
+from ..vibration import Synchronous, TooFewTurns
+from .packed import COARSE, packed
+from .places import Place, Recorded, hertz
+
+_ROWS = 2000  # of curves over speed
+_STATIONS = 160  # speeds whose orbit and spectrum can be picked
+_BLOCK, _ORBIT = 16, 2  # turns of a spectrum, of an orbit
+_ORBIT_POINTS = 64  # a turn
+_LEAST_BLOCK = 4
+_MOST_PLACES = 12
+
+
+def run_data(run: Recorded) -> dict[str, Any]:
+    """Everything but the signals over time, as JSON can say it; lengths in µm, speeds in Hz.
+
+    A run of too few turns has no places, and `why` says so.
+    """
+    data: dict[str, Any] = {"name": run.name, "status": run.status, "why": None}
+    data |= {"places": [], "touches": [], "power": None}
+    try:
+        data |= _turns(run)
+    except TooFewTurns as error:
+        data["why"] = str(error)
+    return data
+
+
+def _turns(run: Recorded) -> dict[str, Any]:
+    shown = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
+    kept = {place.name for place in shown[:_MOST_PLACES]}
+    found: dict[str, Any] = {"places": []}
+    for place in run.places:
+        if place.name not in kept:
+            continue
+        signal = vibration.synchronous(run.t, run.phi, place.z * 1e6, turns=_LEAST_BLOCK)
+        found["places"].append(_place(place, signal))
+        if "stations" not in found:
+            found |= _shared(signal)
+    found["chosen"] = run.place().name if run.places else None
+    touches = []
+    for touch in run.touches:
+        rub = vibration.contact(run.t, run.phi, touch.psi, touch.fn)
+        rows = _thin(len(rub.t))
+        values = {"hz": hertz(rub.speed), "peak": rub.peak, "mean": rub.mean}
+        values |= {"share": 100 * rub.share, "angle": np.degrees(rub.angle), "t": rub.t}
+        entry = {key: packed(column[rows]) for key, column in values.items()}
+        touches.append({"name": touch.name, "label": touch.label, **entry})
+    t, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
+    rows = _thin(len(t))
+    sinks = sorted(powers, key=lambda name: -run.losses[name][-1])
+    power = {
+        "hz": packed(hertz(speed)[rows]),
+        "t": packed(t[rows]),
+        "sinks": [
+            {"label": s, "total": float(run.losses[s][-1]), "p": packed(powers[s][rows])}
+            for s in sinks
+        ],
+    }
+    return found | {"touches": touches, "power": power}
+
+
+def _shared(signal: Synchronous) -> dict[str, Any]:
+    """What all places have in common: the turns' times and speeds, and the stations."""
+    track, cascade = _tracked(signal)
+    rows = _thin(len(track.t))
+    speed = hertz(cascade.speed)
+    ways = np.diff(speed)
+    turns = _thin(len(signal.values))
+    return {
+        "track": {"t": packed(track.t[rows]), "hz": packed(hertz(track.speed)[rows])},
+        "stations": {"t": cascade.t.tolist(), "hz": speed.tolist()},
+        "isOneWay": bool(np.all(ways < 0) or np.all(ways > 0)),
+        "orders": cascade.order.tolist(),
+        "turns": {"t": packed(signal.marks[turns]), "hz": packed(hertz(signal.speed)[turns])},
+        "orbit": {"turns": _ORBIT, "points": _ORBIT_POINTS},
+    }
+
+
+def _place(place: Place, signal: Synchronous) -> dict[str, Any]:
+    track, cascade = _tracked(signal)
+    rows = _thin(len(track.t))
+    whirl = vibration.whirl_of(signal)
+    vectors = {"x": track.x(), "y": track.y()}
+    curves = {
+        f"{axis}{part}": packed(values[rows])
+        for axis, vector in vectors.items()
+        for part, values in (("Re", vector.real), ("Im", vector.imag))
+    }
+    curves |= {"twice": packed(track.major(2.0)[rows]), "half": packed(track.major(0.5)[rows])}
+    middle = cascade.first + (_block(signal) - _ORBIT) // 2
+    stride = signal.per_turn // _ORBIT_POINTS
+    orbits = np.array([signal.values[i : i + _ORBIT, ::stride].ravel() for i in middle])
+    turns = _thin(len(signal.values))
+    points = signal.values[turns, 0]
+    inner = np.clip(turns - 1, 0, len(whirl.sense) - 1)
+    return {
+        "name": place.name,
+        "label": place.label,
+        "clearance": None if place.clearance is None else place.clearance * 1e6,
+        "curves": curves,
+        "orbits": {
+            "re": packed(orbits.real, COARSE),
+            "im": packed(orbits.imag, COARSE),
+        },
+        "cascade": packed(cascade.amplitude, COARSE),
+        "points": {"re": packed(points.real), "im": packed(points.imag)},
+        "sense": packed(whirl.sense[inner]),
+        "order": packed(whirl.order[inner]),
+    }
+
+
+def _block(signal: Synchronous) -> int:
+    """Turns of a spectrum, less where the run has less."""
+    return min(_BLOCK, len(signal.values))
+
+
+def _tracked(signal: Synchronous) -> tuple[vibration.OrderTrack, vibration.Cascade]:
+    track = vibration.order_track_of(signal, turns=_LEAST_BLOCK)
+    return track, vibration.cascade_of(signal, turns=_block(signal), lines=_STATIONS)
+
+
+def _thin(n: int) -> np.ndarray:
+    """Rows that are shown of n."""
+    return np.unique(np.linspace(0, n - 1, min(n, _ROWS)).round().astype(int))

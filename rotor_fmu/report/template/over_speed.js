@@ -1,0 +1,287 @@
+// The pictures of a run over speed and at the speed that is picked; one colour a run.
+
+const HERTZ = "Speed [Hz]";
+const degrees = (re, im) => (Math.atan2(im, re) * 180) / Math.PI;
+const UNITS = { 1: "µm 0-p", 2: "µm peak-to-peak" };
+
+class OverSpeed {
+  constructor(runs) {
+    this.runs = runs;
+    this.factor = 1;
+    this.parts = runs.map(() => ({}));
+    const speeds = runs.flatMap((run) => [...run.track.hz]);
+    const highest = 1.02 * speeds.reduce((a, b) => Math.max(a, b), 0);
+    this.shared = (id, y, height) =>
+      new Chart(id, { x: HERTZ, y, xRange: fixedRange(0, highest), height });
+    this.bode = this.shared("bode", " ", 320);
+    this.parts.forEach((part, r) => this.bodeLines(part, r));
+    this.bode.plot.add_tools(
+      new Bokeh.HoverTool({
+        mode: "vline", renderers: this.parts.map((part) => part.hovered),
+        tooltips: [["n", "@x{0.00} Hz"], ["1x", "@y{0.00} µm"]],
+      }),
+    );
+  }
+
+  bodeLines(part, r) {
+    for (const name of ["bodeX", "bodeY", "twice", "half"]) {
+      part[name] = this.bode.source(["x", "y"]);
+    }
+    part.hovered = this.bode.line(part.bodeX, `c${r}`, 0);
+    this.bode.line(part.bodeY, `c${r}`, 1);
+    this.bode.line(part.twice, `c${r}`, 2, { line_width: 1.5 });
+    this.bode.line(part.half, `c${r}`, 3, { line_width: 1.5 });
+  }
+
+  // All but the first picture, which does not wait for them.
+  build() {
+    const { shared } = this;
+    this.orbit = new Chart("orbit", {
+      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
+      height: 320,
+    });
+    this.phase = shared("phase", "Phase, lag negative [deg]");
+    this.spectrum = new Chart("spectrum", { x: "Whirl frequency [Hz], backward < 0", y: " " });
+    this.cascade = new Chart("cascade", {
+      x: "Order of the speed, backward < 0", y: " ", tools: "pan,box_zoom,reset", height: 340,
+    });
+    for (const range of [this.cascade.plot.x_range, this.cascade.plot.y_range]) {
+      range.range_padding = 0;
+    }
+    this.polar = new Chart("polar", {
+      x: " ", y: " ", square: true, tools: "pan,box_zoom,reset", height: 340,
+    });
+    this.whirl = shared("whirl", "-1 backward, 0 a line, 1 forward");
+    this.poincare = new Chart("poincare", {
+      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
+    });
+    this.force = shared("force", "Largest of the turn [N]");
+    this.angle = shared("angle", "Mean of the turn [deg]");
+    this.energy = shared("energy", "Power [W]");
+    this.overSpeed = [this.bode, this.phase, this.whirl, this.force, this.angle, this.energy];
+    this.spans = this.overSpeed.map((chart) => chart.span("height"));
+    link(this.overSpeed);
+    this.runs.forEach((run, r) => this.lines(run, r));
+    this.image();
+    this.spectrum.plot.add_tools(
+      new Bokeh.HoverTool({
+        mode: "vline", tooltips: [["", "@x{0.00} Hz, @order{0.000}x: @top{0.000} µm"]],
+      }),
+    );
+  }
+
+  // Glyphs of one run, and the sources that feed them.
+  lines(run, r) {
+    const source = (chart, columns = ["x", "y"]) => chart.source(columns);
+    const part = Object.assign(this.parts[r], {
+      phaseX: source(this.phase), phaseY: source(this.phase),
+      orbit: source(this.orbit), marks: source(this.orbit), ring: source(this.orbit),
+      spectrum: source(this.spectrum, ["x", "top", "order"]), polar: source(this.polar),
+      polarNow: source(this.polar), whirl: source(this.whirl), points: source(this.poincare),
+      pointsNow: source(this.poincare), force: source(this.force), angle: source(this.angle),
+      sinks: (run.power?.sinks ?? []).map(() => source(this.energy)),
+    });
+    const paint = `c${r}`;
+    this.phase.line(part.phaseX, paint, 0);
+    this.phase.line(part.phaseY, paint, 1);
+    this.orbit.line(part.ring, "soft", 1, { line_width: 1 });
+    this.orbit.line(part.orbit, paint, 0, { line_width: 1.5 });
+    this.orbit.dots(part.marks, "mark", 9);
+    const bars = this.spectrum.plot.segment(
+      { field: "x" }, { value: 0 }, { field: "x" }, { field: "top" },
+      { source: part.spectrum, line_width: 2, line_dash: DASHES[r] },
+    );
+    this.spectrum.keep(bars, { line_color: paint });
+    this.polar.line(part.polar, paint, r);
+    this.polar.dots(part.polarNow, "mark", 9);
+    this.whirl.dots(part.whirl, paint);
+    this.poincare.dots(part.points, paint, 4);
+    this.poincare.dots(part.pointsNow, "mark", 7);
+    this.force.line(part.force, paint, r, { line_width: 1.5 });
+    this.angle.dots(part.angle, paint);
+    part.sinks.forEach((sink, i) => this.energy.line(sink, `c${i % 5}`, i + 3 * r));
+  }
+
+  // The picture of the cascade: its shades, and the speed that is picked.
+  image() {
+    const { ndarray } = Bokeh.require("core/util/ndarray");
+    this.array = (values, shape) => ndarray(values, { dtype: "float32", shape });
+    this.shades = new Bokeh.LinearColorMapper({ palette: Bokeh.Palettes.Cividis256, low: 0, high: 1 });
+    this.tiles = new Bokeh.ColumnDataSource({
+      data: { image: [], x: [], y: [], dw: [], dh: [] },
+    });
+    const named = ["image", "x", "y", "dw", "dh"].map((name) => [name, { field: name }]);
+    this.cascade.plot.image({
+      ...Object.fromEntries(named), source: this.tiles, color_mapper: this.shades,
+    });
+    this.row = this.cascade.span("width");
+    this.row.line_color = "#ffffff";
+    this.cascade.painted.pop();
+  }
+
+  async show() {
+    const charts = [
+      this.orbit, this.phase, this.spectrum, this.cascade, this.polar, this.whirl,
+      this.poincare, this.force, this.angle, this.energy,
+    ];
+    for (const chart of charts) await chart.show();
+  }
+
+  fillBode(placeName) {
+    this.places = this.runs.map(
+      (run) => run.places.find((p) => p.name === placeName) ??
+        run.places.find((p) => p.name === run.chosen),
+    );
+    this.bode.plot.left[0].axis_label = `1x amplitude [${UNITS[this.factor]}]`;
+    this.bode.name(this.each([["1x of x", 0], ["1x of y", 1], ["2x", 2], ["0.5x", 3]]));
+    this.runs.forEach((run, r) => {
+      const part = this.parts[r];
+      const place = this.places[r];
+      if (!place) return;
+      const { xRe, xIm, yRe, yIm, twice, half } = place.curves;
+      const x = run.track.hz;
+      const long = (re, im) => re.map((value, i) => this.factor * Math.hypot(value, im[i]));
+      part.bodeX.data = { x, y: long(xRe, xIm) };
+      part.bodeY.data = { x, y: long(yRe, yIm) };
+      part.twice.data = { x, y: twice.map((v) => this.factor * v) };
+      part.half.data = { x, y: half.map((v) => this.factor * v) };
+    });
+  }
+
+  // Curves of places and contacts by their names.
+  fill(placeName, touchName) {
+    this.fillBode(placeName);
+    const unit = UNITS[this.factor];
+    this.spectrum.plot.left[0].axis_label = `Amplitude [${unit}]`;
+    this.polar.plot.below[0].axis_label = `1x of x, real part [${unit}]`;
+    this.polar.plot.left[0].axis_label = `imaginary part [${unit}]`;
+    this.runs.forEach((run, r) => {
+      const part = this.parts[r];
+      const place = this.places[r];
+      if (!place) return;
+      const { xRe, xIm, yRe, yIm } = place.curves;
+      const x = run.track.hz;
+      part.phaseX.data = this.broken(x, xRe, xIm);
+      part.phaseY.data = this.broken(x, yRe, yIm);
+      part.polar.data = { x: xRe.map((v) => this.factor * v), y: xIm.map((v) => this.factor * v) };
+      part.whirl.data = { x: run.turns.hz, y: place.sense };
+      part.points.data = { x: place.points.re, y: place.points.im };
+      part.ring.data = this.circle(place.clearance);
+      const touch = run.touches.find((t) => t.name === touchName);
+      part.force.data = touch ? { x: touch.hz, y: touch.peak } : { x: [], y: [] };
+      part.angle.data = touch ? { x: touch.hz, y: touch.angle } : { x: [], y: [] };
+      part.sinks.forEach((sink, i) => {
+        sink.data = { x: run.power.hz, y: run.power.sinks[i].p };
+      });
+    });
+    this.names();
+  }
+
+  // A phase without the strokes from -180 to 180.
+  broken(x, re, im) {
+    const y = re.map((value, i) => degrees(value, im[i]));
+    return { x, y: y.map((v, i) => (i && Math.abs(v - y[i - 1]) > 180 ? NaN : v)) };
+  }
+
+  circle(radius) {
+    if (radius === null) return { x: [], y: [] };
+    const turn = Array.from({ length: 121 }, (_, i) => (i * Math.PI) / 60);
+    return { x: turn.map((a) => radius * Math.cos(a)), y: turn.map((a) => radius * Math.sin(a)) };
+  }
+
+  // Names of lines that every run has, in the run's colour.
+  each(entries) {
+    return this.runs.flatMap((run, r) =>
+      entries.map(([text, dash]) => [
+        this.runs.length > 1 ? `${run.name}: ${text}` : text, `c${r}`, dash ?? r,
+      ]),
+    );
+  }
+
+  names() {
+    const each = (entries) => this.each(entries);
+    this.phase.name(each([["x", 0], ["y", 1]]));
+    const ring = this.places.some((p) => p?.clearance != null) ? [["clearance", "soft", 1]] : [];
+    this.orbit.name([...each([["path"]]), ["keyphasor mark", "mark"], ...ring]);
+    this.spectrum.name(each([["amplitude"]]));
+    this.polar.name([...each([["all speeds"]]), ["the one picked", "mark"]]);
+    this.whirl.name(each([["a point a turn"]]));
+    this.poincare.name([...each([["a point a turn"]]), ["near the speed picked", "mark"]]);
+    this.force.name(each([["normal force"]]));
+    this.angle.name(each([["270: at the bottom"]]));
+    this.energy.name(
+      this.runs.flatMap((run, r) =>
+        (run.power?.sinks ?? []).map((sink, i) => [
+          `${this.runs.length > 1 ? `${run.name}: ` : ""}${sink.label}, ${shown(sink.total)} J`,
+          `c${i % 5}`, i + 3 * r,
+        ]),
+      ),
+    );
+  }
+
+  // The cascade of one run on an even grid of speeds (of times, where the speed goes both ways).
+  fillCascade(r) {
+    const run = this.runs[r];
+    const place = this.places[r];
+    const down = run.isOneWay ? run.stations.hz : run.stations.t;
+    const width = run.orders.length;
+    const height = down.length;
+    const [low, high] = [Math.min(...down), Math.max(...down)];
+    const image = new Float32Array(width * height);
+    let largest = 0;
+    for (let row = 0; row < height; row++) {
+      const from = nearest(down, low + ((row + 0.5) * (high - low)) / height);
+      for (let k = 0; k < width; k++) {
+        // a root shows small lines beside large ones
+        const value = Math.sqrt(place.cascade[from * width + k]);
+        image[row * width + k] = value;
+        if (value > largest) largest = value;
+      }
+    }
+    const [first, last] = [run.orders[0], run.orders[width - 1]];
+    const half = (run.orders[1] - first) / 2;
+    this.shades.high = largest || 1;
+    this.tiles.data = {
+      image: [this.array(image, [height, width])], x: [first - half], y: [low],
+      dw: [last - first + 2 * half], dh: [high - low || 1],
+    };
+    this.cascade.plot.left[0].axis_label = run.isOneWay ? HERTZ : "Time [s]";
+    this.cascade.name([[`from 0 to ${shown(this.factor * largest ** 2)} ${UNITS[this.factor]}`, "ground"]]);
+    this.shownRun = r;
+  }
+
+  // Orbit, spectrum, marks at a station of the first run; others at their nearest speed.
+  pick(station) {
+    const hz = this.runs[0].stations.hz[station];
+    return this.runs.map((run, r) => {
+      const place = this.places[r];
+      if (!place) return null;
+      const at = r === 0 ? station : nearest(run.stations.hz, hz);
+      const part = this.parts[r];
+      const [now, t] = [run.stations.hz[at], run.stations.t[at]];
+      const size = run.orbit.turns * run.orbit.points;
+      const slice = (values) => values.subarray(at * size, (at + 1) * size);
+      const [x, y] = [slice(place.orbits.re), slice(place.orbits.im)];
+      part.orbit.data = { x, y };
+      const marks = (values) => values.filter((_, i) => i % run.orbit.points === 0);
+      part.marks.data = { x: marks(x), y: marks(y) };
+      const width = run.orders.length;
+      const top = place.cascade.slice(at * width, (at + 1) * width).map((v) => this.factor * v);
+      part.spectrum.data = { x: run.orders.map((k) => k * now), top, order: run.orders };
+      const row = nearestSorted(run.track.t, t);
+      const { xRe, xIm, yRe, yIm } = place.curves;
+      part.polarNow.data = { x: [this.factor * xRe[row]], y: [this.factor * xIm[row]] };
+      const turn = nearestSorted(run.turns.t, t);
+      const few = (values) => values.subarray(Math.max(turn - 8, 0), turn + 8);
+      part.pointsNow.data = { x: few(place.points.re), y: few(place.points.im) };
+      if (r === 0) for (const span of this.spans) span.location = now;
+      if (r === this.shownRun) this.row.location = run.isOneWay ? now : t;
+      return {
+        hz: now, t, label: place.label, sense: place.sense[turn], order: place.order[turn],
+        x: this.factor * Math.hypot(xRe[row], xIm[row]), phaseX: degrees(xRe[row], xIm[row]),
+        y: this.factor * Math.hypot(yRe[row], yIm[row]), phaseY: degrees(yRe[row], yIm[row]),
+        peak: top.reduce((best, v, i) => (v > top[best] ? i : best), 0),
+      };
+    });
+  }
+}
