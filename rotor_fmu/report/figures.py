@@ -71,16 +71,16 @@ def bode(view: View) -> Figure:
     track = vibration.order_track(*view.signal)
     n = hertz(track.speed)
     for vector, color, label, style in (
-        (track.x(), BLUE, "1x of x", "-"),
+        (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
     ):
         above.plot(n, np.abs(vector) * view.scale, color=color, lw=1.5, ls=style, label=label)
         phase = np.degrees(np.angle(vector))
         phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
         below.plot(n, phase, color=color, lw=1.2, ls=style)
-    for order, color, style in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
+    for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
-        above.plot(n, track.major(order) * view.scale, color=color, lw=1.1, ls=style, label=label)
+        above.plot(n, track.major(order) * view.scale, color=color, lw=1.1, ls=dashes, label=label)
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel(f"Amplitude [{view.unit}]")

@@ -1,4 +1,4 @@
-"""Signals over time for the page: every sample where there is room, else each stretch's extremes."""
+"""Signals over time for the page: every sample where there is room, else the extremes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,13 @@ def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
     in_full = min(len(entries), max(room // max(len(run.t), 1) - 1, 0))
     signals = []
     for i, (name, unit, values) in enumerate(entries):
-        entry = {"name": name, "label": spoken(name), "unit": unit, "t": None, "every": 1}
+        entry: dict[str, Any] = {
+            "name": name,
+            "label": spoken(name),
+            "unit": unit,
+            "t": None,
+            "every": 1,
+        }
         if i >= in_full and len(values) > 2 * _STRETCHES:
             kept = extremes(values, _STRETCHES)
             entry["t"], values = packed(run.t[kept]), values[kept]

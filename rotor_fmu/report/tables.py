@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from html import escape
 from typing import Any
 
@@ -25,7 +26,7 @@ _SUMMARY = {
 
 
 def notices(run: Recorded, why: str | None) -> str:
-    """What a reader has to know first: how far a failed run came and why, what makes it doubtful."""
+    """What a reader has to know first: how far a failed run came, why, what makes it doubtful."""
     said = []
     if run.status != "ok":
         reason = run.status.removeprefix("failed: ")
@@ -56,10 +57,8 @@ def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
     """Tables of a run: responses of its places, contacts, sinks, what the solver did."""
     of = f"{run.name}: " if runs > 1 else ""
     made = [_ran(run, summary, of)]
-    try:
+    with suppress(TooFewTurns):
         made += [_places(run, of), _contacts(run, of)]
-    except TooFewTurns:
-        pass
     made.append(_sinks(run, of))
     return "\n".join(text for text in made if text)
 

@@ -150,8 +150,8 @@ def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
     x, y = (c[f"{place}.{axis}"][near] * 1e6 for axis in "xy")
     per_turn = rows_a_turn(recording, near)
     corners = "" if per_turn >= _FINE else f", {per_turn:.0f} steps a turn: the corners are theirs"
-    marker = {} if per_turn >= _FINE else {"marker": ".", "ms": 3}
-    axes.plot(x, y, "-", color=BLUE, lw=0.8, label=f"{_TURNS} turns{corners}", **marker)
+    marker = "" if per_turn >= _FINE else "."
+    axes.plot(x, y, "-", color=BLUE, lw=0.8, label=f"{_TURNS} turns{corners}", marker=marker, ms=3)
     if per_turn >= _FINE and math.isfinite(per_turn):
         t, z = once_a_turn(recording, place)
         z = z[np.isin(np.searchsorted(recording.t, t), np.flatnonzero(near))] * 1e6

@@ -72,7 +72,7 @@ def _merged(base: Tables, over: Tables) -> dict[str, Any]:
     for key, value in over.items():
         before = merged.get(key)
         both = isinstance(before, dict) and isinstance(value, dict)
-        merged[key] = _merged(before, value) if both else value
+        merged[key] = _merged(before or {}, value) if both else value
     return merged
 
 

@@ -128,8 +128,8 @@ def resonances(speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1) -> 
     order = np.argsort(speed, kind="stable")
     n, a = np.asarray(speed)[order], np.asarray(amplitude)[order]
     floor = least * a.max(initial=0.0)
-    at = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
-    at = [i for i in at if a[i] >= floor and _prominence(a, i) >= floor]
+    tops = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
+    at = [i for i in tops.tolist() if a[i] >= floor and _prominence(a, i) >= floor]
     found = [Resonance(float(n[i]), float(a[i]), _amplification(n, a, i)) for i in at]
     return sorted(found, key=lambda peak: -peak.amplitude)
 
