@@ -12,39 +12,40 @@ endif
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage,docs]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage,docs,native]"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made
 
-run-down: $(VENV)/made
+# the solver as machine code, a minute after a change of it; where it cannot be made, runs compile
+KERNELS := $(wildcard model/*.py model/*/*.py rotor_fmu/native/*.py rotor_fmu/native/skin/*)
+$(VENV)/core: $(VENV)/made $(KERNELS)
+	$(BIN)/rotor-fmu core --platform here || echo "the solver will be compiled at its first use"
+	touch $(VENV)/core
+
+run-down: $(VENV)/core
 	$(BIN)/rotor-fmu run-down --out out/run_down
 
-reproduce: $(VENV)/made
+reproduce: $(VENV)/core
 	$(BIN)/rotor-fmu reproduce --out out/reproduce
 
-survey: $(VENV)/made
+survey: $(VENV)/core
 	$(BIN)/rotor-fmu survey --out out/survey
 
 # after a change of the model's numbers: the result that the FMU carries
-reference: $(VENV)/made
+reference: $(VENV)/core
 	$(BIN)/python -m rotor_fmu.packing.reference
 
-test: $(VENV)/made
+test: $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-# what the linker of the native FMU is needed for
-$(VENV)/made-native: $(VENV)/made
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
-	touch $(VENV)/made-native
-
-test-native: $(VENV)/made-native
+test-native: $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadgroup -m "native and not slow"
 
-test-all: $(VENV)/made-native
+test-all: $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
 
 # all tests as on other processors, and on loaded cores: an hour or two
-test-processors: $(VENV)/made
+test-processors: $(VENV)/core
 	$(BIN)/python tests/processors.py
 
 # the documentation as a site that works from disk: build/site/index.html
@@ -64,15 +65,15 @@ types: $(VENV)/made
 	$(BIN)/python -m mypy
 
 # wrong versions of description, documents, FMU and ledger that the tests must see
-mutants: $(VENV)/made
+mutants: $(VENV)/core
 	$(BIN)/python -m tests.mutants
 
 # lines of Python that the tests run; kernels are machine code and not among them
-coverage: $(VENV)/made
+coverage: $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
 
 # what a run costs beside other programs; stopped with Ctrl-C it goes on from there
-bench: $(VENV)/made
+bench: $(VENV)/core
 	for peers in scikit-sundae exudyn "ross-rotordynamics plotly<7"; do \
 		$(BIN)/python -m pip install --quiet --disable-pip-version-check $$peers \
 			|| echo "$$peers: cannot be installed; the report will say so"; \
@@ -81,12 +82,13 @@ bench: $(VENV)/made
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.throughput
 
-# source archive and wheel in dist/, checked, installed and used; HOME_URL=address of the files for an
+# source archive and wheel, the wheel with the solver for all platforms, in dist/, checked, installed and used; HOME_URL=address of the files for an
 # index page's pictures
 dist: $(VENV)/made
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build twine
+	$(BIN)/rotor-fmu core
 	$(BIN)/python tests/release.py "$(HOME_URL)"
 
 clean:
-	rm -rf $(VENV) out build dist *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
+	rm -rf $(VENV) model/library out build dist *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -8,9 +8,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from .kernels.compiled import INTERPRETED_WARNING, IS_COMPILED
+from .code import Code, calls, chosen
+from .kernels.compiled import INTERPRETED_WARNING
 from .machine.rotor import Rotor
-from .march import entries, march
+from .march import march
 from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
@@ -108,6 +109,7 @@ class Simulation:
         rows = taped.rows if channels else 0
         self._block = new_block(structure, len(self.names), len(channels), rows)
         self._run: RunData = LAYOUT.look(self._block)
+        self._code = calls(self._block)
         self._run.tape.channels[:] = channels
         self._run.tape.head[0].least = taped.angle
         set_method(self._run, self._scheme, settings.control())
@@ -136,7 +138,7 @@ class Simulation:
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
         self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
-        status = entries.start(self._block, float(speed), float(drive), float(rate))
+        status = self._code.start(float(speed), float(drive), float(rate))
         if status != HELD:
             raise EquilibriumError(self._no_rest(status))
         self._warn_beyond_tables(speed)
@@ -199,7 +201,7 @@ class Simulation:
             if not np.isfinite(loads).all():
                 raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = entries.advance(self._block, float(to), float(drive), math.nan)
+        status = self._code.advance(float(to), float(drive), math.nan)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._tables:
@@ -226,7 +228,7 @@ class Simulation:
     def restore(self, snapshot: np.ndarray | bytes) -> None:
         """Go back to a snapshot, or to its bytes, of this or of an equal simulation."""
         self._state[:] = np.frombuffer(snapshot, np.uint8)
-        entries.look(self._block)
+        self._code.look()
         tape = self._run.tape
         tape.head[0].written = np.searchsorted(
             tape.rows[: tape.head[0].written, 0], self.time, "right"
@@ -259,9 +261,9 @@ class Simulation:
 
     def _tangents(self) -> Tangents:
         problem = self._run.problem
-        entries.linearize(self._block, 1.0, 0.0)
+        self._code.linearize(1.0, 0.0)
         p_d, q_d = problem.p.copy(), problem.q.copy()
-        entries.linearize(self._block, 0.0, 1.0)
+        self._code.linearize(0.0, 1.0)
         # a journal that whirls along the wall, here at the right, is pushed as this wall pushes it
         # all the way round, and does not move against its damping
         is_free = self.structure.interfaces.has_wall == 0
@@ -285,7 +287,7 @@ class Simulation:
 
     def _warn_if_interpreted(self) -> None:
         global _has_said_interpreted
-        if not IS_COMPILED and not _has_said_interpreted:
+        if chosen() is Code.PYTHON and not _has_said_interpreted:
             _has_said_interpreted = True
             self._warn(INTERPRETED_WARNING)
 

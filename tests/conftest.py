@@ -7,8 +7,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from rotor_fmu.model.kernels.compiled import has_to_compile
-from rotor_fmu.model.march import entries
+from rotor_fmu.model.code import waits_for_compiler
 
 from rotor_fmu.packing.bundle import build
 
@@ -44,10 +43,11 @@ def pytest_unconfigure(config):
 
 
 def _compile(fmu):
-    """Fill an empty cache, so that no two workers compile the same; side by side."""
-    scripts = [COMPILE_FMU]
-    if has_to_compile(entries.advance):
-        scripts.append(COMPILE_MODEL)
+    """Without a library of kernels fill an empty cache, so that no two workers compile the same;
+    side by side."""
+    if not waits_for_compiler():
+        return
+    scripts = COMPILE_FMU, COMPILE_MODEL
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     compilers = [subprocess.Popen([sys.executable, "-c", s, str(fmu)], **quiet) for s in scripts]
     for compiler in compilers:

@@ -75,10 +75,10 @@ MUTANTS = (
     Mutant(_BUNDLE, '"scipy>=1.11", ', "", _REQUIRES),
     Mutant(_BUNDLE, "numba>=0.60", "numba>=0.6", _REQUIRES),
     Mutant(_BUNDLE, '"torque" if is_free', '"speed" if is_free', _DEPEND),
-    Mutant(_BUNDLE, "names == set(expected) and", "", _CURRENT),
-    Mutant(_BUNDLE, "archive.read(name) == data for", "True for", _CURRENT),
+    Mutant(_BUNDLE, "names == {*expected, *documents} and", "", _CURRENT),
+    Mutant(_BUNDLE, "name in there and archive.read(name) == data for", "True for", _CURRENT),
     Mutant(_BUNDLE, "or _tool(archive) != f\"PythonFMU {version('pythonfmu')}\"", "", _CURRENT),
-    Mutant(_BUNDLE, "        expected |= _documents(toml, is_free)\n", "", _CURRENT),
+    Mutant(_BUNDLE, " and _holds(archive, documents)\n", "\n", _CURRENT),
     # the documents
     Mutant(_DOCUMENTS, "with numpy and scipy;", "with numpy;", _NAMES),
     Mutant(_DOCUMENTS, "3.11 or newer with numpy and", "3.12 or newer with numpy and", _NAMES),

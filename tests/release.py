@@ -1,7 +1,8 @@
 """A release that is whole: make dist [HOME_URL=https://where/the/project/lies].
 
-Source archive and wheel are made in dist/ of what is committed, checked as an index checks them,
-installed into an environment of their own, and used. With the address of the project's files, which
+Source archive and wheel are made in dist/ of what is committed, the wheel with the libraries of the
+solver that `rotor-fmu core` made, checked as an index checks them, installed into an environment of
+their own, and used. With the address of the project's files, which
 an index page needs, the README's pictures and links are pointed there.
 """
 
@@ -49,7 +50,9 @@ def release(home):
             point_at(home, source / "README.md")
         dist = ROOT / "dist"
         shutil.rmtree(dist, ignore_errors=True)
-        run(sys.executable, "-m", "build", "--outdir", dist, ".", cwd=source)
+        run(sys.executable, "-m", "build", "--sdist", "--outdir", dist, ".", cwd=source)
+        shutil.copytree(ROOT / "model" / "library", source / "model" / "library")
+        run(sys.executable, "-m", "build", "--wheel", "--outdir", dist, ".", cwd=source)
         run(sys.executable, "-m", "twine", "check", "--strict", *dist.iterdir(), cwd=source)
         place = Path(scratch) / "installed"
         venv.create(place, with_pip=True)

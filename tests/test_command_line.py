@@ -324,7 +324,11 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
 
 @pytest.mark.slow
 def test_warm_compiles_ahead_so_that_the_next_process_need_not(tmp_path):
-    environment = {**os.environ, "ROTOR_FMU_CACHE": str(tmp_path)}
+    environment = {
+        **os.environ,
+        "ROTOR_FMU_CACHE": str(tmp_path),
+        "ROTOR_FMU_KERNELS": "numba",
+    }
     command = [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "warm"]
 
     def said():

@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from .compiled import IS_COMPILED, compiled
+from .compiled import IS_COMPILED, OPTIONS, Kernel
 
 ALIGNMENT = 64
 _HEADER_TYPE = np.dtype(np.int64)
@@ -72,8 +73,10 @@ class Layout:
         self.fields = [f for group in groups for _, fields in group.members() for f in fields]
         self._slot = {f.path: 1 + len(size_names) + i for i, f in enumerate(self.fields)}
         self.header_length = 1 + len(size_names) + len(self.fields)
-        self.view: Callable[[Any], Any] = self._view(IS_COMPILED)
-        self.look: Callable[[np.ndarray], Any] = self._view(False)
+        self.look: Callable[[np.ndarray], Any] = self._view(_array)
+        self.view: Callable[[Any], Any] = (
+            Kernel(self.look, self._made) if IS_COMPILED else self.look
+        )
 
     def offsets(self, sizes: Mapping[str, int]) -> dict[str, int]:
         """Where each array begins [bytes], and under "" where the block ends."""
@@ -108,13 +111,14 @@ class Layout:
 
         return slice(begin(group), begin(names[last]) if last < len(names) else int(header[0]))
 
-    def _view(self, is_compiled: bool) -> Callable[[Any], Any]:
-        """The function that finds all groups in a block, from source that the table spells."""
-        scope: dict[str, Any] = {
-            "at": _compiled_array if is_compiled else _array,
-            "header_type": _HEADER_TYPE,
-            "run": self.run,
-        }
+    def _made(self) -> Any:
+        numbas = import_module(".dispatching", __package__)
+        return numbas.dispatcher(self._view(numbas.array_at), options=OPTIONS)
+
+    def _view(self, at: Callable[..., Any]) -> Callable[[Any], Any]:
+        """The function that finds all groups in a block, from source that the table spells; at:
+        finds an array."""
+        scope: dict[str, Any] = {"at": at, "header_type": _HEADER_TYPE, "run": self.run}
         lines = [f"    header = at(block, 0, ({self.header_length},), header_type)"]
         lines += [f"    {name} = header[{i}]" for i, name in enumerate(self.size_names, 1)]
 
@@ -136,7 +140,7 @@ class Layout:
         lines.append(f"    return run({', '.join(group.name for group in self.groups)})")
         exec("def view(block):\n" + "\n".join(lines), scope)
         view: Callable[[Any], Any] = scope["view"]
-        return compiled(view, to_keep=False) if is_compiled else view
+        return view
 
 
 def _padded(size: int) -> int:
@@ -148,44 +152,3 @@ def _array(block, offset, shape, dtype):
     size = int(np.prod(shape)) * dtype.itemsize
     found = block[offset : offset + size].view(dtype).reshape(shape)
     return found.view(np.recarray) if dtype.names else found
-
-
-if IS_COMPILED:
-    from numba.core import cgutils, types
-    from numba.extending import intrinsic
-
-    @intrinsic
-    def _compiled_array(typing_context, block, offset, shape, dtype):
-        """`_array` of a block or of its address, without a reference count: numba's own `carray`
-        is a function that returns an array, which it does not compile without them."""
-        array_type = types.Array(dtype.dtype, len(shape), "C")
-
-        def generate(context, builder, signature, arguments):
-            from numba.np import arrayobj
-
-            base = arguments[0]
-            if isinstance(signature.args[0], types.Array):
-                base = context.make_array(signature.args[0])(context, builder, base).data
-            array = arrayobj.make_array(array_type)(context, builder)
-            itemsize = context.get_constant(types.intp, arrayobj.get_itemsize(context, array_type))
-            extents = [
-                context.cast(builder, value, kind, types.intp)
-                for value, kind in zip(
-                    cgutils.unpack_tuple(builder, arguments[2]), signature.args[2], strict=True
-                )
-            ]
-            strides = [itemsize]
-            for extent in reversed(extents[1:]):
-                strides.insert(0, builder.mul(strides[0], extent))
-            place = cgutils.pointer_add(builder, base, arguments[1])
-            arrayobj.populate_array(
-                array,
-                data=builder.bitcast(place, array.data.type),
-                shape=extents,
-                strides=strides,
-                itemsize=itemsize,
-                meminfo=None,
-            )
-            return array._getvalue()
-
-        return array_type(block, offset, shape, dtype), generate

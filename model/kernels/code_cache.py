@@ -27,17 +27,27 @@ _VERSION_NAME = re.compile("[0-9a-f]{16}")
 WAIT_AT_MOST, _WAIT = 300.0, 0.1
 WAITING = "another process is compiling the solver: waiting for it"
 
+# What no kernel of a run is made of.
+_NO_KERNELS = (
+    *("impact", "false_state", "linear", "machine", "stability"),
+    *("rest.py", "refusal.py", "simulation.py", "code.py"),
+    *(f"kernels/{name}" for name in ("code_cache", "kept_overloads", "library", "process_lock")),
+    *("kernels/sealed_folder", "kernels/user_cache"),
+)
+
 _log = logging.getLogger(__name__)
 _said: set[str] = set()
 
 
 def _content(file: Path) -> bytes:
-    return hashlib.sha256(file.read_bytes()).digest()
+    return hashlib.sha256(file.read_bytes().replace(b"\r\n", b"\n")).digest()
 
 
 _PACKAGE = Path(__file__).parents[1]
-# Read at once: the package's folder may be gone when the first kernel is called.
-_sources = {_content(file) for file in _PACKAGE.rglob("*.py")}
+# By their paths. Read at once: the package's folder may be gone when the first kernel is called.
+_sources = {
+    file.relative_to(_PACKAGE).as_posix(): _content(file) for file in _PACKAGE.rglob("*.py")
+}
 
 
 def include(*files: Path) -> None:
@@ -46,7 +56,16 @@ def include(*files: Path) -> None:
 
     Raises `OSError` if a file cannot be read.
     """
-    _sources.update(_content(Path(file)) for file in files)
+    _sources.update({str(file): _content(Path(file)) for file in files})
+
+
+def kernels_content() -> str:
+    """Sixteen characters that follow the source of all kernels of a run."""
+    digest = hashlib.sha256()
+    for path, content in sorted(_sources.items()):
+        if not path.startswith(_NO_KERNELS):
+            digest.update(path.encode() + b"\0" + content)
+    return digest.hexdigest()[:16]
 
 
 def own_source(function: Callable) -> bytes | None:
@@ -147,7 +166,7 @@ class CodeCache:
     def _open(self) -> SealedFolder | None:
         try:
             versions = user_cache() / "code"
-            digest = hashlib.sha256(self._compiler.encode() + b"".join(sorted(_sources)))
+            digest = hashlib.sha256(self._compiler.encode() + b"".join(sorted(_sources.values())))
             wanted = (versions, digest.hexdigest()[:16], bool(_sources))
             if wanted == self._wanted:
                 return self._folder

@@ -23,6 +23,13 @@ def modulus(z):
 
 
 @compiled
+def inverse(z):
+    """1 / z of such a number. Division of complex numbers is rounded in as many ways as there are
+    languages and libraries; this is the same in all."""
+    return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
+
+
+@compiled
 def _sum(a, b):
     """a + b, and what its rounding lost (Knuth)."""
     s = a + b

@@ -30,6 +30,11 @@ def make_private(folder: Path) -> None:
     Raises `OSError` if it cannot be made, belongs to another user or is open to others.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    check_folder(folder)
+
+
+def check_folder(folder: Path) -> None:
+    """Raise `PermissionError` unless this user or root alone can write to a folder."""
     _check_owner(folder, folder.lstat(), stat.S_ISDIR)
 
 

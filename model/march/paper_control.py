@@ -25,8 +25,8 @@ def error_indicator(control, h, is_first, old, new):
     size = 0.0
     for i in range(len(old.q)):
         change = new.a[i] - old.a[i]
-        before = change / h if is_first else old.jerk[i]
-        after = 2.0 * change / h - before
+        before = change * (1.0 / h) if is_first else old.jerk[i]
+        after = change * (2.0 / h) - before
         new.jerk[i] = after
         if control.indicator == ZIENKIEWICZ_XIE:
             local = (beta - 1.0 / 6.0) * h * h * change

@@ -63,7 +63,7 @@ def watch_bounces(structure, motion, memory):
         bounce[j, 3] = max(0.0, bounce[j, 3] - 1.0)
         if motion.force[j] != 0.0:
             d = relative(interfaces[j], motion.q)
-            e = d / modulus(d)
+            e = d * (1.0 / modulus(d))
             is_opposite = e.real * bounce[j, 0] + e.imag * bounce[j, 1] < -0.5
             if is_opposite and bounce[j, 2] <= CROSSING_STEPS:
                 bounce[j, 3] = min(2.0 * TRAPPED_SCORE, bounce[j, 3] + CROSSING_SCORE)

@@ -15,13 +15,12 @@ the whirl.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
@@ -141,9 +140,16 @@ def _table(part: LinearBearing) -> np.ndarray:
     for j, name in enumerate(quantities(Coefficients)):
         values = getattr(part, name)
         if isinstance(values, tuple):
-            rows[:-1, 1 + 4 * j : 5 + 4 * j] = PchipInterpolator(speeds, values).c.T
+            rows[:-1, 1 + 4 * j : 5 + 4 * j] = _cubics(speeds, values).c.T
             rows[-1, 4 + 4 * j] = values[-1]
     return rows
+
+
+def _cubics(speeds: Sequence[float], values: Sequence[float]) -> Any:
+    # imported where a table is: it takes longer than all else that a machine is made of
+    from scipy.interpolate import PchipInterpolator
+
+    return PchipInterpolator(speeds, values)
 
 
 OUTPUTS = (
@@ -219,7 +225,7 @@ class LinearBearing(Coefficients, Part):
         """K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
         at = float(np.clip(speed, self.speed[0], self.speed[-1])) if self.speed else speed
         values = [
-            float(PchipInterpolator(self.speed, v)(at)) if isinstance(v, tuple) else v
+            float(_cubics(self.speed, v)(at)) if isinstance(v, tuple) else v
             for v in (getattr(self, name) for name in quantities(Coefficients))
         ]
         return np.reshape(values[:4], (2, 2)), np.reshape(values[4:], (2, 2))

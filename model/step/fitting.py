@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled
-from ..kernels.functions import direction
+from ..kernels.functions import direction, inverse
 
 SLOWEST = 1e-4  # Omega h [rad] below which the factors are 1 to rounding
 
@@ -37,7 +37,8 @@ def fitted(scheme, w):
     if abs(w) < SLOWEST:
         return Fit(1.0, 1.0)
     z = direction(w)
-    velocity = (1.0 - gamma + gamma * z) / (z - 1.0)  # v over h a
-    displacement = (velocity + 0.5 - beta + beta * z) / (z - 1.0)  # q over h^2 a
-    balance = (am + (1.0 - am) * z) / (af + (1.0 - af) * z)  # v_dot over a
-    return Fit((-w * w * displacement / balance).real, (1j * w * displacement / velocity).real)
+    velocity = (1.0 - gamma + gamma * z) * inverse(z - 1.0)  # v over h a
+    displacement = (velocity + 0.5 - beta + beta * z) * inverse(z - 1.0)  # q over h^2 a
+    balance = (am + (1.0 - am) * z) * inverse(af + (1.0 - af) * z)  # v_dot over a
+    mass = -w * w * displacement * inverse(balance)
+    return Fit(mass.real, (1j * w * displacement * inverse(velocity)).real)

@@ -138,12 +138,13 @@ def _start(problem, laws, interfaces, place, b_d):
         w = problem.w_free[j]
         if place == EXPECTED:
             if problem.expected[j] != 0.0:
-                w = (problem.expected[j] - problem.d0[j]) / b_d
+                w = (problem.expected[j] - problem.d0[j]) * (1.0 / b_d)
         elif place == WALL and interfaces[j].has_wall == 1:
             free = problem.d0[j] + b_d * w
             opening = law_opening(laws, interfaces[j], free)
             if opening < 0.0:
-                w = (free * (1.0 + opening / modulus(free)) - problem.d0[j]) / b_d
+                wall = free * (1.0 + opening / modulus(free))
+                w = (wall - problem.d0[j]) * (1.0 / b_d)
         problem.w[j] = w
 
 

@@ -20,6 +20,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from ..kernels.band import factorize, to_band
+from ..kernels.compiled import plain
 from ..machine.rotor import Rotor
 from ..parts import LAWS
 from ..parts.housing import HousingQuantities
@@ -62,14 +63,14 @@ INTERFACE = _record("law row dof end own states out has_wall", "length")
 # What a machine has one of. Given: whether the internal damping turns; base_load: place of the
 # base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share
 # of it acts along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
-# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, size: a length of the
+# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, small: a length of the
 # machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia with the
 # eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v +
 # sign(Omega) kappa_h; clearance: the smallest [m].
 NUMBERS = _record(
     "rotating_damping base_load",
-    "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound size inertia kappa_v kappa_h "
-    "clearance",
+    "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
+    "kappa_h clearance",
 )
 
 
@@ -172,7 +173,7 @@ def assemble(rotor: Rotor) -> Structure:
         [(_dof(s), s.stiffness, s.damping) for _, s in _of(Spring, elements)],
     )
     M_factors = to_band(M, HALF_BANDWIDTH)
-    factorize(M_factors)
+    plain(factorize)(M_factors)
     outputs = _places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
     used = [law for law, rows in zip(LAWS, laws, strict=False) if len(rows)]
@@ -187,7 +188,7 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
     numbers[0].own_inertia = inertia
     numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, springs, elements)
-    numbers[0].bound, numbers[0].size = 0.1 * rotor.length, 1e-4 * rotor.length
+    numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
     unbalances = [u for _, u in _of(Unbalance, elements)]
     structure = Structure(
         M=to_band(M, HALF_BANDWIDTH),
@@ -218,7 +219,7 @@ def assemble(rotor: Rotor) -> Structure:
         losses=_entries(losses_of(LAWS), losses_of(used)),
         numbers=numbers,
     )
-    prepare(structure)
+    plain(prepare)(structure)
     return structure
 
 

@@ -30,7 +30,7 @@ def prepare(structure):
         structure.interfaces[j].length = length
         if length > 0.0:
             smallest = min(smallest, length)
-    numbers.clearance = smallest if smallest < math.inf else numbers.size
+    numbers.clearance = smallest if smallest < math.inf else numbers.small
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].length == 0.0:
             structure.interfaces[j].length = numbers.clearance

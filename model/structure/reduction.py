@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
+from ..kernels.compiled import plain
 from .assembly import Structure, moved
 
 _MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
@@ -53,7 +54,7 @@ def reduced(structure: Structure, modes: int) -> Structure:
     dense = {name: T.T @ to_dense(getattr(structure, name)) @ T for name in _MATRICES}
     bands: dict[str, Any] = {name: to_band(matrix, size - 1) for name, matrix in dense.items()}
     M_factors = bands["M"].copy()
-    factorize(M_factors)
+    plain(factorize)(M_factors)
     place = {dof: i for i, dof in enumerate(kept.tolist())}
 
     def place_of(dofs: np.ndarray) -> np.ndarray:

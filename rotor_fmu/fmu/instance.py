@@ -16,8 +16,7 @@ from enum import Enum
 
 import numpy as np
 
-from ..model.kernels.compiled import has_to_compile
-from ..model.march import entries
+from ..model.code import waits_for_compiler
 from ..model.simulation import Simulation, StepFailure
 from .binding import build_simulation
 from .face import Face
@@ -253,7 +252,7 @@ class Instance:
         self._is_stale = False
 
     def _build(self, values: Sequence[float], tolerance: float | None) -> Simulation:
-        if COMPILING not in _said and has_to_compile(entries.advance):
+        if COMPILING not in _said and waits_for_compiler():
             _said.add(COMPILING)
             self._say("note", COMPILING)
         named = dict(zip(self._face.index, values, strict=True))

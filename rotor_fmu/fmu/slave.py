@@ -22,6 +22,7 @@ from pythonfmu import (
 from pythonfmu.enums import Fmi2Status
 
 from ..about import RELEASED, __version__
+from ..model.code import chosen
 from ..model.machine.toml import rig_toml
 from ..model.quantities import QuantityError
 from ..model.settings import Settings, SettingsError
@@ -35,6 +36,8 @@ from .wrapper import HeldFromLookUp, hold, settle_exit
 
 # In an FMU's resources: the rotor as TOML, and what drives it, speed or torque.
 ROTOR_FILE, DRIVE_FILE = "rotor.toml", "drive.txt"
+# Now, since the FMU's folder may be gone when the first run begins.
+chosen()
 _KINDS = {"Real": Real, "Integer": Integer, "Boolean": Boolean}
 _LEVELS = {"note": Fmi2Status.ok, "warning": Fmi2Status.warning}
 # Errors whose message says all; of any other the kind is named too.

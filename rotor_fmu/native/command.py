@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from ..errors import InputError, RunFailed, writable_folder
+from ..model.kernels.library import here
 from ..packing.bundle import build as pack
 from ..runs.command import Free, RotorFile
 from ..runs.job import load_rotor
@@ -16,7 +17,9 @@ from .pack import build_native
 
 Platforms = Annotated[
     list[str] | None,
-    typer.Option("--platform", help=f"One of {', '.join(PLATFORMS)}; default: all."),
+    typer.Option(
+        "--platform", help=f"One of {', '.join(PLATFORMS)}, or here: this machine's; default: all."
+    ),
 ]
 
 Native = Annotated[
@@ -45,7 +48,10 @@ def build(
 
 
 def core(platforms: Platforms = None) -> None:
-    """Make the native FMU's libraries, which a build otherwise makes where they are missing."""
+    """Make the libraries of the solver, with which nothing has to be compiled to run or to build.
+
+    Where they are missing a run compiles the solver, and a build of a native FMU makes them.
+    """
     for name in _known(platforms):
         typer.echo(_made(name))
 
@@ -63,7 +69,11 @@ def build_without_python(
 
 
 def _known(platforms: list[str] | None) -> list[str]:
-    for name in platforms or ():
+    mine = here()
+    if platforms and "here" in platforms and mine is None:
+        raise InputError("--platform here: there is no library for this machine")
+    platforms = [mine if name == "here" and mine else name for name in platforms or ()]
+    for name in platforms:
         if name not in PLATFORMS:
             raise InputError(f"--platform {name}: must be one of {', '.join(PLATFORMS)}")
     return platforms or list(PLATFORMS)

@@ -1,9 +1,10 @@
 """The library of the native FMU for each platform: kernels -> LLVM IR -> objects -> linked with the
-C skin. Made once for a version of the sources and kept in the user's cache.
+C skin. Made once for a version of the sources.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import re
@@ -11,19 +12,18 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
-from .. import model
-from ..model.kernels.user_cache import user_cache
+from ..model.kernels.code_cache import kernels_content
+from ..model.kernels.library import CARRIED, file_name, find, made_here
+from ..model.kernels.sealed_folder import make_private
 
 _HERE = Path(__file__).parent
 SKIN = _HERE / "skin"
-# Of `model`, what no kernel is made of.
-_NOT_IN_KERNELS = ("impact", "false_state", "linear", "machine", "simulation.py", "rest.py")
 _KEPT_VERSIONS = 8
 _FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 
@@ -98,64 +98,77 @@ PLATFORMS = {
 }
 
 
-def _of_kernels() -> Iterator[Path]:
-    root = Path(model.__file__).parent
-    for file in sorted(root.rglob("*.py")):
-        if not file.relative_to(root).as_posix().startswith(_NOT_IN_KERNELS):
-            yield file
-    yield from (_HERE / name for name in ("flat.py", "settle.py", "sentences.py", "emit.py"))
+def _emitted() -> str:
+    """Sixteen characters that follow what the kernels' IR is made of, and by which compilers."""
+    files = (_HERE / f"{name}.py" for name in ("flat", "settle", "sentences", "emit"))
+    return _digest(files, f"{kernels_content()} {version('numba')} {version('llvmlite')}")
 
 
-def _digest(files: Iterable[Path], packages: Iterable[str], before: str = "") -> str:
+def _digest(files: Iterable[Path], before: str) -> str:
     digest = hashlib.sha256(before.encode())
-    for package in packages:
-        try:
-            digest.update(f"{package} {version(package)}\0".encode())
-        except PackageNotFoundError:
-            digest.update(f"{package} none\0".encode())
     for file in files:
-        digest.update(file.name.encode() + b"\0" + file.read_bytes() + b"\0")
+        text = file.read_bytes().replace(b"\r\n", b"\n")
+        digest.update(file.name.encode() + b"\0" + text + b"\0")
     return digest.hexdigest()[:16]
 
 
-def _kernels_digest() -> str:
-    return _digest(_of_kernels(), ("numba", "llvmlite"))
-
-
 def core_digest() -> str:
-    """Sixteen characters that follow the sources of the library and the compilers."""
-    others = (*sorted(SKIN.glob("*.[ch]")), _HERE / "core.py", _HERE / "table.py")
-    return _digest(others, ("ziglang",), _kernels_digest())
+    """Sixteen characters that follow the sources of the library."""
+    names = ("flat", "settle", "sentences", "emit", "core", "table")
+    files = (*(_HERE / f"{name}.py" for name in names), *sorted(SKIN.glob("*.[ch]")))
+    return _digest(files, kernels_content())
 
 
 def library(platform: Platform, say: Callable[[], object] = lambda: None) -> Path:
     """The library for a platform, made if there is none; some minutes for the first one.
 
-    say: called before one is made. Raises `CoreError`.
+    It stands beside the kernels in a source tree, for all whatever their cache, and for what is
+    built of the tree; else in the user's cache. say: called before one is made. Raises `CoreError`.
     """
-    folder = user_cache() / "native" / f"core-{core_digest()}" / platform.name
-    target = folder / f"core{platform.suffix}"
-    if target.is_file():
-        os.utime(folder.parent)
-        return target
-    if find_spec("ziglang") is None:
+    found = find(platform.name, core_digest())
+    if found:
+        return found
+    if find_spec("ziglang") is None or find_spec("numba") is None:
         raise CoreError(
             "the native library has to be linked and ziglang is not installed: "
             "pip install 'rotor-fmu[native]'"
         )
     say()
-    with _unfinished(folder) as work:
-        _link(platform, _objects(platform, kernels(), work), work / target.name)
-        for left in work.iterdir():  # import libraries and debug files of the linker
-            if left.name != target.name:
-                left.unlink()
+    folder = _folder()
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
+        work = Path(name)
+        made = work / f"core{platform.suffix}"
+        _link(platform, _objects(platform, kernels(), work), made)
+        return _put(folder, platform, made.read_bytes())
+
+
+def _folder() -> Path:
+    if (CARRIED.parents[1] / "pyproject.toml").is_file():
+        CARRIED.mkdir(exist_ok=True)
+        return CARRIED
+    make_private(made_here().parent)
+    make_private(made_here())
+    return made_here()
+
+
+def _put(folder: Path, platform: Platform, content: bytes) -> Path:
+    """Write a library whole, and take away those of older sources where they lie beside them."""
+    target = folder / file_name(platform.name, core_digest(), platform.suffix, content)
+    unfinished = folder / f"{target.name}.{os.getpid()}.part"
+    unfinished.write_bytes(content)
+    unfinished.replace(target)
+    others = [file for file in folder.glob(f"{platform.name}.*") if file != target]
+    others.sort(key=lambda file: file.stat().st_mtime, reverse=True)
+    for old in others if folder == CARRIED else others[_KEPT_VERSIONS:]:
+        with contextlib.suppress(OSError):
+            old.unlink()
     return target
 
 
 def kernels() -> Path:
     """The folder with the kernels' LLVM IR, which no platform is in yet."""
-    versions = user_cache() / "native"
-    folder = versions / f"kernels-{_kernels_digest()}"
+    versions = made_here()
+    folder = versions / f"kernels-{_emitted()}"
     if folder.is_dir():
         os.utime(folder)
     else:
@@ -189,7 +202,7 @@ class _unfinished:
 def _forget_old(versions: Path) -> None:
     if not versions.is_dir():
         return
-    finished = [p for p in versions.iterdir() if not p.name.startswith("part-")]
+    finished = list(versions.glob("kernels-*"))
     by_age = sorted(finished, key=lambda p: p.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_VERSIONS - 1 :]:
         shutil.rmtree(old, ignore_errors=True)

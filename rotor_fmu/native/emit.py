@@ -17,6 +17,7 @@ from pathlib import Path
 import llvmlite.binding as llvm
 import numba
 
+from ..model.kernels import dispatching
 from .flat import FUNCTIONS
 
 
@@ -24,12 +25,17 @@ def emit(folder: Path) -> None:
     """Write NAME.ll of every function of `FUNCTIONS`, `NAME_kernel` its one visible symbol."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
+    dispatching.keep = _forget
     for function, signature in FUNCTIONS.items():
         kernel = numba.njit(error_model="numpy", _nrt=False)(function)
         kernel.compile(signature)
         name = f"{function.__name__}_kernel"
         text = alone(kernel.inspect_llvm(signature), function.__name__, name)
         (folder / f"{name}.ll").write_text(text, encoding="utf-8")
+
+
+def _forget(dispatcher: object) -> None:
+    """Instead of `kept_overloads.keep`: what no process will run is not worth keeping."""
 
 
 def alone(text: str, function: str, name: str) -> str:

@@ -1,5 +1,5 @@
-"""The functions of the library: of addresses and numbers alone, each returning the code of a
-sentence (`sentences`), 0 where all is well.
+"""The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
+those of a run (`model.march.entries`) a status, the others the code of a sentence (`sentences`).
 
 block: of a run (`model.march.block`); given: the solver's parameters (`settle`); told: the numbers
 of the sentence, `TOLD` at most.
@@ -63,11 +63,30 @@ def rotor_doubt(block, given, own, told, slot):
     return doubt(_view(block), given, own, told, slot)
 
 
-def rotor_start(block, speed, drive, rate, told):
-    """`entries.start`."""
-    status = entries.start(block, speed, drive, rate)
-    if status == equilibrium.HELD:
-        return say.GOOD
+def rotor_start(block, speed, drive, rate):
+    """`entries.start`; returns its status, as the next three do."""
+    return entries.start(block, speed, drive, rate)
+
+
+def rotor_advance(block, t_end, drive, rate):
+    """`entries.advance`."""
+    return entries.advance(block, t_end, drive, rate)
+
+
+def rotor_linearize(block, by_d, by_v):
+    """`entries.linearize`."""
+    entries.linearize(block, by_d, by_v)
+    return say.GOOD
+
+
+def rotor_look(block):
+    """`entries.look`."""
+    entries.look(block)
+    return say.GOOD
+
+
+def rotor_no_rest(block, status, told):
+    """Why `rotor_start` found no equilibrium."""
     run = _view(block)
     held = _held_nodes(run)
     if held < 2:
@@ -79,9 +98,8 @@ def rotor_start(block, speed, drive, rate, told):
     return say.NO_REST
 
 
-def rotor_advance(block, t_end, drive, rate, told):
-    """`entries.advance`; a negative code is a warning about a run that goes on."""
-    status = entries.advance(block, t_end, drive, rate)
+def rotor_outcome(block, status, told):
+    """What `rotor_advance` came to; a negative code is a warning about a run that goes on."""
     run = _view(block)
     r = run.memory.record[0]
     if status == march.DONE:
@@ -100,16 +118,13 @@ def rotor_advance(block, t_end, drive, rate, told):
     return say.DIVERGED if is_stable(run.method.numbers[0]) else say.DIVERGED_UNSTABLE
 
 
-def rotor_look(block):
-    """`entries.look`."""
-    entries.look(block)
-    return say.GOOD
-
-
 FUNCTIONS = {
     rotor_settle: (_BLOCK, _NUMBERS, _NUMBERS),
     rotor_doubt: (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
-    rotor_start: (_BLOCK, _REAL, _REAL, _REAL, _NUMBERS),
-    rotor_advance: (_BLOCK, _REAL, _REAL, _REAL, _NUMBERS),
+    rotor_start: (_BLOCK, _REAL, _REAL, _REAL),
+    rotor_advance: (_BLOCK, _REAL, _REAL, _REAL),
+    rotor_linearize: (_BLOCK, _REAL, _REAL),
     rotor_look: (_BLOCK,),
+    rotor_no_rest: (_BLOCK, types.int64, _NUMBERS),
+    rotor_outcome: (_BLOCK, types.int64, _NUMBERS),
 }

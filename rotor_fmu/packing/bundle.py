@@ -16,11 +16,14 @@ from pythonfmu.builder import FmuBuilder
 from .. import model
 from ..fmu.interface import interface
 from ..fmu.slave import DRIVE_FILE, ROTOR_FILE
+from ..model.kernels.library import CARRIED, find
 from ..model.machine.toml import parse_rotor, rig_toml
 from .documents import documents
 
 FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
-REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11", "numba>=0.60")
+REQUIREMENTS = ("numpy>=1.26", "scipy>=1.11")
+COMPILER = "numba>=0.60"  # where a library of kernels is missing
+PLATFORMS = ("linux64", "win64")  # of pythonfmu's wrapper
 _HERE = Path(__file__).parent
 _PROJECT = _HERE.parent
 # Of `model`, what no rotor needs: paper B's experiments, the analysis of the false state, linear
@@ -74,9 +77,21 @@ def _resources(toml: str, is_free: bool) -> dict[str, bytes]:
         _script(is_free): (_HERE / "entry.py").read_text(encoding="utf-8"),
         ROTOR_FILE: toml,
         DRIVE_FILE: "torque" if is_free else "speed",
-        "requirements.txt": "\n".join(REQUIREMENTS) + "\n",
     }
-    return {path: text.encode() for path, text in texts.items()}
+    libraries = _libraries()
+    needed = REQUIREMENTS if len(libraries) == len(PLATFORMS) else (*REQUIREMENTS, COMPILER)
+    texts["requirements.txt"] = "\n".join(needed) + "\n"
+    return {
+        **{path: text.encode() for path, text in texts.items()},
+        **{f"{package}/{path}": content for path, content in libraries.items()},
+    }
+
+
+def _libraries() -> dict[str, bytes]:
+    """The libraries of kernels that there are for the platforms of pythonfmu's wrapper, by their
+    path in the package."""
+    found = [file for file in map(find, PLATFORMS) if file]
+    return {f"model/{CARRIED.name}/{file.name}": file.read_bytes() for file in found}
 
 
 def _documents(toml: str, is_free: bool) -> dict[str, bytes]:
@@ -138,12 +153,15 @@ def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) 
     expected = {f"resources/{path}": data for path, data in _resources(toml, is_free).items()}
     with zipfile.ZipFile(fmu) as archive:
         names = {name for name in archive.namelist() if not name.startswith(_PYTHONFMUS)}
-        if not set(expected) <= names or _tool(archive) != f"PythonFMU {version('pythonfmu')}":
+        if not _holds(archive, expected) or _tool(archive) != f"PythonFMU {version('pythonfmu')}":
             return False
-        expected |= _documents(toml, is_free)
-        return names == set(expected) and all(
-            archive.read(name) == data for name, data in expected.items()
-        )
+        documents = _documents(toml, is_free)  # which take longer to make than to compare
+        return names == {*expected, *documents} and _holds(archive, documents)
+
+
+def _holds(archive: zipfile.ZipFile, expected: Mapping[str, bytes]) -> bool:
+    there = set(archive.namelist())
+    return all(name in there and archive.read(name) == data for name, data in expected.items())
 
 
 def _tool(archive: zipfile.ZipFile) -> str | None:

@@ -18,9 +18,10 @@ from .related_files import related_files
 from .variable_table import rows
 
 DEPENDENCIES = """This FMU is written in Python and runs in the Python of its host:
-Python 3.11 or newer with numpy and scipy; with numba it runs some five hundred times faster.
-No network, no licence, no files but its own and a cache of compiled code in the user's
-cache folder ($ROTOR_FMU_CACHE).
+Python 3.11 or newer with numpy and scipy. The solver is machine code, in a library for each system
+that resources/*/model/library names. On any other, numba compiles it once and keeps it in the
+user's cache folder ($ROTOR_FMU_CACHE); without numba it runs some five hundred times slower.
+No network, no licence, no files but these.
 """
 
 _REFERENCE = """<h2>A reference result</h2>
@@ -30,10 +31,10 @@ _REFERENCE = """<h2>A reference result</h2>
 
 # What the page says of the host.
 _WITH_PYTHON = """<p>The host runs, or can load, Python 3.11 or newer with <code>numpy</code> and
-<code>scipy</code>, and <code>numba</code> for speed: <code>pip install numpy scipy numba</code>.
-Then, with FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. The first run on a machine
-compiles for about half a minute. A warning or an error is one sentence on standard error, and in
-the host's log where logging is switched on.</p>
+<code>scipy</code>: <code>pip install numpy scipy</code>. The solver comes as machine code; on a
+system for which the FMU carries none, <code>numba</code> compiles it for about half a minute,
+once. With FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. A warning or an error is one
+sentence on standard error, and in the host's log where logging is switched on.</p>
 """
 _WITHOUT_PYTHON = """<p>The host needs nothing but the FMU: its libraries hold the solver as machine
 code. With FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. A warning or an error is one

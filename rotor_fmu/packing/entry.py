@@ -55,7 +55,7 @@ if SLAVE not in sys.modules:
         except ImportError as error:
             message = (
                 f"{needed} is missing in the Python of this host ({sys.prefix}): "
-                "pip install numpy scipy numba"
+                "pip install numpy scipy"
             ).replace("%", " percent")
             print(f"RotorBearing: error: {message}", file=sys.stderr, flush=True)
             raise Missing(message) from error

@@ -69,7 +69,7 @@ print(sys.modules[name].user_cache())
 @pytest.mark.slow
 def test_an_fmu_whose_kept_code_is_damaged_compiles_it_again(fmu, tmp_path):
     step = "i = start(new())\ni.doStep(0.0, 0.02)\nprint(i.getReal([refs['disc[3].y']]))"
-    environment = {"ROTOR_FMU_CACHE": str(tmp_path)}
+    environment = {"ROTOR_FMU_CACHE": str(tmp_path), "ROTOR_FMU_KERNELS": "numba"}
     first = in_a_process(fmu, step, environment)
     (folder,) = (tmp_path / "code").iterdir()
     for i, file in enumerate(sorted(folder.glob("*.calls.*"))):
@@ -90,4 +90,5 @@ shutil.rmtree(folder)
 start(instance)
 instance.doStep(0.0, 0.02)
 """
-    in_a_process(fmu, script, {"ROTOR_FMU_CACHE": str(tmp_path)})
+    environment = {"ROTOR_FMU_CACHE": str(tmp_path), "ROTOR_FMU_KERNELS": "numba"}
+    in_a_process(fmu, script, environment)

@@ -338,7 +338,9 @@ static Status build(Instance *m)
             *(int64_t *)(m->block + t->continues_at) = m->values[i] == 0;
     }
     take_loads(m);
-    int code = rotor_start(m->block, speed, drive, rate, numbers);
+    int code = rotor_start(m->block, speed, drive, rate);
+    if (code && code != BROKEN)
+        code = rotor_no_rest(m->block, code, numbers);
     if (code >= t->sentences)
         return refuse(m, "internal error at the start");
     if (code)
@@ -417,7 +419,9 @@ Status march(Instance *m, double current, double size)
         return ERROR;
     take_loads(m);
     int code = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
-                             s->has_slope ? s->slope : NAN, numbers);
+                             s->has_slope ? s->slope : NAN);
+    if (code != BROKEN)
+        code = rotor_outcome(m->block, code, numbers);
     s->has_slope = 0;
     if (code > 0) {
         char why[LONGEST] = "internal error in a step";

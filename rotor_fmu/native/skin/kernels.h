@@ -8,11 +8,14 @@ enum { BROKEN = 1 << 20 };
 
 int32_t rotor_settle_kernel(int64_t *, void **, uint8_t *, double *, double *);
 int32_t rotor_doubt_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);
-int32_t rotor_start_kernel(int64_t *, void **, uint8_t *, double, double, double, double *);
-int32_t rotor_advance_kernel(int64_t *, void **, uint8_t *, double, double, double, double *);
+int32_t rotor_start_kernel(int64_t *, void **, uint8_t *, double, double, double);
+int32_t rotor_advance_kernel(int64_t *, void **, uint8_t *, double, double, double);
+int32_t rotor_linearize_kernel(int64_t *, void **, uint8_t *, double, double);
 int32_t rotor_look_kernel(int64_t *, void **, uint8_t *);
+int32_t rotor_no_rest_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
+int32_t rotor_outcome_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
 
-/* The code of a sentence, 0 where all is well. */
+/* A status or the code of a sentence, 0 where all is well. */
 #define CALL(NAME, ...)                                                                          \
     int64_t code = 0;                                                                            \
     void *exception = 0;                                                                         \
@@ -26,16 +29,18 @@ static inline int rotor_doubt(uint8_t *block, double *given, double *own, double
 {
     CALL(rotor_doubt, block, given, own, told, slot);
 }
-static inline int rotor_start(uint8_t *block, double speed, double drive, double rate, double *told)
+static inline int rotor_no_rest(uint8_t *block, int status, double *told)
 {
-    CALL(rotor_start, block, speed, drive, rate, told);
+    CALL(rotor_no_rest, block, status, told);
 }
-static inline int rotor_advance(uint8_t *block, double t, double drive, double rate, double *told)
+static inline int rotor_outcome(uint8_t *block, int status, double *told)
 {
-    CALL(rotor_advance, block, t, drive, rate, told);
+    CALL(rotor_outcome, block, status, told);
 }
-static inline int rotor_look(uint8_t *block)
-{
-    CALL(rotor_look, block);
-}
+
+/* Of a run, exported too (`model/kernels/library.py`). */
+int rotor_start(uint8_t *block, double speed, double drive, double rate);
+int rotor_advance(uint8_t *block, double t, double drive, double rate);
+int rotor_linearize(uint8_t *block, double by_d, double by_v);
+int rotor_look(uint8_t *block);
 #endif

@@ -1,0 +1,101 @@
+"""The kernels of a run as a library, made ahead: found by what it was made of, and loaded.
+
+A file counts only if its name says that it was made of exactly these kernels and is whole:
+
+    linux64.CORE.KERNELS.CHECKSUM.so
+
+CORE follows all that the library is made of, KERNELS what `code_cache.kernels_content` does.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import platform
+import sys
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from .code_cache import kernels_content, say_once
+from .sealed_folder import check_folder
+from .user_cache import user_cache
+
+# Beside the kernels: what a wheel or an FMU carries, or was made in a source tree.
+CARRIED = Path(__file__).parents[1] / "library"
+_MACHINES = {"x86_64": "x86_64", "AMD64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
+# By the system and the processor, as in FMI 2.0 where it has a name.
+_PLATFORMS = {
+    ("linux", "x86_64"): "linux64",
+    ("linux", "aarch64"): "aarch64-linux",
+    ("win32", "x86_64"): "win64",
+    ("darwin", "x86_64"): "darwin64",
+    ("darwin", "aarch64"): "aarch64-darwin",
+}
+_DIGITS = 16
+
+
+def here() -> str | None:
+    """Name of this machine's platform; None where there can be no library."""
+    is_wide = sys.maxsize > 2**32
+    machine = _MACHINES.get(platform.machine(), "")
+    return _PLATFORMS.get((sys.platform, machine)) if is_wide else None
+
+
+def file_name(name: str, core: str, suffix: str, content: bytes) -> str:
+    """What the library of a platform is called that has this content."""
+    checksum = hashlib.sha256(content).hexdigest()[:_DIGITS]
+    return f"{name}.{core}.{kernels_content()}.{checksum}{suffix}"
+
+
+def made_here() -> Path:
+    """The folder in the user's cache for libraries. Raises `OSError` where there is none."""
+    return user_cache() / "native"
+
+
+def find(name: str, core: str = "*") -> Path | None:
+    """The library of a platform that was made of these kernels, if there is one; core: and of what
+    else."""
+    for folder in _folders():
+        for file in sorted(folder.glob(f"{name}.{core}.{kernels_content()}.*")):
+            if file.name == file_name(name, file.name.split(".")[1], file.suffix, _read(file)):
+                return file
+    return None
+
+
+def _folders() -> Iterator[Path]:
+    yield CARRIED
+    try:
+        folder = made_here()
+        if folder.is_dir():
+            check_folder(folder)
+            yield folder
+    except OSError as error:
+        say_once("library", f"libraries of the solver are not looked for: {error}")
+
+
+def _read(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError:
+        return b""
+
+
+@cache
+def loaded() -> ctypes.CDLL | None:
+    """This machine's library with the types of its functions, or None where there is none."""
+    name = here()
+    file = find(name) if name else None
+    if file is None:
+        return None
+    try:
+        library = ctypes.CDLL(str(file))
+        real, block = ctypes.c_double, ctypes.c_void_p
+        library.rotor_start.argtypes = (block, real, real, real)
+        library.rotor_advance.argtypes = (block, real, real, real)
+        library.rotor_linearize.argtypes = (block, real, real)
+        library.rotor_look.argtypes = (block,)
+    except (OSError, AttributeError) as error:
+        say_once("library", f"the library of the solver cannot be loaded: {error}")
+        return None
+    return library
