@@ -30,7 +30,7 @@ from ..packing.bundle import FMU_NAME, build, is_current
 from .machine_file import machine_text
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
-from .signals import make_signals, read_signals
+from .signals import Signals, make_signals, read_signals
 
 # What a run leaves in its folder.
 RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")
@@ -147,7 +147,21 @@ def prepare(
             raise InputError(f"--set {name}: {signal_file} gives it too")
     signals = make_signals(table, stop, constants, recorded)
     parameters = {name: value for name, value in values.items() if name not in inputs}
-    parameters.setdefault("speed_rate", signals.first_rate)
+    return make_job(toml, rotor, parameters, signals, stop, step)
+
+
+def make_job(
+    toml: str,
+    rotor: Rotor,
+    parameters: Mapping[str, float],
+    signals: Signals,
+    stop: float,
+    step: float | None,
+) -> Job:
+    """A run of a machine, its parameters and inputs checked together; step: communication step [s],
+    None for one that suits the solver. Raises `InputError`, `QuantityError`, `SettingsError`."""
+    table = interface(rotor)
+    parameters = {"speed_rate": signals.first_rate} | dict(parameters)
     everything = {v.name: v.start for v in table if v.start is not None} | parameters
     everything |= {name: signals.at(name, 0.0) for name in signals.values}
     settings = settings_of(everything)
@@ -155,7 +169,7 @@ def prepare(
         build_simulation(rotor, table, everything, lambda message: None)
     except EquilibriumError as error:
         raise InputError(str(error)) from error
-    step = step or _step_of(settings)
+    step = step or min(_step_of(settings), stop)
     return Job(table, parameters, signals, stop, step, toml, rotor, settings)
 
 

@@ -1,0 +1,108 @@
+"""FMUs of machines: built, and driven through FMPy."""
+
+from __future__ import annotations
+
+import warnings
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from ..errors import InputError
+from ..model.simulation import RotorWarning
+from ..runs.recording import Recording
+from .machine import Machine, parse
+from .result import Result
+from .simulate import Signal, plan
+
+_MACHINE = "resources/rotor.toml"
+
+
+def build_fmu(
+    machine: Machine,
+    folder: Path | str = ".",
+    *,
+    is_free: bool = False,
+    is_native: bool = False,
+    fmi: int = 2,
+    platforms: Sequence[str] | None = None,
+) -> Path:
+    """Build a machine's FMU in a folder and return its path.
+
+    is_free: a torque drives the rotor instead of its speed; is_native: the FMU that needs no Python
+    (`pip install "rotor-fmu[native]"`), of FMI 2 or 3, for the platforms named, by default all.
+    Raises `InputError`, and `CoreError` where a library cannot be made.
+
+    >>> import tempfile, rotor_fmu as rf
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     rf.build_fmu(rf.load(), folder).name
+    'RotorBearing.fmu'
+    """
+    if is_native:
+        from ..native.core import PLATFORMS
+        from ..native.pack import build_native
+
+        if fmi not in (2, 3):
+            raise InputError(f"fmi = {fmi}: must be 2 or 3")
+        names = tuple(platforms or PLATFORMS)
+        for name in names:
+            if name not in PLATFORMS:
+                raise InputError(f"platforms: {name!r}: must be one of {', '.join(PLATFORMS)}")
+        return build_native(Path(folder), machine.toml, is_free, fmi, names)
+    if fmi != 2 or platforms:
+        raise InputError("fmi and platforms: only with is_native")
+    from ..packing.bundle import build
+
+    return build(Path(folder), machine.toml, is_free)
+
+
+def simulate_fmu(
+    fmu: Path | str,
+    *,
+    speed: Signal,
+    loads: Mapping[str, Signal] | None = None,
+    stop: float | None = None,
+    preset: str | None = None,
+    tolerance: float | None = None,
+    parameters: Mapping[str, float | str] | None = None,
+    step: float | None = None,
+) -> Result:
+    """Drive an FMU that `build_fmu` made, through FMPy; arguments and result are those of
+    `simulate`, but what is recorded are the outputs at the communication points, `step` [s] apart.
+
+    With the same step the numbers are the same. Raises `InputError` for another file, or for an FMU
+    that a torque drives.
+
+    >>> import tempfile, rotor_fmu as rf
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     fmu = rf.build_fmu(rf.load(), folder)
+    ...     result = rf.simulate_fmu(fmu, speed=185.0, stop=0.2, step=0.01)
+    >>> len(result.t), f"{1e6 * result['disc[3].x_amp'][-1]:.0f} µm"
+    (21, '331 µm')
+    """
+    path = Path(fmu)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            toml = archive.read(_MACHINE).decode()
+            is_free = b'name="tau_drive"' in archive.read("modelDescription.xml")
+    except (OSError, KeyError, UnicodeDecodeError, zipfile.BadZipFile) as error:
+        raise InputError(f"{path}: is no FMU of a machine") from error
+    if is_free:
+        raise InputError(f"{path}: is driven by a torque; simulate_fmu drives by a speed")
+    machine = parse(toml)
+    job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
+    from ..runs.run_down import run_fmu
+
+    run = run_fmu(path, job)
+    for message in run.messages:
+        warnings.warn(message, RotorWarning, stacklevel=2)
+    about = {
+        "machine": machine.name,
+        "toml": toml,
+        "parameters": dict(job.parameters),
+        "stop": job.stop,
+        "step": job.step,
+        "status": run.status,
+        "messages": list(run.messages),
+    }
+    units = {name: machine.units[name] for name in run.columns}
+    return Result(Recording(run.t, run.columns, units, about), run, machine)

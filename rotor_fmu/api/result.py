@@ -1,0 +1,272 @@
+"""A run that was made: its signals with their units, what is read of them, tables and pictures."""
+
+from __future__ import annotations
+
+import base64
+import difflib
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..model.machine.toml import parse_rotor
+from ..model.quantities import QuantityError
+from ..report.places import Recorded
+from ..report.places import read_run as read_recorded
+from ..runs.recording import Recording
+from ..runs.run_down import PEAKS_AFTER, Run
+from ..runs.views import peak_index
+from .machine import Machine
+from .pictures import png
+
+if TYPE_CHECKING:
+    import pandas as pd  # type: ignore[import-untyped]
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from ..vibration import FullSpectrum, Orbit, OrderTrack
+
+
+class Peak(NamedTuple):
+    """A peak of a displacement over the speed: the part, the axis, the amplitude 0-p from rest [m],
+    the speed [rad/s] and the time [s]."""
+
+    part: str
+    axis: str
+    amplitude: float
+    speed: float
+    t: float
+
+
+@dataclass(frozen=True, repr=False)
+class Result:
+    """A run: signals by name, at the solver's own steps.
+
+    recording: the signals, with units and what was run; points: the run at its communication
+    points, with everything that the model computes, None of a run that was read from its folder;
+    machine: None where it is not told.
+
+    >>> import rotor_fmu as rf
+    >>> result = rf.simulate(rf.load(), speed=185.0, stop=0.5, record=["disc[3].x", "disc[3].y"])
+    >>> result["disc[3].x"].shape == result.t.shape
+    True
+    >>> result.units
+    {'phi': 'rad', 'w': 'rad/s', 'disc[3].x': 'm', 'disc[3].y': 'm'}
+    >>> round(float(result.orders(orders=[1.0]).speed[-1]))
+    185
+    """
+
+    recording: Recording
+    points: Run | None = None
+    machine: Machine | None = field(default=None)
+
+    @property
+    def t(self) -> np.ndarray:
+        """Times of the rows [s], shape (n,)."""
+        return self.recording.t
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What was recorded."""
+        return tuple(self.recording.columns)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units by name."""
+        return {name: self.recording.units[name] for name in self.names}
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Speed of rotation [rad/s], shape (n,)."""
+        return self.recording.columns["w"]
+
+    @property
+    def status(self) -> str:
+        """`ok`, `false state`, `overdamped since ...`, or `failed: ` and why."""
+        return str(self.recording.about.get("status", "ok"))
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """What the solver said."""
+        return tuple(self.recording.about.get("messages", ()))
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A signal by its name, SI, shape (n,)."""
+        if name not in self.recording.columns:
+            near = difflib.get_close_matches(name, self.names, 1, 0.0)[0]
+            raise KeyError(f"{name!r} was not recorded; the nearest name is {near}")
+        return self.recording.columns[name]
+
+    def dataframe(self) -> pd.DataFrame:
+        """The signals as a table over the time [s]; units in its `attrs`.
+
+        >>> import rotor_fmu as rf
+        >>> table = rf.simulate(rf.load(), speed=100.0, stop=0.1).dataframe()
+        >>> table.index.name, table.attrs["units"]["disc[1].x"]
+        ('t', 'm')
+        """
+        pd = _imported("pandas")
+        table = pd.DataFrame(dict(self.recording.columns), pd.Index(self.t, name="t"))
+        table.attrs["units"] = {"t": "s", **self.units}
+        return table
+
+    def dataset(self) -> xr.Dataset:
+        """The signals as variables over the time, each with its unit, and what was run.
+
+        >>> import rotor_fmu as rf
+        >>> data = rf.simulate(rf.load(), speed=100.0, stop=0.1).dataset()
+        >>> data["disc[1].x"].attrs["units"], data.attrs["machine"]
+        ('m', 'zigulic2003')
+        """
+        xr = _imported("xarray")
+        variables = {
+            name: ("t", column, {"units": self.units[name]})
+            for name, column in self.recording.columns.items()
+        }
+        about = {k: v for k, v in self.recording.about.items() if isinstance(v, (str, float, int))}
+        return xr.Dataset(variables, {"t": ("t", self.t, {"units": "s"})}, about)
+
+    @cached_property
+    def peaks(self) -> tuple[Peak, ...]:
+        """Peaks over the speed of every part whose amplitude is known, after the start-up of 2 s;
+        an amplitude that is largest at an edge of the run has none.
+
+        >>> import rotor_fmu as rf
+        >>> run = rf.simulate(rf.load(), speed=([0, 12], [220, 150]), tolerance=1e-2)
+        >>> [(p.part, p.axis, round(p.speed, -1)) for p in run.peaks][-2:]
+        [('disc[3]', 'x', 170.0), ('disc[3]', 'y', 200.0)]
+        """
+        if self.points is None:
+            return ()
+        t, c = self.points.t, self.points.columns
+        found = []
+        for name, amplitude in c.items():
+            part, _, quantity = name.rpartition(".")
+            if quantity in ("x_amp", "y_amp"):
+                at = peak_index(t, c["w"], amplitude, PEAKS_AFTER)
+                if at is not None:
+                    values = float(amplitude[at]), float(c["w"][at]), float(t[at])
+                    found.append(Peak(part, quantity[0], *values))
+        return tuple(found)
+
+    def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:
+        """The path of a part, by default of the disc that moves most, over the turns nearest to a
+        speed [rad/s], by default the last (`vibration.orbit`)."""
+        from .. import vibration
+
+        last = float(self.speed[-1])
+        return vibration.orbit(*self._signal(place), last if speed is None else speed, turns=turns)
+
+    def spectrum(
+        self, place: str | None = None, speed: float | None = None, turns: int = 16
+    ) -> FullSpectrum:
+        """Full spectrum, forward and backward orders of a part near a speed [rad/s], by default the
+        last (`vibration.full_spectrum`)."""
+        from .. import vibration
+
+        last = float(self.speed[-1])
+        at = last if speed is None else speed
+        return vibration.full_spectrum(*self._signal(place), at, turns=turns)
+
+    def orders(
+        self, place: str | None = None, orders: Sequence[float] = (0.5, 1.0, 2.0), turns: int = 4
+    ) -> OrderTrack:
+        """Orders of a part through the run (`vibration.order_track`)."""
+        from .. import vibration
+
+        return vibration.order_track(*self._signal(place), orders, turns=turns)
+
+    def plot(
+        self,
+        kind: str = "bode",
+        place: str | None = None,
+        speed: float | None = None,
+        *,
+        is_pp: bool = False,
+    ) -> Figure:
+        """A picture as `rotor-fmu plot` draws it: bode, polar, orbit, cascade, poincare,
+        contact-angle, contact-force, energy, spectrum or whirl. speed: of orbit and spectrum
+        [rad/s]; is_pp: peak-to-peak. Raises `InputError` for another kind."""
+        from ..report.figures import KINDS, View
+
+        if kind not in KINDS:
+            raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
+        return KINDS[kind](View(self._seen, place, speed, is_pp))
+
+    def save(self, folder: Path | str) -> Path:
+        """Write `recording.npz` into a folder, for `read_run`, `rotor-fmu plot` and reports."""
+        path = Path(folder) / "recording.npz"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.recording.save(path)
+        return path
+
+    @cached_property
+    def _seen(self) -> Recorded:
+        return Recorded(self.recording, str(self.recording.about.get("machine", "run")))
+
+    def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return self.t, self._seen.phi, self._seen.place(place).z
+
+    def _facts(self) -> dict[str, str]:
+        machine = str(self.recording.about.get("machine", "-"))
+        facts = {"machine": machine, "status": self.status}
+        if len(self.t):
+            first, last = self.speed[0], self.speed[-1]
+            facts["time"] = f"{self.t[0]:g} to {self.t[-1]:g} s, {len(self.t)} rows"
+            facts["speed"] = f"{first:.4g} to {last:.4g} rad/s"
+        for p in self.peaks[-2:]:
+            facts[f"peak of {p.part}.{p.axis}"] = (
+                f"{p.amplitude * 1e6:.4g} µm at {p.speed:.4g} rad/s"
+            )
+        return facts
+
+    def __repr__(self) -> str:
+        return f"Result({'; '.join(f'{key}: {fact}' for key, fact in self._facts().items())})"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{html.escape(key)}</th><td>{html.escape(fact)}</td></tr>"
+            for key, fact in self._facts().items()
+        )
+        return f"<table>{rows}</table>{self._picture()}"
+
+    def _picture(self) -> str:
+        from ..runs.figures import motion
+        from ..runs.views import place_of
+
+        if len(self.t) < 3 or place_of(self.names) is None:
+            return ""
+        image = base64.b64encode(png(motion(self.recording, ""))).decode()
+        return f'<img src="data:image/png;base64,{image}" alt="displacement over time">'
+
+
+def _imported(library: str) -> Any:
+    """A library that a table is made with; `InputError` where it is not installed."""
+    try:
+        return import_module(library)
+    except ImportError:
+        raise InputError(f"{library} is not installed: pip install 'rotor-fmu[study]'") from None
+
+
+def read_run(folder: Path | str) -> Result:
+    """A run from the folder that `rotor-fmu run-down` or `Result.save` left; raises `InputError`.
+
+    >>> import tempfile, rotor_fmu as rf
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = rf.simulate(rf.load(), speed=100.0, stop=0.1).save(folder)
+    ...     rf.read_run(folder).machine.name
+    'zigulic2003'
+    """
+    recording = read_recorded(Path(folder)).recording
+    toml = str(recording.about.get("toml", ""))
+    try:
+        machine = Machine(parse_rotor(toml), toml)
+    except QuantityError:
+        return Result(recording)
+    return Result(recording, machine=machine)

@@ -1,0 +1,152 @@
+"""A run of a machine, recorded at the solver's own steps."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+
+import numpy as np
+
+from ..errors import InputError
+from ..fmu.interface import interface
+from ..fmu.variables import Variable
+from ..model.march.tape import Record
+from ..model.settings import PRESETS
+from ..model.simulation import RotorWarning
+from ..runs.job import Job, make_job, parse_settings
+from ..runs.run_down import run_recorded, usual
+from ..runs.signals import Signals
+from .machine import Machine
+from .result import Result
+
+Signal = float | tuple[Sequence[float] | np.ndarray, Sequence[float] | np.ndarray]
+_PER_TURN = 64
+_ROWS = 16384
+
+
+def simulate(
+    machine: Machine,
+    *,
+    speed: Signal,
+    loads: Mapping[str, Signal] | None = None,
+    stop: float | None = None,
+    preset: str | None = None,
+    tolerance: float | None = None,
+    parameters: Mapping[str, float | str] | None = None,
+    record: Sequence[str] | None = None,
+    per_turn: float | None = _PER_TURN,
+    step: float | None = None,
+) -> Result:
+    """Let a machine run from its rest, and record it.
+
+    speed: of rotation [rad/s], constant or as times [s] and values between which it is linear;
+    loads: external forces on the ports alike, such as `disc[2].fy` [N]; stop [s]: by default the
+    last time given; preset: of the solver, tolerance: its relative error; parameters: other values
+    of the machine's or the solver's, such as `bearing[1].mu`; record: names of `machine.units`, by
+    default what is usual; per_turn: rows of the recording in a turn, None for every step; step:
+    communication step [s], at which the speed is taken up.
+
+    What makes a run doubtful is a `RotorWarning`, and a run that fails too: its result holds what
+    came before, and its status the reason. Raises `InputError` for what cannot be.
+
+    >>> import rotor_fmu as rf
+    >>> result = rf.simulate(rf.load(), speed=185.0, stop=0.2)
+    >>> result.status
+    'ok'
+    >>> f"{1e6 * abs(result['disc[3].x']).max():.0f} µm"
+    '331 µm'
+    >>> result = rf.simulate(rf.load(), speed=([0, 0.2], [400, 390]), preset="robust")
+    >>> f"{result.speed[-1]:.1f} {result.units['w']}"
+    '390.0 rad/s'
+    """
+    job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
+    if per_turn is not None and not 0 < per_turn < math.inf:
+        raise InputError(f"per_turn = {per_turn}: must be > 0 and finite, or None for every step")
+    angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
+    names = tuple(usual(machine.rotor) if record is None else record)
+    try:
+        run, recording = run_recorded(
+            machine.rotor,
+            job,
+            Record(names, angle, _ROWS),
+            about={"toml": machine.toml},
+            is_silent=True,
+        )
+    except ValueError as error:
+        raise InputError(str(error)) from error
+    for message in run.messages:
+        warnings.warn(message, RotorWarning, stacklevel=2)
+    return Result(recording, run, machine)
+
+
+def plan(
+    machine: Machine,
+    speed: Signal,
+    loads: Mapping[str, Signal] | None,
+    stop: float | None,
+    preset: str | None,
+    tolerance: float | None,
+    parameters: Mapping[str, float | str] | None,
+    step: float | None,
+) -> Job:
+    """The run that the arguments of `simulate` mean, checked."""
+    table = interface(machine.rotor)
+    signals = _signals(table, {"speed": speed, **(loads or {})}, stop)
+    stop = float(signals.t[-1]) if stop is None else float(stop)
+    if step is not None and not 0 < step <= stop:
+        raise InputError(f"step = {step} s: must be > 0 and at most stop = {stop:g} s")
+    given: dict[str, float | str] = dict(parameters or {})
+    if preset is not None:
+        if preset not in PRESETS:
+            raise InputError(f"preset = {preset!r}: must be one of {', '.join(PRESETS)}")
+        given["solver.preset"] = preset
+    if tolerance is not None:
+        given["solver.tolerance"] = tolerance
+    inputs = {v.name for v in table if v.causality == "input"}
+    for name in given.keys() & inputs:
+        raise InputError(f"parameters: {name} is an input: give it as speed or among loads")
+    try:
+        values = parse_settings(table, [f"{name}={value}" for name, value in given.items()])
+        return make_job(machine.toml, machine.rotor, values, signals, stop, step)
+    except ValueError as error:
+        raise InputError(str(error).removeprefix("--set ")) from error
+
+
+def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:
+    """All inputs over the times of all that are given: each is linear between its own."""
+    known = [v for v in table if v.causality == "input"]
+    names = [v.name for v in known]
+    for name in given:
+        if name not in names:
+            near = get_close_matches(name, names, 1, 0.0)[0]
+            raise InputError(f"loads: {name!r} is unknown; the nearest name is {near}")
+    courses = {name: _course(name, value) for name, value in given.items()}
+    ends = [t[-1] for t, _ in courses.values() if len(t) > 1]
+    if stop is None and not ends:
+        raise InputError("stop: must be given where the speed and the loads are constant")
+    end = max(ends) if stop is None else float(stop)
+    if not 0 < end < math.inf:
+        raise InputError(f"stop = {end} s: must be > 0 and finite")
+    t = np.unique(np.concatenate([[0.0, end], *(times for times, _ in courses.values())]))
+    constant = {v.name: np.full(len(t), float(v.start or 0.0)) for v in known}
+    return Signals(t, constant | {name: np.interp(t, *course) for name, course in courses.items()})
+
+
+def _course(name: str, value: Signal) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s] and values of an input."""
+    if isinstance(value, (int, float, np.number)):
+        t, values = np.zeros(1), np.array([float(value)])
+    else:
+        try:
+            t, values = (np.atleast_1d(np.asarray(part, dtype=float)) for part in value)
+        except (TypeError, ValueError):
+            raise InputError(f"{name}: must be a number, or times and values") from None
+    if t.shape != values.shape or t.ndim != 1 or len(t) == 0:
+        raise InputError(f"{name}: {t.size} times and {values.size} values: must be as many")
+    if not (np.isfinite(t).all() and np.isfinite(values).all()):
+        raise InputError(f"{name}: all of its times and values must be finite")
+    if not (np.diff(t) > 0).all() or t[0] < 0:
+        raise InputError(f"{name}: its times must increase and not lie before 0 s")
+    return t, values
