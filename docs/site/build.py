@@ -15,6 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 SECTIONS = {
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
+    "In Python": ["docs/api.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],
     "What to trust": [
         *("docs/truth.md", "docs/integrators.md", "docs/reproduction.md", "docs/impact.md"),

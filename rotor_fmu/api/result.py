@@ -88,7 +88,7 @@ class Result:
 
     @property
     def status(self) -> str:
-        """`ok`, `false state`, `overdamped since ...`, or `failed: ` and why."""
+        """`ok`, `false state`, `overdamped since ...`, or `failed` and why."""
         return str(self.recording.about.get("status", "ok"))
 
     @property
