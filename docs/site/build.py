@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 SECTIONS = {
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],
+    "Many runs": ["docs/studies.md"],
     "What to trust": [
         *("docs/truth.md", "docs/integrators.md", "docs/reproduction.md", "docs/impact.md"),
         "docs/performance.md",

@@ -138,3 +138,50 @@ def test_peak_rms_mean_and_whirl_of_a_circle():
     assert cells(Keep("q", "peak", "d.x"), seen, HELD) == pytest.approx(2.0)
     assert cells(Keep("q", "rms", "d.x"), seen, HELD) == pytest.approx(math.sqrt(2), rel=1e-3)
     assert cells(Keep("q", "mean", "d.r"), seen, HELD) == pytest.approx(2.0)
+
+
+JEFFCOTT = 'machine = "jeffcott_rub/jeffcott.toml"\n'
+COMPRESSOR = 'machine = "drop/compressor.toml"\n'
+# head, [run], an output and its value at the end
+KINDS = {
+    "run-up": (JEFFCOTT, "from = 50\nto = 60\nrate = 100", "w", 60.0),
+    "run-down": (JEFFCOTT, "from = 60\nto = 50\nrate = 100", "w", 50.0),
+    "up-and-down": (JEFFCOTT, "from = 50\nto = 60\nrate = 100\nstep = 1e-3", "w", 50.0),
+    "constant": (JEFFCOTT, "speed = 50\nsettle = 0\nturns = 1", "w", 50.0),
+    "steps": (JEFFCOTT, "from = 50\nto = 60\ncount = 2\nsettle = 0\nturns = 1", "w", 60.0),
+    "signals": (JEFFCOTT, 'file = "speed.csv"\nstop = 0.1', "w", 52.0),
+    # free fall for 5 ms: g t^2 / 2
+    "drop": (COMPRESSOR, "speed = 100\nstop = 5e-3", "touchdown_bearing[1].y", -1.226e-4),
+    "motor": ("", "torque = 5\ntarget = 20\nramp = 100\nstop = 1\nfrom = 10", "w", 20.0),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
+    head, run, output, end = KINDS[kind]
+    (tmp_path / "speed.csv").write_text("time,speed\n0,50\n1,70\n")
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'{head}[run]\nkind = "{kind}"\n{run}\n[vary]\n"solver.tolerance" = {{ values = [1e-3] }}\n'
+        f'[keep]\nend = {{ last = "{output}" }}\n'
+    )
+    conduct(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    assert data.status.values.tolist() == ["ok"]
+    assert float(data.end.values.ravel()[-1]) == pytest.approx(end, rel=2e-2)
+
+
+def test_a_kick_moves_the_rotor_that_would_rest(tmp_path):
+    path = tmp_path / "study.toml"
+    run = '[run]\nkind = "constant"\nspeed = 10\nsettle = 0\nmeasure = 0.01\n'
+    kick = 'kick = { port = "disc", force = 5.0, rate = 0.0, duration = KICKED }\n'
+    rest = '[vary]\n"contact[1].mu" = { values = [0.1] }\n[keep]\nr = { peak = "disc.r" }\n'
+    found = []
+    for text in (run, run + kick.replace("KICKED", "0.001")):
+        path.write_text('machine = "studies/whip.toml"\n' + text + rest)
+        out = tmp_path / str(len(found))
+        conduct(read_study(path), out, here, quiet)
+        found.append(float(studies.open(out).r.values[0]))
+    # 5 N for 1 ms on 1 kg: 5 mm/s, so 50 um after 10 ms, of a swing of 100 rad/s
+    assert found[0] == 0
+    assert found[1] == pytest.approx(5e-3 / 100 * math.sin(1.0), rel=0.1)

@@ -170,6 +170,30 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
 
 
 @pytest.mark.slow
+def test_a_scheduler_at_an_address_shares_the_work_out(undisturbed, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    study, data = undisturbed
+    with distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as cluster:
+        where = Where(scheduler=cluster.scheduler_address)
+        conduct(study, tmp_path, partial(engine, where), quiet)
+    assert studies.open(tmp_path).identical(data)
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_call_with_its_workers_and_its_rows_stay(undisturbed, tmp_path):
+    _, data = undisturbed
+    process = started(tmp_path)
+    while "now=0" in process.stdout.readline():
+        pass
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert process.returncode != 0
+    kept = studies.open(tmp_path / "out")
+    assert 0 < kept.sizes["run"] < data.sizes["run"]
+    assert (kept.y.values == data.y.sel(run=kept.run).values).all()
+
+
+@pytest.mark.slow
 def test_a_run_that_kills_its_process_is_a_row_and_takes_no_other_with_it(tmp_path):
     text = study_text("latin-hypercube", 9)
     study = ishigami_study(tmp_path, Ishigami(deadly_above=2.45), text)
