@@ -131,6 +131,20 @@ def test_poincare_points_are_those_at_the_mark():
     assert points == pytest.approx([0.5 + 3 - 1 + 0.25, 0.5 + 3 + 1 + 0.25] * 4)
 
 
+def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up():
+    """A hysteresis loop: off the upper branch at 2.5 going up, back onto it at 1.5 going down."""
+    speeds, upper = [1.0, 2.0, 3.0, 2.0, 1.0], [True, True, False, False, True]
+    seen = [
+        window({"d.x": lambda a, r=speed if is_up else 0.5: r + 0 * a})._replace(speed=speed)
+        for speed, is_up in zip(speeds, upper, strict=True)
+    ]
+    steps = Drive("steps", {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
+    up, down = (
+        cells(Keep("q", "jump", "d.x", (("way", way),)), seen, steps) for way in ("up", "down")
+    )
+    assert (up, down) == (2.5, 1.5)
+
+
 def test_peak_rms_mean_and_whirl_of_a_circle():
     circle = {"d.x": lambda a: 2 * np.cos(-a), "d.y": lambda a: 2 * np.sin(-a)}
     seen = [window(circle, per_turn=256)]
@@ -171,17 +185,19 @@ def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
     assert float(data.end.values.ravel()[-1]) == pytest.approx(end, rel=2e-2)
 
 
-def test_a_kick_moves_the_rotor_that_would_rest(tmp_path):
+@pytest.mark.parametrize("rate", [0.0, 200.0, -200.0])
+def test_a_kick_moves_the_rotor_that_would_rest_and_turns_as_it_is_told_to(tmp_path, rate):
+    """A force F exp(i rate t) on 1 kg for 1 ms, then a swing of 100 rad/s until 10 ms after."""
     path = tmp_path / "study.toml"
-    run = '[run]\nkind = "constant"\nspeed = 10\nsettle = 0\nmeasure = 0.01\n'
-    kick = 'kick = { port = "disc", force = 5.0, rate = 0.0, duration = KICKED }\n'
-    rest = '[vary]\n"contact[1].mu" = { values = [0.1] }\n[keep]\nr = { peak = "disc.r" }\n'
-    found = []
-    for text in (run, run + kick.replace("KICKED", "0.001")):
-        path.write_text('machine = "studies/whip.toml"\n' + text + rest)
-        out = tmp_path / str(len(found))
-        conduct(read_study(path), out, here, quiet)
-        found.append(float(studies.open(out).r.values[0]))
-    # 5 N for 1 ms on 1 kg: 5 mm/s, so 50 um after 10 ms, of a swing of 100 rad/s
-    assert found[0] == 0
-    assert found[1] == pytest.approx(5e-3 / 100 * math.sin(1.0), rel=0.1)
+    path.write_text(
+        'machine = "studies/whip.toml"\n[run]\nkind = "constant"\nspeed = 10\n'
+        "settle = 0\nmeasure = 0.01\n"
+        f'kick = {{ port = "disc", force = 5.0, rate = {rate}, duration = 0.001 }}\n'
+        '[vary]\n"contact[1].mu" = { values = [0.1] }\n'
+        '[keep]\nx = { last = "disc.x" }\ny = { last = "disc.y" }\n'
+    )
+    conduct(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    impulse = 5e-3 * np.exp(0.5e-3j * rate)
+    expected = impulse / 100 * math.sin(100 * 10.5e-3) * math.exp(-5 * 10.5e-3)
+    assert complex(data.x.values[0], data.y.values[0]) == pytest.approx(expected, rel=0.03)
