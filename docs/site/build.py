@@ -17,6 +17,7 @@ SECTIONS = {
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
     "In Python": ["docs/api.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],
+    "Many runs": ["docs/studies.md"],
     "What to trust": [
         *("docs/truth.md", "docs/integrators.md", "docs/reproduction.md", "docs/impact.md"),
         "docs/performance.md",

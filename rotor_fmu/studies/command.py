@@ -62,7 +62,12 @@ def study(
         _select(told, select, out)
         return
     with _shown(told) as report:
-        progress = conduct(told, out, partial(engine, where), report)
+        try:
+            progress = conduct(told, out, partial(engine, where), report)
+        except KeyboardInterrupt:
+            say = f"{told.name}: its rows are kept; the same call goes on from there"
+            print(say, file=sys.stderr, flush=True)
+            raise
     _say_result(told, out, progress)
     if is_analysed:
         _analyse(out)

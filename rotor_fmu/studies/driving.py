@@ -235,27 +235,19 @@ def _instants(start: float, stop: float, step: float) -> Iterator[float]:
     yield stop
 
 
-def _kicked(how: Drive, t: float) -> np.ndarray | None:
-    """The loads of a kick at a time, zero when it is over."""
-    kick = how.kick
-    if kick is None:
-        return None
-    loads = np.zeros(len(how.loads), dtype=complex)
-    if t < kick.duration * (1 - 1e-9):
-        at = [x for x, _ in how.loads].index(f"{kick.port}.fx")
-        loads[at] = cmath.rect(kick.force, kick.rate * t)
-    return loads
-
-
 def _kick_off(simulation: Simulation, how: Drive, drive: float) -> None:
     """March over the kick, its direction renewed sixty-four times a turn."""
     kick = how.kick
     if kick is None:
         return
+    loads = np.zeros(len(how.loads), dtype=complex)
+    at = [x for x, _ in how.loads].index(f"{kick.port}.fx")
     turn = math.tau / abs(kick.rate) if kick.rate else kick.duration
     for t in _instants(0.0, kick.duration, min(turn / 64, kick.duration)):
-        simulation.advance(t, drive, _kicked(how, simulation.time))
-    simulation.advance(simulation.time, drive, _kicked(how, simulation.time))
+        middle = 0.5 * (simulation.time + t)
+        loads[at] = cmath.rect(kick.force, kick.rate * middle)
+        simulation.advance(t, drive, loads)
+    simulation.advance(simulation.time, drive, 0.0 * loads)
 
 
 def _levels(simulation: Simulation, how: Drive, watch: _Watch) -> Iterator[Window]:

@@ -257,14 +257,14 @@ def _whirl(keep: Keep, window: Window, options: Options) -> float:
 
 def _jump(keep: Keep, windows: list[Window], options: Options) -> float:
     """Between which of two neighbouring speeds the mean changes most, by at least the share `least`
-    of its largest value; nan where it does not."""
+    of the larger of both; nan where it does not."""
     means = np.array([_mean(keep, window, {"after": 0.0}) for window in windows])
     speeds = np.array([window.speed for window in windows])
     rises = np.diff(speeds) > 0
     chosen = rises if options["way"] == "up" else ~rises
     change = np.where(chosen, np.abs(np.diff(means)), 0.0)
     at = int(np.argmax(change))
-    if not change[at] > options["least"] * np.abs(means).max():
+    if not change[at] > options["least"] * np.abs(means[at : at + 2]).max():
         return math.nan
     return float(0.5 * (speeds[at] + speeds[at + 1]))
 

@@ -7,6 +7,7 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -71,8 +72,9 @@ def _merged(base: Tables, over: Tables) -> dict[str, Any]:
     merged = dict(base)
     for key, value in over.items():
         before = merged.get(key)
-        both = isinstance(before, dict) and isinstance(value, dict)
-        merged[key] = _merged(before or {}, value) if both else value
+        if isinstance(before, dict) and isinstance(value, dict):
+            value = _merged(before, value)
+        merged[key] = value
     return merged
 
 
@@ -147,8 +149,7 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, list[str]]:
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
-    is_rig = machine_file in (None, "rig")
-    toml, _ = load_rotor(None if is_rig else folder / str(machine_file))
+    toml, _ = load_rotor(_machine_path(machine_file, folder))
     run = dict(_table(tables, "run"))
     kind = run.pop("kind", None)
     if kind not in KINDS:
@@ -162,6 +163,15 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, list[str]]:
     runs = MachineRuns(toml, values, how, ())
     own = [f"{RUN}{name}" for name in how.numbers]
     return runs, [*_settable_names(machine), *own]
+
+
+def _machine_path(name: str | None, folder: Path) -> Path | None:
+    """Beside the study, or among the examples that come with the package; None: the rig."""
+    if name in (None, "rig"):
+        return None
+    path = folder / str(name)
+    packaged = Path(str(files("rotor_fmu.examples"))) / str(name)
+    return packaged if packaged.is_file() and not path.is_file() else path
 
 
 # What the kind of run decides itself.

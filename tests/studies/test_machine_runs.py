@@ -131,6 +131,20 @@ def test_poincare_points_are_those_at_the_mark():
     assert points == pytest.approx([0.5 + 3 - 1 + 0.25, 0.5 + 3 + 1 + 0.25] * 4)
 
 
+def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up():
+    """A hysteresis loop: off the upper branch at 2.5 going up, back onto it at 1.5 going down."""
+    speeds, upper = [1.0, 2.0, 3.0, 2.0, 1.0], [True, True, False, False, True]
+    seen = [
+        window({"d.x": lambda a, r=speed if is_up else 0.5: r + 0 * a})._replace(speed=speed)
+        for speed, is_up in zip(speeds, upper, strict=True)
+    ]
+    steps = Drive("steps", {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
+    up, down = (
+        cells(Keep("q", "jump", "d.x", (("way", way),)), seen, steps) for way in ("up", "down")
+    )
+    assert (up, down) == (2.5, 1.5)
+
+
 def test_peak_rms_mean_and_whirl_of_a_circle():
     circle = {"d.x": lambda a: 2 * np.cos(-a), "d.y": lambda a: 2 * np.sin(-a)}
     seen = [window(circle, per_turn=256)]
@@ -138,3 +152,52 @@ def test_peak_rms_mean_and_whirl_of_a_circle():
     assert cells(Keep("q", "peak", "d.x"), seen, HELD) == pytest.approx(2.0)
     assert cells(Keep("q", "rms", "d.x"), seen, HELD) == pytest.approx(math.sqrt(2), rel=1e-3)
     assert cells(Keep("q", "mean", "d.r"), seen, HELD) == pytest.approx(2.0)
+
+
+JEFFCOTT = 'machine = "jeffcott_rub/jeffcott.toml"\n'
+COMPRESSOR = 'machine = "drop/compressor.toml"\n'
+# head, [run], an output and its value at the end
+KINDS = {
+    "run-up": (JEFFCOTT, "from = 50\nto = 60\nrate = 100", "w", 60.0),
+    "run-down": (JEFFCOTT, "from = 60\nto = 50\nrate = 100", "w", 50.0),
+    "up-and-down": (JEFFCOTT, "from = 50\nto = 60\nrate = 100\nstep = 1e-3", "w", 50.0),
+    "constant": (JEFFCOTT, "speed = 50\nsettle = 0\nturns = 1", "w", 50.0),
+    "steps": (JEFFCOTT, "from = 50\nto = 60\ncount = 2\nsettle = 0\nturns = 1", "w", 60.0),
+    "signals": (JEFFCOTT, 'file = "speed.csv"\nstop = 0.1', "w", 52.0),
+    # free fall for 5 ms: g t^2 / 2
+    "drop": (COMPRESSOR, "speed = 100\nstop = 5e-3", "touchdown_bearing[1].y", -1.226e-4),
+    "motor": ("", "torque = 5\ntarget = 20\nramp = 100\nstop = 1\nfrom = 10", "w", 20.0),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
+    head, run, output, end = KINDS[kind]
+    (tmp_path / "speed.csv").write_text("time,speed\n0,50\n1,70\n")
+    path = tmp_path / "study.toml"
+    path.write_text(
+        f'{head}[run]\nkind = "{kind}"\n{run}\n[vary]\n"solver.tolerance" = {{ values = [1e-3] }}\n'
+        f'[keep]\nend = {{ last = "{output}" }}\n'
+    )
+    conduct(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    assert data.status.values.tolist() == ["ok"]
+    assert float(data.end.values.ravel()[-1]) == pytest.approx(end, rel=2e-2)
+
+
+@pytest.mark.parametrize("rate", [0.0, 200.0, -200.0])
+def test_a_kick_moves_the_rotor_that_would_rest_and_turns_as_it_is_told_to(tmp_path, rate):
+    """A force F exp(i rate t) on 1 kg for 1 ms, then a swing of 100 rad/s until 10 ms after."""
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'machine = "studies/whip.toml"\n[run]\nkind = "constant"\nspeed = 10\n'
+        "settle = 0\nmeasure = 0.01\n"
+        f'kick = {{ port = "disc", force = 5.0, rate = {rate}, duration = 0.001 }}\n'
+        '[vary]\n"contact[1].mu" = { values = [0.1] }\n'
+        '[keep]\nx = { last = "disc.x" }\ny = { last = "disc.y" }\n'
+    )
+    conduct(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    impulse = 5e-3 * np.exp(0.5e-3j * rate)
+    expected = impulse / 100 * math.sin(100 * 10.5e-3) * math.exp(-5 * 10.5e-3)
+    assert complex(data.x.values[0], data.y.values[0]) == pytest.approx(expected, rel=0.03)

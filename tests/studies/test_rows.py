@@ -56,6 +56,7 @@ def test_a_call_that_dies_at_any_moment_leaves_rows_that_the_next_one_goes_on_fr
     def dying_write(table, path):
         whole(table, path)
         if chance.random() < 0.05:
+            path.write_bytes(path.read_bytes()[:-9])
             raise Killed
 
     def dying_replace(self, target):
@@ -167,6 +168,30 @@ def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp
     study, data = undisturbed
     conduct(study, tmp_path, partial(engine, Where(cluster=2)), quiet)
     assert studies.open(tmp_path).identical(data)
+
+
+@pytest.mark.slow
+def test_a_scheduler_at_an_address_shares_the_work_out(undisturbed, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="the extra cluster is not installed")
+    study, data = undisturbed
+    with distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as cluster:
+        where = Where(scheduler=cluster.scheduler_address)
+        conduct(study, tmp_path, partial(engine, where), quiet)
+    assert studies.open(tmp_path).identical(data)
+
+
+@pytest.mark.slow
+def test_ctrl_c_ends_a_call_with_its_workers_and_its_rows_stay(undisturbed, tmp_path):
+    _, data = undisturbed
+    process = started(tmp_path)
+    while "now=0" in process.stdout.readline():
+        pass
+    process.send_signal(signal.SIGINT)
+    process.communicate(timeout=60)
+    assert process.returncode != 0
+    kept = studies.open(tmp_path / "out")
+    assert 0 < kept.sizes["run"] < data.sizes["run"]
+    assert (kept.y.values == data.y.sel(run=kept.run).values).all()
 
 
 @pytest.mark.slow
