@@ -6,8 +6,8 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
+from rotor_fmu.look.reading import read_run
 from rotor_fmu.report.figures import KINDS
-from rotor_fmu.report.places import read_run
 from rotor_fmu.runs.recording import Recording
 
 
