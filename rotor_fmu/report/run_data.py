@@ -28,6 +28,8 @@ def run_data(run: Recorded) -> dict[str, Any]:
     data: dict[str, Any] = {"name": run.name, "status": run.status, "why": None}
     data |= {"places": [], "touches": [], "power": None}
     try:
+        if not run.places:
+            return data | {"why": "its recording has no place with x and y"}
         data |= _turns(run)
     except TooFewTurns as error:
         data["why"] = str(error)
@@ -45,7 +47,7 @@ def _turns(run: Recorded) -> dict[str, Any]:
         found["places"].append(_place(place, signal))
         if "stations" not in found:
             found |= _shared(signal)
-    found["chosen"] = run.place().name if run.places else None
+    found["chosen"] = run.place().name
     touches = []
     for touch in run.touches:
         rub = vibration.contact(run.t, run.phi, touch.psi, touch.fn)

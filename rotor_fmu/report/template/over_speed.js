@@ -17,9 +17,9 @@ class OverSpeed {
     const lowest = values.reduce((a, b) => Math.min(a, b), highest);
     const from = lowest < 0.4 * highest ? 0 : lowest - 0.02 * (highest - lowest);
     const to = highest + 0.02 * (highest - from);
-    this.shared = (id, y, height) =>
-      new Chart(id, { x: label, y, xRange: fixedRange(from, to), height });
-    this.bode = this.shared("bode", " ", 320);
+    this.shared = (id, y, options = {}) =>
+      new Chart(id, { x: label, y, xRange: fixedRange(from, to), ...options });
+    this.bode = this.shared("bode", " ", { height: 320 });
     this.parts.forEach((part, r) => this.bodeLines(part, r));
     this.bode.plot.add_tools(
       new Bokeh.HoverTool({
@@ -57,13 +57,20 @@ class OverSpeed {
     this.polar = new Chart("polar", {
       x: " ", y: " ", square: true, tools: "pan,box_zoom,reset", height: 340,
     });
-    this.whirl = shared("whirl", "-1 backward, 0 a line, 1 forward");
+    this.whirl = shared("whirl", "-1 backward, 0 a line, 1 forward", {
+      yRange: fixedRange(-1.1, 1.1),
+    });
     this.poincare = new Chart("poincare", {
       x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
     });
     this.force = shared("force", "Largest of the turn [N]");
-    this.angle = shared("angle", "Mean of the turn [deg]");
+    this.angle = shared("angle", "Mean of the turn [deg]", {
+      yRange: fixedRange(0, 360), tools: "pan,box_zoom,reset",
+    });
     this.energy = shared("energy", "Power [W]");
+    const touches = this.runs.some((run) => run.touches.length);
+    for (const chart of [this.force, this.angle]) chart.figure.hidden = !touches;
+    this.energy.figure.hidden = !this.runs.some((run) => run.power.sinks.length);
     this.overSpeed = [this.bode, this.phase, this.whirl, this.force, this.angle, this.energy];
     this.spans = this.overSpeed.map((chart) => chart.span("height"));
     link(this.overSpeed);
@@ -130,7 +137,9 @@ class OverSpeed {
       this.orbit, this.phase, this.spectrum, this.cascade, this.polar, this.whirl,
       this.poincare, this.force, this.angle, this.energy,
     ];
-    for (const chart of charts) await chart.show();
+    for (const chart of charts) {
+      if (!chart.figure.hidden) await chart.show();
+    }
   }
 
   fillBode(placeName) {

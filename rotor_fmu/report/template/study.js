@@ -6,40 +6,42 @@ class StudyMap {
   constructor(study) {
     this.study = study;
     this.columns = new Map(study.columns.map((column) => [column.name, column]));
-    this.map = new Chart("map", {
+    this.chart = new Chart("map", {
       x: " ", y: " ", tools: "pan,box_zoom,wheel_zoom,reset", height: 420,
     });
-    this.map.plot.toolbar.active_scroll = null;
+    this.chart.plot.toolbar.active_scroll = null;
     const column = (name) => ({ field: name });
-    this.runs = this.map.source(["x", "y", "c"]);
-    this.failed = this.map.source(["x", "y"]);
-    this.one = this.map.source(["x", "y"]);
-    this.mapper = new Bokeh.LinearColorMapper({
+    this.runs = this.chart.source(["x", "y", "c"]);
+    this.failed = this.chart.source(["x", "y"]);
+    this.one = this.chart.source(["x", "y"]);
+    this.chartper = new Bokeh.LinearColorMapper({
       palette: Bokeh.Palettes.Cividis256, low: 0, high: 1,
     });
-    this.map.plot.scatter(column("x"), column("y"), {
+    this.chart.plot.scatter(column("x"), column("y"), {
       source: this.runs, size: 7, line_color: null,
-      fill_color: { field: "c", transform: this.mapper },
+      fill_color: { field: "c", transform: this.chartper },
     });
-    const crosses = this.map.plot.scatter(column("x"), column("y"), {
+    const crosses = this.chart.plot.scatter(column("x"), column("y"), {
       source: this.failed, size: 8, marker: "x", line_width: 1.5, fill_color: null,
     });
-    this.map.keep(crosses, { line_color: "c1" });
-    const ring = this.map.plot.scatter(column("x"), column("y"), {
+    this.chart.keep(crosses, { line_color: "c1" });
+    const ring = this.chart.plot.scatter(column("x"), column("y"), {
       source: this.one, size: 15, line_width: 3, fill_color: null,
     });
-    this.map.keep(ring, { line_color: "c1" });
-    this.bar = new Bokeh.ColorBar({ color_mapper: this.mapper, width: 12 });
-    this.map.plot.add_layout(this.bar, "right");
-    this.map.painted.push([
+    this.chart.keep(ring, { line_color: "c1" });
+    this.bar = new Bokeh.ColorBar({ color_mapper: this.chartper, width: 12 });
+    this.chart.plot.add_layout(this.bar, "right");
+    this.chart.painted.push([
       this.bar,
       {
         background_fill_color: "ground", major_label_text_color: "ink", title_text_color: "ink",
       },
     ]);
-    this.map.onTap((x, y) => this.pick(this.nearest(x, y)));
+    this.chart.onTap((x, y) => this.pick(this.nearest(x, y)));
     if (study.curves.length) {
-      this.curve = new Chart("curve", { x: " ", y: " " });
+      this.curve = new Chart("curve", {
+        x: " ", y: " ", xRange: fixedRange(0, 1), yRange: fixedRange(0, 1),
+      });
       this.line = this.curve.source(["x", "y"]);
       this.curve.line(this.line, "c0");
       this.curve.dots(this.line, "c0", 5);
@@ -67,14 +69,14 @@ class StudyMap {
     this.failed.data = { x: of(x, bad), y: bad.map(height) };
     this.height = height;
     const shades = of(c, good);
-    this.mapper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
-    this.mapper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
-    if (!shades.length) [this.mapper.low, this.mapper.high] = [0, 1];
-    if (this.mapper.low === this.mapper.high) this.mapper.high += 1;
+    this.chartper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
+    this.chartper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
+    if (!shades.length) [this.chartper.low, this.chartper.high] = [0, 1];
+    if (this.chartper.low === this.chartper.high) this.chartper.high += 1;
     this.bar.title = this.label(field("shade").value);
-    this.map.plot.below[0].axis_label = this.label(field("across").value);
-    this.map.plot.left[0].axis_label = this.label(field("up").value);
-    this.map.name([
+    this.chart.plot.below[0].axis_label = this.label(field("across").value);
+    this.chart.plot.left[0].axis_label = this.label(field("up").value);
+    this.chart.name([
       [`${good.length} runs`, "c0"],
       ...(bad.length ? [[`${bad.length} failed, or without the value (crosses)`, "c1"]] : []),
     ]);
@@ -83,7 +85,7 @@ class StudyMap {
 
   // Nearest in the picture, not in the units of its axes.
   nearest(atX, atY) {
-    const { x_range: across, y_range: up } = this.map.plot;
+    const { x_range: across, y_range: up } = this.chart.plot;
     const x = this.study.values[field("across").value];
     let best = 0;
     let least = Infinity;
@@ -121,8 +123,18 @@ class StudyMap {
     const values = told.map((name) => `${name} ${shown(study.values[name][row])}`).join(", ");
     const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
     field("reading").textContent = text;
-    this.map.tell(`${study.ids.length} runs. ${text}`);
+    this.chart.tell(`${study.ids.length} runs. ${text}`);
     this.drawCurve();
+  }
+
+  span(range, values) {
+    const known = values.filter(Number.isFinite);
+    const low = known.reduce((a, b) => Math.min(a, b), Infinity);
+    const high = known.reduce((a, b) => Math.max(a, b), -Infinity);
+    if (!known.length) return;
+    const margin = 0.04 * (high - low) || 1;
+    const [start, end] = [low - margin, high + margin];
+    range.setv({ start, end, reset_start: start, reset_end: end });
   }
 
   drawCurve() {
@@ -131,6 +143,9 @@ class StudyMap {
     const width = kept.coordinate.length;
     const y = kept.values.slice(this.row * width, (this.row + 1) * width);
     this.line.data = { x: kept.coordinate, y };
+    this.span(this.curve.plot.x_range, kept.coordinate);
+    // all runs on one scale, so that they compare
+    this.span(this.curve.plot.y_range, kept.values);
     this.curve.plot.below[0].axis_label = `${kept.dimension} [${kept.coordinate_unit}]`;
     this.curve.plot.left[0].axis_label = `${kept.name} [${kept.unit}]`;
     this.curve.tell(`${kept.text} of run ${this.study.runs[this.row]}.`);
@@ -148,9 +163,11 @@ function choices(id, names, chosen) {
   if (chosen) field(id).value = chosen;
 }
 
+let map = null;
+
 async function start() {
   const study = await unpackAll(readData("data"));
-  const map = new StudyMap(study);
+  map = new StudyMap(study);
   const names = study.columns.map((column) => column.name);
   const kept = names.filter((name) => !study.axes.includes(name));
   const [first, second] = study.axes;
@@ -168,7 +185,7 @@ async function start() {
   field("after").addEventListener("click", () => map.pick(map.row + 1));
   map.draw();
   map.pick(0);
-  await map.map.show();
+  await map.chart.show();
   performance.mark("first picture");
   await map.curve?.show();
   document.documentElement.dataset.ready = "yes";
