@@ -47,24 +47,16 @@ def read_summary(path: Path) -> dict[str, Any]:
 def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
     """What a study's folder says of it, and its rows, each once, in the order of the runs."""
     try:
-        import numpy as np
-        import pyarrow as pa
-        import pyarrow.parquet as pq
+        from pyarrow import ArrowException
+
+        from ..studies.dataset import about_of
+        from ..studies.store import read_rows
     except ImportError as error:
-        raise InputError(f"{path}: a study's rows need pyarrow: pip install pyarrow") from error
+        raise InputError(f"{path}: needs what pip install rotor-fmu[study] brings") from error
     try:
-        about = json.loads((path / STUDY).read_text(encoding="utf-8"))
-        parts = sorted((path / "rows").glob("*.parquet"))
-        if not parts:
-            raise InputError(f"{path}: holds no rows of a study yet")
-        rows = pa.concat_tables([pq.read_table(part) for part in parts])
-        # a merge that was cut short leaves rows twice
-        _, first = np.unique(rows["run"].to_numpy(), return_index=True)
-    except (OSError, ValueError, KeyError, pa.ArrowException) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: its study cannot be read: {error}") from error
-    return about, rows.take(pa.array(first))
+        return about_of(path), read_rows(path)
+    except ArrowException as error:
+        raise InputError(f"{path}: its rows cannot be read: {error}") from error
 
 
 def told_apart(runs: Sequence[Recorded], paths: Sequence[Path]) -> None:

@@ -13,6 +13,7 @@ from string import Template
 from typing import Any
 
 from ..about import __version__
+from ..files import unfinished
 from .places import Recorded, Recording
 from .run_data import run_data
 from .signals import ROOM, signal_data
@@ -29,9 +30,8 @@ def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -
 
 def write_page(text: str, path: Path) -> None:
     """Write a page, whole or not at all."""
-    unfinished = path.with_suffix(".part")
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
+    with unfinished(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
