@@ -22,7 +22,8 @@ COMMANDS = {
         "study": "studies.command:study",
         "drive-train": "drive_train.command:drive_train",
         "magnetic-bearing": "magnetic_bearing.command:magnetic_bearing",
-        "plot": "report.command:plot",
+        "plot": "look.command:plot",
+        "report": "look.command:report",
     },
     _FMU: {
         "build": "native.command:build",

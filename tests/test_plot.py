@@ -1,30 +1,14 @@
 """`rotor-fmu plot`: a picture a kind, and one line for what cannot be drawn."""
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
+from rotor_fmu.look.reading import read_run
 from rotor_fmu.report.figures import KINDS
-from rotor_fmu.report.places import read_run
-from rotor_fmu.runs.recording import Recording
 
-
-def recorded(stop=6.0, step=1e-3, **about):
-    """A run-down with orders in closed form, a contact and two sinks."""
-    t = np.arange(0.0, stop, step)
-    phi = 300.0 * t - 10.0 * t**2
-    z = 40e-6 * np.exp(1j * (phi - 0.6)) + 10e-6 * np.exp(-1j * phi)
-    columns = {"phi": phi, "w": 300.0 - 20.0 * t}
-    for name, of in (("disc[1]", z), ("disc[2]", 2 * z), ("bearing[1]", 0.5 * z)):
-        columns |= {f"{name}.x": of.real, f"{name}.y": of.imag}
-    columns["bearing[1].psi"] = np.mod(np.angle(z), 2 * np.pi)
-    columns["bearing[1].fn"] = np.where(z.real > 0, 5.0, 0.0)
-    columns["energy.friction_loss"] = 2.0 * t
-    columns["energy.structure_loss"] = 0.5 * t
-    units = dict.fromkeys(columns, "m") | {"phi": "rad", "w": "rad/s"}
-    return Recording(t, columns, units, {"machine": "closed form", "status": "ok", **about})
+from .recordings import recorded
 
 
 @pytest.fixture(scope="module")

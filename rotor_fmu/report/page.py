@@ -13,9 +13,8 @@ from string import Template
 from typing import Any
 
 from ..about import __version__
-from ..runs.job import write_text
-from ..runs.recording import Recording
-from .places import Recorded
+from ..files import unfinished
+from .places import Recorded, Recording
 from .run_data import run_data
 from .signals import ROOM, signal_data
 from .tables import notices, tables
@@ -26,13 +25,19 @@ _OF_RUNS = ("signals.js", "over_speed.js", "run.js")
 
 def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -> None:
     """Write the page of a run, whole or not at all; summary: its figures by name."""
-    write_text(runs_page([Recorded(recording, path.parent.resolve().name)], [summary]), path)
+    write_page(runs_page([Recorded(recording, path.parent.resolve().name)], [summary]), path)
+
+
+def write_page(text: str, path: Path) -> None:
+    """Write a page, whole or not at all."""
+    with unfinished(path) as part:
+        part.write_text(text, encoding="utf-8")
 
 
 def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
     """The page of one or two runs as HTML."""
     data = [run_data(run) for run in runs]
-    body = _text("run.html").substitute(
+    body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
         machine=_machine(runs[0]),
@@ -58,20 +63,21 @@ def page(
 
     # the third is what Bokeh's own Python pages set up
     library = Resources(mode="inline", components=["bokeh", "bokeh-api"]).js_raw[:2]
-    return _text("page.html").substitute(
+    return template("page.html").substitute(
         title=escape(title),
         about=escape(about),
-        css=_text("page.css").template,
+        css=template("page.css").template,
         body=body,
         footer=f"rotor-fmu {__version__}",
         data=_json(data),
         signals=_json(signals),
         library="\n".join(f"<script>{script}</script>" for script in library),
-        script="\n".join(_text(name).template for name in (*_ALWAYS, *scripts)),
+        script="\n".join(template(name).template for name in (*_ALWAYS, *scripts)),
     )
 
 
-def _text(name: str) -> Template:
+def template(name: str) -> Template:
+    """A file of the folder `template`."""
     return Template(files(__package__).joinpath("template", name).read_text(encoding="utf-8"))
 
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -16,9 +15,24 @@ from ..errors import InputError
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
-from ..runs.recording import Recording, load_recording
+from ..vibration import Synchronous, synchronous
 
-FILE = "recording.npz"
+
+class Recording(Protocol):
+    """What was recorded of a run, as `runs.recording` has it: t, shape (n,) [s], columns by name,
+    shape (n,), SI units, and what was run."""
+
+    @property
+    def t(self) -> np.ndarray:
+        """Times [s]."""
+
+    @property
+    def columns(self) -> Mapping[str, np.ndarray]:
+        """Quantities by name."""
+
+    @property
+    def about(self) -> Mapping[str, Any]:
+        """Machine, toml, parameters, status, messages."""
 
 
 @dataclass(frozen=True)
@@ -65,10 +79,11 @@ class Recorded:
         for needed in ("phi", "w"):
             if needed not in recording.columns:
                 raise InputError(f"{name}: its recording has no {needed}, by which turns are told")
-        self.recording, self.name = recording, name
+        self.name, self.columns = name, recording.columns
         self.t = recording.t
         self.phi, self.w = recording.columns["phi"], recording.columns["w"]
         self.about = recording.about
+        self._resampled: dict[str, Synchronous] = {}
 
     @cached_property
     def rotor(self) -> Rotor | None:
@@ -81,7 +96,7 @@ class Recorded:
     @cached_property
     def places(self) -> tuple[Place, ...]:
         """Everything with a horizontal and a vertical displacement, in the machine's order."""
-        columns = self.recording.columns
+        columns = self.columns
         names = [n.removesuffix(".x") for n in columns if n.endswith(".x")]
         return tuple(
             Place(name, columns[f"{name}.x"] + 1j * columns[f"{name}.y"], self._clearance(name))
@@ -92,7 +107,7 @@ class Recorded:
     @cached_property
     def touches(self) -> tuple[Touch, ...]:
         """Every contact, in the machine's order."""
-        columns = self.recording.columns
+        columns = self.columns
         names = [n.removesuffix(".fn") for n in columns if n.endswith(".fn")]
         return tuple(
             Touch(name, columns[f"{name}.psi"], columns[f"{name}.fn"])
@@ -105,7 +120,7 @@ class Recorded:
         """Energy dissipated since the start by sink, shape (n,) [J]."""
         return {
             name.removeprefix("energy.").removesuffix("_loss"): column
-            for name, column in self.recording.columns.items()
+            for name, column in self.columns.items()
             if name.startswith("energy.") and name.endswith("_loss")
         }
 
@@ -131,6 +146,12 @@ class Recorded:
             raise InputError(f"{self.name}: its recording has no contact")
         return max(self.touches, key=lambda touch: float(touch.fn.mean()) if len(touch.fn) else 0)
 
+    def resampled(self, place: Place) -> Synchronous:
+        """A place's motion over whole turns, x + i y in µm; raises `TooFewTurns`."""
+        if place.name not in self._resampled:
+            self._resampled[place.name] = synchronous(self.t, self.phi, place.z * 1e6, turns=4)
+        return self._resampled[place.name]
+
     def _clearance(self, name: str) -> float | None:
         given: Any = self.about.get("parameters", {})
         if f"{name}.clearance" in given:
@@ -138,16 +159,6 @@ class Recorded:
         parts = dict(self.rotor.named_parts()) if self.rotor else {}
         clearance = getattr(parts.get(name), "clearance", None)
         return None if clearance is None else float(clearance)
-
-
-def read_run(path: Path) -> Recorded:
-    """The recording of a run's folder, or a recording's file."""
-    file = path / FILE if path.is_dir() else path
-    if not file.exists():
-        what = f"holds no {FILE}" if path.is_dir() else "is not there"
-        raise InputError(f"{path}: {what}; give the folder of a run")
-    recording = load_recording(file)
-    return Recorded(recording, path.name if path.is_dir() else path.parent.name or path.stem)
 
 
 def spoken(name: str) -> str:

@@ -17,6 +17,7 @@ _BLOCK, _ORBIT = 16, 2  # turns of a spectrum, of an orbit
 _ORBIT_POINTS = 64  # a turn
 _LEAST_BLOCK = 4
 _MOST_PLACES = 12
+_ONE_SPEED = 0.005  # share by which one speed may vary
 
 
 def run_data(run: Recorded) -> dict[str, Any]:
@@ -27,6 +28,8 @@ def run_data(run: Recorded) -> dict[str, Any]:
     data: dict[str, Any] = {"name": run.name, "status": run.status, "why": None}
     data |= {"places": [], "touches": [], "power": None}
     try:
+        if not run.places:
+            return data | {"why": "its recording has no place with x and y"}
         data |= _turns(run)
     except TooFewTurns as error:
         data["why"] = str(error)
@@ -40,11 +43,11 @@ def _turns(run: Recorded) -> dict[str, Any]:
     for place in run.places:
         if place.name not in kept:
             continue
-        signal = vibration.synchronous(run.t, run.phi, place.z * 1e6, turns=_LEAST_BLOCK)
+        signal = run.resampled(place)
         found["places"].append(_place(place, signal))
         if "stations" not in found:
             found |= _shared(signal)
-    found["chosen"] = run.place().name if run.places else None
+    found["chosen"] = run.place().name
     touches = []
     for touch in run.touches:
         rub = vibration.contact(run.t, run.phi, touch.psi, touch.fn)
@@ -78,6 +81,7 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
         "track": {"t": packed(track.t[rows]), "hz": packed(hertz(track.speed)[rows])},
         "stations": {"t": cascade.t.tolist(), "hz": speed.tolist()},
         "isOneWay": bool(np.all(ways < 0) or np.all(ways > 0)),
+        "isConstant": is_constant(speed),
         "orders": cascade.order.tolist(),
         "turns": {"t": packed(signal.marks[turns]), "hz": packed(hertz(signal.speed)[turns])},
         "orbit": {"turns": _ORBIT, "points": _ORBIT_POINTS},
@@ -115,6 +119,11 @@ def _place(place: Place, signal: Synchronous) -> dict[str, Any]:
         "sense": packed(whirl.sense[inner]),
         "order": packed(whirl.order[inner]),
     }
+
+
+def is_constant(speed: np.ndarray) -> bool:
+    """Whether a run is at one speed, so that time is what goes across its pictures."""
+    return bool(np.ptp(speed) <= _ONE_SPEED * np.abs(speed).max(initial=0.0))
 
 
 def _block(signal: Synchronous) -> int:

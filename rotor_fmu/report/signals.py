@@ -61,8 +61,7 @@ def _entries(run: Recorded) -> list[tuple[str, str, np.ndarray]]:
             (f"{place.name}.y", "µm", place.z.imag * 1e6),
         ]
     found += [(f"{touch.name}.fn", "N", touch.fn) for touch in run.touches]
-    columns = run.recording.columns
-    if "tau" in columns:
-        found.append(("tau", "N.m", columns["tau"]))
+    if "tau" in run.columns:
+        found.append(("tau", "N.m", run.columns["tau"]))
     found.append(("w", "Hz", run.w / (2 * np.pi)))
     return found[:_MOST]

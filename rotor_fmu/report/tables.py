@@ -85,16 +85,22 @@ def _places(run: Recorded, of: str) -> str:
     ]  # fmt: skip
     rows = []
     for place in run.places:
-        signal = vibration.synchronous(run.t, run.phi, place.z * 1e6, turns=4)
+        signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
         at = int(np.argmax(track.major()))
-        found = vibration.resonances(track.speed, track.major())
+        found = vibration.resonances(track.speed, track.major()) if _passes(track.speed) else []
         factor = found[0].amplification if found else math.nan
         direct = vibration.displacement_of(signal)
         largest = [float(v.max()) for v in (direct.x_pp, direct.y_pp, direct.s_max)]
         speed = hertz(track.speed[at])
         rows.append([place.label, track.major()[at], speed, factor, *largest])
     return table(f"{of}responses over the run (API RP 684, ISO 20816-1)", heads, rows)
+
+
+def _passes(speed: np.ndarray) -> bool:
+    """Whether a run goes one way through speeds wide apart, as a resonance is told by."""
+    ways = np.sign(np.diff(speed[:: max(len(speed) // 50, 1)]))
+    return bool(abs(ways.sum()) == len(ways) and speed.max() > 1.3 * speed.min())
 
 
 def _contacts(run: Recorded, of: str) -> str:

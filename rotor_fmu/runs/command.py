@@ -14,6 +14,7 @@ from ..model.settings import PRESETS
 from ..packing.bundle import build
 from ..packing.variable_table import markdown
 from ..packing.warm import warm as make_ready
+from ..report.page import write_report
 from .figures import write_run_down
 from .host_env import host_environment
 from .job import (
@@ -75,6 +76,7 @@ def run_down(
     name = f"Preset {preset}" if preset else "Default solver"
     write_run_down(result, recording, report, name, job.settings.mode == "adaptive", out)
     write_json(report, out / "summary.json")
+    write_report(recording, report, out / "report.html")
     if apart := report.get("recorded_apart"):
         typer.echo(
             f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "

@@ -43,7 +43,7 @@ class Chart {
 
   line(source, paint, dash = 0, options = {}) {
     const glyph = this.plot.line({ field: "x" }, { field: "y" }, {
-      source, line_width: 2, line_dash: DASHES[dash], ...options,
+      source, line_width: 2, line_dash: DASHES[dash % DASHES.length], ...options,
     });
     return this.keep(glyph, { line_color: paint });
   }
@@ -73,10 +73,11 @@ class Chart {
     this.legend.replaceChildren(
       ...entries.map(([text, paint, dash]) => {
         const entry = document.createElement("span");
-        const sample = document.createElement("i");
-        sample.style.borderTopColor = `var(--${paint})`;
-        sample.style.borderTopStyle = ["solid", "dashed", "dotted"][(dash ?? 0) % 3];
-        entry.append(sample, text);
+        const dashes = [DASHES[(dash ?? 0) % DASHES.length]].flat().join(" ");
+        const stroke = `stroke="var(--${paint})" stroke-dasharray="${dash ? dashes : ""}"`;
+        entry.innerHTML =
+          `<svg width="30" height="8" aria-hidden="true"><path d="M0 4H30" ${stroke}/></svg> `;
+        entry.append(text);
         return entry;
       }),
     );

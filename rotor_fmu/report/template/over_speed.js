@@ -9,16 +9,22 @@ class OverSpeed {
     this.runs = runs;
     this.factor = 1;
     this.parts = runs.map(() => ({}));
-    const speeds = runs.flatMap((run) => [...run.track.hz]);
-    const highest = 1.02 * speeds.reduce((a, b) => Math.max(a, b), 0);
-    this.shared = (id, y, height) =>
-      new Chart(id, { x: HERTZ, y, xRange: fixedRange(0, highest), height });
-    this.bode = this.shared("bode", " ", 320);
+    // a run at one speed goes over time
+    this.across = runs.every((run) => run.isConstant) ? "t" : "hz";
+    const label = this.across === "t" ? "Time [s]" : HERTZ;
+    const values = runs.flatMap((run) => [...run.track[this.across]]);
+    const highest = values.reduce((a, b) => Math.max(a, b), 0);
+    const lowest = values.reduce((a, b) => Math.min(a, b), highest);
+    const from = lowest < 0.4 * highest ? 0 : lowest - 0.02 * (highest - lowest);
+    const to = highest + 0.02 * (highest - from);
+    this.shared = (id, y, options = {}) =>
+      new Chart(id, { x: label, y, xRange: fixedRange(from, to), ...options });
+    this.bode = this.shared("bode", " ", { height: 320 });
     this.parts.forEach((part, r) => this.bodeLines(part, r));
     this.bode.plot.add_tools(
       new Bokeh.HoverTool({
         mode: "vline", renderers: this.parts.map((part) => part.hovered),
-        tooltips: [["n", "@x{0.00} Hz"], ["1x", "@y{0.00} µm"]],
+        tooltips: [[this.across, "@x{0.00}"], ["1x", "@y{0.00} µm"]],
       }),
     );
   }
@@ -51,13 +57,20 @@ class OverSpeed {
     this.polar = new Chart("polar", {
       x: " ", y: " ", square: true, tools: "pan,box_zoom,reset", height: 340,
     });
-    this.whirl = shared("whirl", "-1 backward, 0 a line, 1 forward");
+    this.whirl = shared("whirl", "-1 backward, 0 a line, 1 forward", {
+      yRange: fixedRange(-1.1, 1.1),
+    });
     this.poincare = new Chart("poincare", {
       x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
     });
     this.force = shared("force", "Largest of the turn [N]");
-    this.angle = shared("angle", "Mean of the turn [deg]");
+    this.angle = shared("angle", "Mean of the turn [deg]", {
+      yRange: fixedRange(0, 360), tools: "pan,box_zoom,reset",
+    });
     this.energy = shared("energy", "Power [W]");
+    const touches = this.runs.some((run) => run.touches.length);
+    for (const chart of [this.force, this.angle]) chart.figure.hidden = !touches;
+    this.energy.figure.hidden = !this.runs.some((run) => run.power.sinks.length);
     this.overSpeed = [this.bode, this.phase, this.whirl, this.force, this.angle, this.energy];
     this.spans = this.overSpeed.map((chart) => chart.span("height"));
     link(this.overSpeed);
@@ -89,7 +102,7 @@ class OverSpeed {
     this.orbit.dots(part.marks, "mark", 9);
     const bars = this.spectrum.plot.segment(
       { field: "x" }, { value: 0 }, { field: "x" }, { field: "top" },
-      { source: part.spectrum, line_width: 2, line_dash: DASHES[r] },
+      { source: part.spectrum, line_width: 2, line_dash: { value: DASHES[r] } },
     );
     this.spectrum.keep(bars, { line_color: paint });
     this.polar.line(part.polar, paint, r);
@@ -124,7 +137,9 @@ class OverSpeed {
       this.orbit, this.phase, this.spectrum, this.cascade, this.polar, this.whirl,
       this.poincare, this.force, this.angle, this.energy,
     ];
-    for (const chart of charts) await chart.show();
+    for (const chart of charts) {
+      if (!chart.figure.hidden) await chart.show();
+    }
   }
 
   fillBode(placeName) {
@@ -139,7 +154,7 @@ class OverSpeed {
       const place = this.places[r];
       if (!place) return;
       const { xRe, xIm, yRe, yIm, twice, half } = place.curves;
-      const x = run.track.hz;
+      const x = run.track[this.across];
       const long = (re, im) => re.map((value, i) => this.factor * Math.hypot(value, im[i]));
       part.bodeX.data = { x, y: long(xRe, xIm) };
       part.bodeY.data = { x, y: long(yRe, yIm) };
@@ -160,18 +175,18 @@ class OverSpeed {
       const place = this.places[r];
       if (!place) return;
       const { xRe, xIm, yRe, yIm } = place.curves;
-      const x = run.track.hz;
+      const x = run.track[this.across];
       part.phaseX.data = this.broken(x, xRe, xIm);
       part.phaseY.data = this.broken(x, yRe, yIm);
       part.polar.data = { x: xRe.map((v) => this.factor * v), y: xIm.map((v) => this.factor * v) };
-      part.whirl.data = { x: run.turns.hz, y: place.sense };
+      part.whirl.data = { x: run.turns[this.across], y: place.sense };
       part.points.data = { x: place.points.re, y: place.points.im };
       part.ring.data = this.circle(place.clearance);
       const touch = run.touches.find((t) => t.name === touchName);
-      part.force.data = touch ? { x: touch.hz, y: touch.peak } : { x: [], y: [] };
-      part.angle.data = touch ? { x: touch.hz, y: touch.angle } : { x: [], y: [] };
+      part.force.data = touch ? { x: touch[this.across], y: touch.peak } : { x: [], y: [] };
+      part.angle.data = touch ? { x: touch[this.across], y: touch.angle } : { x: [], y: [] };
       part.sinks.forEach((sink, i) => {
-        sink.data = { x: run.power.hz, y: run.power.sinks[i].p };
+        sink.data = { x: run.power[this.across], y: run.power.sinks[i].p };
       });
     });
     this.names();
@@ -274,7 +289,7 @@ class OverSpeed {
       const turn = nearestSorted(run.turns.t, t);
       const few = (values) => values.subarray(Math.max(turn - 8, 0), turn + 8);
       part.pointsNow.data = { x: few(place.points.re), y: few(place.points.im) };
-      if (r === 0) for (const span of this.spans) span.location = now;
+      if (r === 0) for (const span of this.spans) span.location = run.stations[this.across][at];
       if (r === this.shownRun) this.row.location = run.isOneWay ? now : t;
       return {
         hz: now, t, label: place.label, sense: place.sense[turn], order: place.order[turn],

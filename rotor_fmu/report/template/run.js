@@ -80,12 +80,12 @@ async function showOverSpeed(runs) {
     refill();
   });
   field("station").addEventListener("input", () => pick(Number(field("station").value)));
-  const bySpeed = (hz) => pick(nearest(runs[0].stations.hz, hz));
+  const bySpeed = (value) => pick(nearest(runs[0].stations[over.across], value));
   for (const chart of over.overSpeed) chart.onTap(bySpeed);
   over.cascade.onTap((order, down) => {
     const { stations, isOneWay } = runs[over.shownRun];
     const at = nearest(isOneWay ? stations.hz : stations.t, down);
-    bySpeed(stations.hz[at]);
+    bySpeed(stations[over.across][at]);
   });
   await over.show();
 }

@@ -1,4 +1,4 @@
-"""`rotor-fmu plot` and `rotor-fmu report`."""
+"""`rotor-fmu plot` and `report`."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ def plot(
     if speed is not None and not 0 < speed < math.inf:
         raise InputError(f"--speed {speed:g} Hz: must be > 0 and finite")
     from ..figures import save
+    from ..report.figures import KINDS, View
     from ..vibration import TooFewTurns
-    from .figures import KINDS, View
-    from .places import read_run
+    from .reading import read_run
 
     recorded = read_run(run)
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
@@ -51,3 +51,43 @@ def plot(
     except TooFewTurns as error:
         raise InputError(f"{run}: {error}") from error
     typer.echo(save(figure, folder / f"{kind}.png"))
+
+
+def report(
+    paths: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RUN_OR_STUDY [RUN]",
+            help="Folders of one or two runs, with their recording.npz, or of a study.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
+) -> None:
+    """Write the page of a run, of two runs laid over each other, or of a study."""
+    from .reading import is_study, read_run, read_study, read_summary, told_apart
+
+    for path in paths:
+        if not path.exists():
+            raise InputError(f"{path}: is not there; give the folder of a run or of a study")
+    studies = [path for path in paths if is_study(path)]
+    if studies and len(paths) > 1:
+        raise InputError(f"{studies[0]}: is a study, which has a page of its own; give it alone")
+    if len(paths) > 2:
+        raise InputError(f"{len(paths)} runs: a page shows one or two")
+    writable_folder(out.parent)
+    if out.is_dir():
+        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    if studies:
+        from ..report.study import study_page
+
+        page = study_page(*read_study(paths[0]))
+    else:
+        from ..report.page import runs_page
+
+        runs = [read_run(path) for path in paths]
+        told_apart(runs, paths)
+        page = runs_page(runs, [read_summary(path) for path in paths])
+    from ..report.page import write_page
+
+    write_page(page, out)
+    typer.echo(out)

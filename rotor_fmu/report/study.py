@@ -1,0 +1,111 @@
+"""The page of a study: a map whose points are runs, with what is known of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .packed import COARSE, packed
+from .page import page, template
+from .tables import table
+
+if TYPE_CHECKING:
+    import pyarrow
+
+_MOST_RUNS = 20_000
+_MOST_OF_CURVES = 1_500_000  # values
+_MOST_REASONS = 5
+_OK = "ok"
+
+
+def study_page(about: Mapping[str, Any], rows: pyarrow.Table) -> str:
+    """The page of a study as HTML.
+
+    about: what its folder says of it (name, runs, design with its axes, columns); rows: a run each,
+    with run, id, status, what was varied, and the columns kept, a number or a list.
+    """
+    shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_RUNS)).astype(int))
+    axes = [axis["name"] for axis in about["design"]["axes"]]
+    kept = [column for column in about["columns"] if not column["dimension"]]
+    units = {axis["name"]: axis.get("unit", "") for axis in about["design"]["axes"]}
+    columns = [{"name": name, "unit": units[name], "text": "varied"} for name in axes]
+    columns += [{key: column[key] for key in ("name", "unit", "text")} for column in kept]
+    values = {column["name"]: _numbers(rows, column["name"]) for column in columns}
+    status = rows["status"].to_pylist()
+    data = {
+        "axes": axes,
+        "columns": columns,
+        "ids": [str(rows["id"][int(i)]) for i in shown],
+        "status": [status[i] for i in shown],
+        "runs": rows["run"].to_numpy()[shown].tolist(),
+        "values": {name: packed(column[shown]) for name, column in values.items()},
+        "curves": _curves(about["columns"], rows, shown),
+    }
+    body = template("study.html").substitute(
+        notices=_notices(about, status, len(shown)),
+        tables=_ranges(columns, values),
+        hidden="" if data["curves"] else " hidden",
+    )
+    return page(
+        title=str(about.get("name", "study")),
+        about=f"{len(rows)} of {about.get('runs', len(rows))} runs, varied: {', '.join(axes)}",
+        body=body,
+        data=data,
+        signals=None,
+        scripts=("study.js",),
+    )
+
+
+def _numbers(rows: pyarrow.Table, name: str) -> np.ndarray:
+    return np.asarray(rows[name].to_numpy(), dtype=float)
+
+
+def _curves(
+    columns: Sequence[Mapping[str, Any]], rows: pyarrow.Table, shown: np.ndarray
+) -> list[dict[str, Any]]:
+    """Lists along a coordinate that is the same for all runs, as long as there is room."""
+    found, room = [], _MOST_OF_CURVES
+    for column in columns:
+        width = len(column["coordinate"])
+        if not column["dimension"] or not width or width * len(shown) > room:
+            continue
+        room -= width * len(shown)
+        values = np.full((len(shown), width), np.nan)
+        for row, i in enumerate(shown):
+            cell = rows[column["name"]][int(i)].as_py()
+            if cell is not None and len(cell) == width:
+                values[row] = cell
+        told = ("name", "unit", "text", "dimension", "coordinate_unit")
+        head = {key: column[key] for key in told} | {"coordinate": list(column["coordinate"])}
+        found.append(head | {"values": packed(values, COARSE)})
+    return found
+
+
+def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str:
+    said = []
+    whole = int(about.get("runs", len(status)))
+    if len(status) < whole:
+        said.append(f"The study goes on: {len(status)} of {whole} runs have their rows.")
+    if shown < len(status):
+        said.append(f"The map shows {shown} of {len(status)} runs, evenly taken.")
+    reasons = Counter(text for text in status if text != _OK)
+    for text, count in reasons.most_common(_MOST_REASONS):
+        said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")
+    if len(reasons) > _MOST_REASONS:
+        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map tells each.")
+    return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
+
+
+def _ranges(columns: Sequence[Mapping[str, str]], values: Mapping[str, np.ndarray]) -> str:
+    lines: list[list[object]] = []
+    for column in columns:
+        known = values[column["name"]]
+        known = known[np.isfinite(known)]
+        spread = np.quantile(known, [0, 0.05, 0.5, 0.95, 1]).tolist() if len(known) else [None] * 5
+        lines.append([column["name"], column["unit"] or "", *spread, column["text"]])
+    heads = ["", "unit", "least", "5 %", "median", "95 %", "largest", ""]
+    return table("all runs", heads, lines)

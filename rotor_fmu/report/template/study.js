@@ -1,0 +1,199 @@
+// The page of a study: a map whose points are runs, and everything about the one that is picked.
+
+const field = (id) => document.getElementById(id);
+
+class StudyMap {
+  constructor(study) {
+    this.study = study;
+    this.columns = new Map(study.columns.map((column) => [column.name, column]));
+    this.chart = new Chart("map", {
+      x: " ", y: " ", tools: "pan,box_zoom,wheel_zoom,reset", height: 420,
+    });
+    this.chart.plot.toolbar.active_scroll = null;
+    const column = (name) => ({ field: name });
+    this.runs = this.chart.source(["x", "y", "c"]);
+    this.failed = this.chart.source(["x", "y"]);
+    this.one = this.chart.source(["x", "y"]);
+    this.chartper = new Bokeh.LinearColorMapper({
+      palette: Bokeh.Palettes.Cividis256, low: 0, high: 1,
+    });
+    this.chart.plot.scatter(column("x"), column("y"), {
+      source: this.runs, size: 7, line_color: null,
+      fill_color: { field: "c", transform: this.chartper },
+    });
+    const crosses = this.chart.plot.scatter(column("x"), column("y"), {
+      source: this.failed, size: 8, marker: "x", line_width: 1.5, fill_color: null,
+    });
+    this.chart.keep(crosses, { line_color: "c1" });
+    const ring = this.chart.plot.scatter(column("x"), column("y"), {
+      source: this.one, size: 15, line_width: 3, fill_color: null,
+    });
+    this.chart.keep(ring, { line_color: "c1" });
+    this.bar = new Bokeh.ColorBar({ color_mapper: this.chartper, width: 12 });
+    this.chart.plot.add_layout(this.bar, "right");
+    this.chart.painted.push([
+      this.bar,
+      {
+        background_fill_color: "ground", major_label_text_color: "ink", title_text_color: "ink",
+      },
+    ]);
+    this.chart.onTap((x, y) => this.pick(this.nearest(x, y)));
+    if (study.curves.length) {
+      this.curve = new Chart("curve", {
+        x: " ", y: " ", xRange: fixedRange(0, 1), yRange: fixedRange(0, 1),
+      });
+      this.line = this.curve.source(["x", "y"]);
+      this.curve.line(this.line, "c0");
+      this.curve.dots(this.line, "c0", 5);
+    }
+  }
+
+  label(name) {
+    const { unit } = this.columns.get(name);
+    return unit && unit !== "1" ? `${name} [${unit}]` : name;
+  }
+
+  draw() {
+    const [x, y, c] = ["across", "up", "shade"].map((id) => this.study.values[field(id).value]);
+    const good = [];
+    const bad = [];
+    for (let i = 0; i < x.length; i++) {
+      (Number.isFinite(y[i]) && Number.isFinite(c[i]) ? good : bad).push(i);
+    }
+    const of = (values, rows) => rows.map((i) => values[i]);
+    this.runs.data = { x: of(x, good), y: of(y, good), c: of(c, good) };
+    // what has no value there is told at the bottom edge
+    const lowest = good.reduce((least, i) => Math.min(least, y[i]), Infinity);
+    const floor = Number.isFinite(lowest) ? lowest : 0;
+    const height = (i) => (Number.isFinite(y[i]) ? y[i] : floor);
+    this.failed.data = { x: of(x, bad), y: bad.map(height) };
+    this.height = height;
+    const shades = of(c, good);
+    this.chartper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
+    this.chartper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
+    if (!shades.length) [this.chartper.low, this.chartper.high] = [0, 1];
+    if (this.chartper.low === this.chartper.high) this.chartper.high += 1;
+    this.bar.title = this.label(field("shade").value);
+    this.chart.plot.below[0].axis_label = this.label(field("across").value);
+    this.chart.plot.left[0].axis_label = this.label(field("up").value);
+    this.chart.name([
+      [`${good.length} runs`, "c0"],
+      ...(bad.length ? [[`${bad.length} failed, or without the value (crosses)`, "c1"]] : []),
+    ]);
+    this.point();
+  }
+
+  // Nearest in the picture, not in the units of its axes.
+  nearest(atX, atY) {
+    const { x_range: across, y_range: up } = this.chart.plot;
+    const x = this.study.values[field("across").value];
+    let best = 0;
+    let least = Infinity;
+    for (let i = 0; i < x.length; i++) {
+      const dx = (x[i] - atX) / (across.end - across.start);
+      const dy = (this.height(i) - atY) / (up.end - up.start);
+      const distance = dx * dx + dy * dy;
+      if (distance < least) [best, least] = [i, distance];
+    }
+    return best;
+  }
+
+  pick(row) {
+    this.row = Math.min(Math.max(row, 0), this.study.ids.length - 1);
+    this.point();
+  }
+
+  point() {
+    const { study, row } = this;
+    if (row === undefined) return;
+    const x = study.values[field("across").value][row];
+    this.one.data = { x: [x], y: [this.height(row)] };
+    if (document.activeElement !== field("run")) field("run").value = study.runs[row];
+    const entries = [["id", study.ids[row]], ["status", study.status[row]]];
+    for (const { name } of study.columns) entries.push([this.label(name), shown(study.values[name][row])]);
+    field("picked").tBodies[0].replaceChildren(
+      ...entries.map(([name, value]) => {
+        const line = document.createElement("tr");
+        for (const text of [name, value]) line.insertCell().textContent = text;
+        return line;
+      }),
+    );
+    entries.push(["to run it again", `rotor-fmu study ... --select ${study.ids[row]}`]);
+    const told = ["across", "up", "shade"].map((id) => field(id).value);
+    const values = told.map((name) => `${name} ${shown(study.values[name][row])}`).join(", ");
+    const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
+    field("reading").textContent = text;
+    this.chart.tell(`${study.ids.length} runs. ${text}`);
+    this.drawCurve();
+  }
+
+  span(range, values) {
+    const known = values.filter(Number.isFinite);
+    const low = known.reduce((a, b) => Math.min(a, b), Infinity);
+    const high = known.reduce((a, b) => Math.max(a, b), -Infinity);
+    if (!known.length) return;
+    const margin = 0.04 * (high - low) || 1;
+    const [start, end] = [low - margin, high + margin];
+    range.setv({ start, end, reset_start: start, reset_end: end });
+  }
+
+  drawCurve() {
+    if (!this.curve) return;
+    const kept = this.study.curves.find((curve) => curve.name === field("kept").value);
+    const width = kept.coordinate.length;
+    const y = kept.values.slice(this.row * width, (this.row + 1) * width);
+    this.line.data = { x: kept.coordinate, y };
+    this.span(this.curve.plot.x_range, kept.coordinate);
+    // all runs on one scale, so that they compare
+    this.span(this.curve.plot.y_range, kept.values);
+    this.curve.plot.below[0].axis_label = `${kept.dimension} [${kept.coordinate_unit}]`;
+    this.curve.plot.left[0].axis_label = `${kept.name} [${kept.unit}]`;
+    this.curve.tell(`${kept.text} of run ${this.study.runs[this.row]}.`);
+  }
+}
+
+function choices(id, names, chosen) {
+  field(id).replaceChildren(
+    ...names.map((name) => {
+      const option = document.createElement("option");
+      option.value = option.textContent = name;
+      return option;
+    }),
+  );
+  if (chosen) field(id).value = chosen;
+}
+
+let map = null;
+
+async function start() {
+  const study = await unpackAll(readData("data"));
+  map = new StudyMap(study);
+  const names = study.columns.map((column) => column.name);
+  const kept = names.filter((name) => !study.axes.includes(name));
+  const [first, second] = study.axes;
+  choices("across", names, first);
+  choices("up", names, second ?? kept[0]);
+  choices("shade", names, second ? (kept[0] ?? second) : (kept[1] ?? kept[0]));
+  choices("kept", study.curves.map((curve) => curve.name));
+  for (const id of ["across", "up", "shade"]) field(id).addEventListener("change", () => map.draw());
+  field("kept").addEventListener("change", () => map.drawCurve());
+  field("run").addEventListener("input", () => {
+    const row = study.runs.indexOf(Number(field("run").value));
+    if (row >= 0) map.pick(row);
+  });
+  field("before").addEventListener("click", () => map.pick(map.row - 1));
+  field("after").addEventListener("click", () => map.pick(map.row + 1));
+  map.draw();
+  map.pick(0);
+  await map.chart.show();
+  performance.mark("first picture");
+  await map.curve?.show();
+  document.documentElement.dataset.ready = "yes";
+}
+
+start().catch((error) => {
+  document.querySelector("main").insertAdjacentHTML(
+    "afterbegin", '<p class="notice" role="alert">The pictures could not be drawn by this browser.</p>',
+  );
+  console.error(error);
+});

@@ -1,0 +1,328 @@
+"""The page in a browser: silent, linked, right under the cursor, at every width and in the dark."""
+
+import math
+import shutil
+import time
+
+import numpy as np
+import pytest
+
+from rotor_fmu import vibration
+from rotor_fmu.report.page import runs_page, write_page
+from rotor_fmu.report.places import Recorded
+from rotor_fmu.report.study import study_page
+
+from .recordings import recorded, write_study
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+DRIVER = shutil.which("chromedriver")
+pytestmark = [
+    pytest.mark.skipif(not (BROWSER and DRIVER), reason="needs chromium and chromedriver"),
+    # one browser for all
+    pytest.mark.xdist_group("browser"),
+]
+PATIENCE = 60.0  # [s]
+
+
+class Page:
+    """A page that is open in the browser."""
+
+    def __init__(self, driver, path):
+        self.driver = driver
+        driver.get(path.as_uri())
+        self.wait("document.documentElement.dataset.ready === 'yes'")
+
+    def run(self, script, *arguments):
+        return self.driver.execute_script(script, *arguments)
+
+    def wait(self, condition):
+        end = time.monotonic() + PATIENCE
+        while not self.run(f"return {condition}"):
+            assert time.monotonic() < end, condition
+            time.sleep(0.05)
+
+    def set(self, name, value, event="input"):
+        self.run(
+            "const field = document.getElementById(arguments[0]); field.value = arguments[1];"
+            "field.dispatchEvent(new Event(arguments[2]))",
+            name,
+            value,
+            event,
+        )
+
+    def find(self, name):
+        return self.driver.find_element("id", name)
+
+    def text(self, name):
+        return self.run("return document.getElementById(arguments[0]).textContent", name)
+
+    def click_at(self, chart, x, y):
+        """Click on a place of a picture that is given in its data's coordinates."""
+        where = self.run(
+            f"const {{ frame }} = {chart}.view;"
+            "return [frame.x_scale.compute(arguments[0]), frame.y_scale.compute(arguments[1])]",
+            x,
+            y,
+        )
+        holder = self.run(f"return {chart}.holder")
+        self.run("arguments[0].scrollIntoView({ block: 'center' })", holder)
+        move = webdriver.ActionChains(self.driver)
+        size = self.run(
+            "const b = arguments[0].getBoundingClientRect(); return [b.width, b.height]", holder
+        )
+        move.move_to_element_with_offset(
+            holder, round(where[0] - size[0] / 2), round(where[1] - size[1] / 2)
+        )
+        move.click().perform()
+
+
+def look(driver, width=1600, dark=False):
+    driver.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False},
+    )
+    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
+
+
+@pytest.fixture(scope="module")
+def driver():
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    service = webdriver.ChromeService(executable_path=DRIVER)
+    browser = webdriver.Chrome(options=options, service=service)
+    yield browser
+    browser.quit()
+
+
+@pytest.fixture
+def silent(driver):
+    """A browser that says nothing during a test."""
+    driver.get_log("browser")
+    look(driver)
+    yield driver
+    assert driver.get_log("browser") == []
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pages")
+    one = Recorded(recorded(parameters={"bearing[1].clearance": 6e-5}), "one")
+    two = Recorded(recorded(speed=350.0, rate=-30.0), "two")
+    steady = Recorded(recorded(rate=0.0), "steady")
+    cut = Recorded(recorded(stop=0.03, status="failed: whirled apart"), "cut")
+    for name, runs in {"one": [one], "two": [one, two], "steady": [steady], "cut": [cut]}.items():
+        write_page(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
+    write_study(folder / "study")
+    from rotor_fmu.look.reading import read_study
+
+    write_page(study_page(*read_study(folder / "study")), folder / "study.html")
+    return folder
+
+
+@pytest.mark.parametrize(("width", "dark"), [(400, True), (1600, False)])
+@pytest.mark.parametrize(
+    "name",
+    ["one", *(pytest.param(n, marks=pytest.mark.slow) for n in ("two", "steady", "cut", "study"))],
+)
+def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dark):
+    look(silent, width, dark)
+    page = Page(silent, pages / f"{name}.html")
+    assert page.run("return document.documentElement.scrollWidth") <= width
+    ground = page.run("return CHARTS[0].plot.background_fill_color")
+    assert ground == ("#14181d" if dark else "#ffffff")
+    assert page.run("return performance.getEntriesByType('resource')") == []
+    # what cannot be seen is told
+    untold = page.run(
+        "return [...document.querySelectorAll('[role=img], img')].filter((each) =>"
+        "each.offsetParent && !(each.getAttribute('aria-label') ?? each.alt)).length"
+    )
+    assert untold == 0
+    unnamed = page.run(
+        "return [...document.querySelectorAll('input, select')].filter((each) =>"
+        "!each.labels.length).length"
+    )
+    assert unnamed == 0
+
+
+@pytest.mark.slow
+def test_pictures_follow_when_the_reader_goes_dark(silent, pages):
+    page = Page(silent, pages / "one.html")
+    look(silent, dark=True)
+    page.wait("over.bode.plot.background_fill_color === '#14181d'")
+
+
+def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
+    page = Page(silent, pages / "one.html")
+    page.click_at("over.bode", 40.0, 50.0)
+    run = recorded()
+    z = run.columns["disc[2].x"] + 1j * run.columns["disc[2].y"]
+    stations = np.array(page.run("return over.runs[0].stations.hz"))
+    nearest = stations[np.argmin(np.abs(stations - 40.0))]
+    at = int(page.find("station").get_property("value"))
+    assert abs(stations[at] - nearest) < 0.5
+    assert f"at {float(f'{stations[at]:.5g}'):g} Hz" in page.text("reading")
+    # what the library of signals says at that speed
+    orbit = np.array(page.run("const d = over.parts[0].orbit.data; return [[...d.x], [...d.y]]"))
+    t = page.run("return over.runs[0].stations.t[arguments[0]]", at)
+    near = np.abs(run.t - t) < 2 * 2 * math.pi / 240.0
+    assert np.abs(orbit[0]).max() == pytest.approx(np.abs(z.real[near]).max() * 1e6, rel=0.01)
+    assert np.abs(orbit[0] + 1j * orbit[1]).min() == pytest.approx(60.0, rel=0.01)
+    truth = vibration.full_spectrum(run.t, run.columns["phi"], z, 2 * math.pi * stations[at])
+    top = np.array(page.run("return [...over.parts[0].spectrum.data.top]"))
+    assert np.abs(top - truth.amplitude * 1e6).max() < 0.05
+    spans = page.run("return over.spans.map((span) => span.location)")
+    assert spans == [stations[at]] * len(spans)
+    mark = page.run("const d = over.parts[0].marks.data; return [d.x[0], d.y[0]]")
+    expected = 80 * np.exp(-0.6j) + 20
+    assert complex(*mark) == pytest.approx(expected, abs=0.1)
+
+
+@pytest.mark.slow
+def test_the_slider_is_worked_by_the_keys(silent, pages):
+    page = Page(silent, pages / "one.html")
+    from selenium.webdriver.common.keys import Keys
+
+    page.run("document.getElementById('station').focus()")
+    before = int(page.find("station").get_property("value"))
+    told = page.text("reading")
+    page.find("station").send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    assert int(page.find("station").get_property("value")) == before - 2
+    assert page.text("reading") != told
+    page.find("in").send_keys(Keys.ENTER)
+    assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
+
+
+def test_values_under_the_cursor_are_those_recorded(silent, pages):
+    page = Page(silent, pages / "one.html")
+    run = recorded()
+    x = run.columns["disc[2].x"] * 1e6
+    for t in (0.0, 1.234, 3.3333, 5.999):
+        page.set("cursor", t)
+        i = int(np.argmin(np.abs(run.t - t)))
+        told = page.text("value")
+        assert told.startswith(f"disc 2 x at {run.t[i]:.6f} s")
+        assert float(told.split(": ")[1].split()[0]) == pytest.approx(x[i], abs=0.002)
+    page.set("signal", "1", "change")
+    page.wait("time.label === 'disc 2 y'")
+    page.set("cursor", 1.234)
+    y = run.columns["disc[2].y"][1234] * 1e6
+    page.wait(f"document.getElementById('value').textContent.includes('{y:.1f}')")
+
+
+@pytest.mark.slow
+def test_zoom_shows_the_samples_that_are_there(silent, pages):
+    page = Page(silent, pages / "one.html")
+    run = recorded()
+    page.set("cursor", 2.0)
+    for _ in range(6):
+        page.find("in").click()
+    start, end = page.run("return [time.range.start, time.range.end]")
+    assert end - start == pytest.approx(5.999 / 64, rel=1e-6)
+    assert start < 2.0 < end
+    x, y = map(np.array, page.run("const d = time.sources[0].data; return [[...d.x], [...d.y]]"))
+    inside = (run.t > start) & (run.t < end)
+    assert np.all(np.isin(np.round(run.t[inside], 5), np.round(x, 5)))
+    truth = np.interp(x, run.t, run.columns["disc[2].x"]) * 1e6
+    assert y == pytest.approx(truth, abs=0.01)
+    assert page.run("return time.dots[0].visible")
+    page.find("all").click()
+    assert page.run("return [time.range.start, time.range.end]") == pytest.approx([0, 5.999])
+    # the whole is thinned to what a screen shows, its extremes kept
+    low, high = page.run(
+        "const { y } = time.sources[0].data; return [Math.min(...y), Math.max(...y)]"
+    )
+    assert [low, high] == pytest.approx(
+        [run.columns["disc[2].x"].min() * 1e6, run.columns["disc[2].x"].max() * 1e6], abs=0.01
+    )
+
+
+@pytest.mark.slow
+def test_peak_to_peak_is_twice_and_the_axis_says_so(silent, pages):
+    page = Page(silent, pages / "one.html")
+    half = page.run("return over.parts[0].bodeX.data.y[10]")
+    page.set("unit", "2", "change")
+    assert page.run("return over.parts[0].bodeX.data.y[10]") == pytest.approx(2 * half)
+    assert page.run("return over.bode.plot.left[0].axis_label") == "1x amplitude [µm peak-to-peak]"
+    assert half == pytest.approx(np.abs(80 * np.exp(-0.6j) + 20), rel=1e-3)
+
+
+@pytest.mark.slow
+def test_another_place_is_drawn_with_its_clearance(silent, pages):
+    page = Page(silent, pages / "one.html")
+    assert page.run("return over.parts[0].ring.data.x.length") == 0
+    page.set("place", "bearing[1]", "change")
+    ring = page.run("const { x, y } = over.parts[0].ring.data; return Math.hypot(x[7], y[7])")
+    assert ring == pytest.approx(60.0)
+    assert "bearing 1 at" in page.text("reading")
+
+
+@pytest.mark.slow
+def test_two_runs_lie_over_each_other_at_one_speed(silent, pages):
+    page = Page(silent, pages / "two.html")
+    page.click_at("over.bode", 35.0, 50.0)
+    told = page.text("reading")
+    assert "one, disc 2 at 3" in told
+    assert "two, disc 2 at 3" in told
+    names = page.run("return document.querySelector('#bode .legend').textContent")
+    assert "one: 1x of x" in names
+    assert "two: 1x of x" in names
+    page.set("shown", "1", "change")
+    assert page.run("return over.shownRun") == 1
+
+
+@pytest.mark.slow
+def test_pictures_over_speed_move_together(silent, pages):
+    page = Page(silent, pages / "one.html")
+    page.run("over.bode.plot.x_range.setv({ start: 30, end: 40 })")
+    for chart in ("phase", "whirl", "force", "angle", "energy"):
+        found = page.run(f"const r = over.{chart}.plot.x_range; return [r.start, r.end]")
+        assert found == [30, 40], chart
+
+
+@pytest.mark.slow
+def test_a_run_at_one_speed_goes_over_time(silent, pages):
+    page = Page(silent, pages / "steady.html")
+    assert page.run("return over.phase.plot.below[0].axis_label") == "Time [s]"
+    page.click_at("over.bode", 4.0, 50.0)
+    assert "t = 4" in page.text("reading") or "t = 3.9" in page.text("reading")
+
+
+@pytest.mark.slow
+def test_a_run_cut_short_shows_what_there_is(silent, pages):
+    page = Page(silent, pages / "cut.html")
+    assert not page.find("pictures").is_displayed()
+    assert page.run("return time.whole[1]") == pytest.approx(0.029)
+    assert not page.find("near").is_displayed()
+
+
+@pytest.mark.slow
+def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
+    columns = write_study(tmp_path / "study")
+    page = Page(silent, pages / "study.html")
+    row = 17
+    page.click_at("map.chart", columns["mu"][row], columns["clearance"][row])
+    assert page.text("reading").startswith(f"Run {row}, id017: mu ")
+    cells = page.run(
+        "return [...document.querySelectorAll('#picked td')].map((c) => c.textContent)"
+    )
+    told = dict(zip(cells[::2], cells[1::2], strict=True))
+    assert told["id"] == "id017"
+    assert float(told["mu"]) == pytest.approx(columns["mu"][row], rel=1e-4)
+    page.find("after").click()
+    assert page.text("reading").startswith("Run 18, id018")
+    page.set("run", "3")
+    assert page.text("reading").startswith("Run 3, id003")
+    failed = columns["status"].index("failed: whirled apart")
+    page.set("run", failed)
+    assert page.text("reading").endswith("failed: whirled apart")
+
+
+@pytest.mark.slow
+def test_a_page_prints(silent, pages):
+    Page(silent, pages / "one.html")
+    assert silent.print_page().startswith("JVBERi0")  # %PDF-, in base64

@@ -1,0 +1,193 @@
+"""The page as a file: what it holds, what it says, what it refuses. A browser opens it in
+test_page.py."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import rig_toml
+from typer.testing import CliRunner
+
+from rotor_fmu.cli import app
+from rotor_fmu.errors import InputError
+from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
+from rotor_fmu.report.page import write_report
+from rotor_fmu.report.signals import extremes
+
+from .recordings import recorded, write_study
+
+
+def report(*arguments):
+    return CliRunner().invoke(app, ["report", *map(str, arguments)])
+
+
+def block(text, name):
+    """What a page's block of data holds."""
+    found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', text, re.S)
+    return json.loads(found.group(1))
+
+
+@pytest.mark.parametrize("bits", [COARSE, FINE])
+@pytest.mark.parametrize("kind", ["noise", "smooth", "constant", "empty", "unknown"])
+def test_packed_numbers_come_back_within_half_a_step(bits, kind):
+    values = {
+        "noise": np.random.default_rng(0).normal(size=5000),
+        "smooth": 1e-4 * np.sin(np.linspace(0, 60, 5000)),
+        "constant": np.full(10, 3.25),
+        "empty": np.zeros(0),
+        "unknown": np.array([1.0, np.nan, 3.0, np.inf]),
+    }[kind]
+    pack = packed(values, bits)
+    found = unpacked(pack)
+    is_known = np.isfinite(values)
+    assert np.array_equal(np.isfinite(found), is_known)
+    assert np.all(np.abs(found - values)[is_known] <= 0.501 * pack["step"] + 1e-15)
+    if is_known.sum() > 1:
+        span = np.ptp(values[is_known])
+        assert pack["step"] == pytest.approx(span / (2**bits - 2), abs=1e-30)
+
+
+def test_thinned_signals_keep_their_extremes():
+    values = np.random.default_rng(1).normal(size=10_007)
+    kept = extremes(values, 100)
+    assert np.all(np.diff(kept) > 0)
+    assert len(kept) <= 202
+    assert values[kept].max() == values.max()
+    for part in np.array_split(np.arange(len(values)), 90):
+        inside = kept[(kept >= part[0] - 101) & (kept <= part[-1] + 101)]
+        assert values[inside].max() >= values[part].max()
+
+
+def test_a_page_asks_for_nothing_from_outside(tmp_path):
+    write_report(recorded(toml=rig_toml()), {"steps": 12}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert not re.findall(r"<(?:script|img|link|iframe)[^>]+(?:src|href)=\"(?!data:)", text)
+    assert "@import" not in text
+    assert [path.name for path in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_a_page_is_the_same_each_time(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / name / "run").mkdir(parents=True)
+        write_report(recorded(toml=rig_toml()), {}, tmp_path / name / "run" / "report.html")
+    pages = [(tmp_path / name / "run" / "report.html").read_bytes() for name in ("a", "b")]
+    assert pages[0] == pages[1]
+
+
+def test_the_tables_say_what_the_closed_form_has(tmp_path):
+    write_report(recorded(), {"steps": 4321}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    rows = [re.findall(r"<td>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", text)]
+    cells = {row[0]: row[1:] for row in rows if row}
+    assert cells["steps"] == ["4321"]
+    # forward 80, backward 20: the major semi-axis is 100 um, the largest x is that
+    assert float(cells["disc 2"][0]) == pytest.approx(100.0, rel=1e-3)
+    assert float(cells["disc 2"][-1]) == pytest.approx(100.0, rel=5e-3)
+    assert float(cells["friction"][1]) == pytest.approx(80.0, rel=1e-3)
+    assert float(cells["bearing 1"][0]) == pytest.approx(5.0)
+    assert float(cells["bearing 1"][2]) == pytest.approx(50.0, abs=1.0)
+
+
+def test_a_page_cannot_be_broken_by_a_name(tmp_path):
+    nasty = '</script><img src=x onerror="alert(1)">'
+    write_report(recorded(machine=nasty, messages=[nasty]), {}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert nasty not in text
+    assert "&lt;/script&gt;&lt;img" in text
+
+
+def test_a_failed_run_says_how_far_it_came_and_why(tmp_path):
+    status = "failed: the machine whirled itself apart"
+    write_report(recorded(stop=2.0, status=status), {}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "stopped before its end. It came to t = 1.999 s at 41.38 Hz: the machine" in text
+
+
+@pytest.mark.parametrize("stop", [0.0, 1e-3, 2e-3, 0.03])
+def test_a_run_that_came_to_no_turns_has_a_page_that_says_so(stop, tmp_path):
+    write_report(recorded(stop=stop, status="failed: no"), {}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "has no pictures over speed: the signal holds" in text
+    assert block(text, "signals")[0]["signals"][0]["v"]["n"] == len(recorded(stop=stop).t)
+
+
+def test_a_recording_without_places_still_shows_its_signals(tmp_path):
+    given = recorded()
+    for name in [name for name in given.columns if name.endswith((".x", ".y"))]:
+        given.columns.pop(name)
+    write_report(given, {}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "has no pictures over speed: its recording has no place with x and y" in text
+    names = [signal["name"] for signal in block(text, "signals")[0]["signals"]]
+    assert names == ["bearing[1].fn", "w"]
+
+
+def test_two_runs_of_one_name_are_told_apart(tmp_path):
+    for name in ("soft", "stiff"):
+        (tmp_path / name / "run").mkdir(parents=True)
+        recorded().save(tmp_path / name / "run" / "recording.npz")
+    out = tmp_path / "report.html"
+    found = report(tmp_path / "soft" / "run", tmp_path / "stiff" / "run", "--out", out)
+    assert found.exit_code == 0, found.output
+    names = [run["name"] for run in block(out.read_text(encoding="utf-8"), "data")["runs"]]
+    assert names == ["soft/run", "stiff/run"]
+
+
+def test_a_studys_rows_are_told_once_each(tmp_path):
+    columns = write_study(tmp_path / "study")
+    out = tmp_path / "report.html"
+    found = report(tmp_path / "study", "--out", out)
+    assert found.exit_code == 0, found.output
+    text = out.read_text(encoding="utf-8")
+    data = block(text, "data")
+    assert data["ids"] == columns["id"]
+    assert unpacked(data["values"]["mu"]) == pytest.approx(columns["mu"], abs=1e-6)
+    assert "The study goes on: 60 of 80 runs" in text
+    failed = columns["status"].count("failed: whirled apart")
+    assert f"{failed} runs: failed: whirled apart" in text
+
+
+@pytest.mark.parametrize(
+    ("prepare", "arguments", "sentence"),
+    [
+        ("", ("nowhere",), "nowhere: is not there"),
+        ("empty", ("empty",), "empty: holds no recording.npz"),
+        ("study", ("study", "study"), "is a study, which has a page of its own"),
+        ("bare", ("bare",), "bare: holds no rows of a study"),
+        ("torn", ("torn",), "torn: its rows cannot be read"),
+        ("empty", ("empty", "empty", "empty"), "3 runs: a page shows one or two"),
+        ("run", ("run", "--out", "run"), "is a folder; give the page's name"),
+        ("other", ("other",), "its recording has no w"),
+    ],
+)
+def test_bad_input_is_one_line(prepare, arguments, sentence, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / (prepare or "empty")
+    if prepare == "study":
+        write_study(folder)
+    else:
+        folder.mkdir()
+    if prepare in ("bare", "torn"):
+        (folder / "study.json").write_text("{}")
+    if prepare == "torn":
+        (folder / "rows").mkdir()
+        (folder / "rows" / "a.parquet").write_bytes(b"PAR1")
+    given = recorded()
+    if prepare == "other":
+        given.columns.pop("w")
+    if prepare in ("run", "other"):
+        given.save(folder / "recording.npz")
+    found = report(*arguments)
+    assert isinstance(found.exception, InputError), found.output
+    assert sentence in str(found.exception)
+
+
+@pytest.mark.slow
+def test_a_page_of_a_million_samples_stays_below_eight_megabytes(tmp_path):
+    write_report(recorded(stop=10.0, step=1e-5), {}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    signals = block(text, "signals")[0]["signals"]
+    assert [signal["every"] for signal in signals[:1]] == [1]
+    assert signals[0]["v"]["n"] == 1_000_000
+    assert len(text) < 8e6
