@@ -82,8 +82,8 @@ bench: $(VENV)/core
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.throughput
 
-# source archive and wheel, the wheel with the solver for all platforms, in dist/, checked, installed and used; HOME_URL=address of the files for an
-# index page's pictures
+# source archive and wheel, which holds the solver for all platforms, in dist/, checked, installed and
+# used; HOME_URL=address of the files for an index page's pictures
 dist: $(VENV)/made
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build twine
 	$(BIN)/rotor-fmu core

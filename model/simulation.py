@@ -11,6 +11,7 @@ import numpy as np
 from .code import Code, calls, chosen
 from .kernels.compiled import INTERPRETED_WARNING
 from .machine.rotor import Rotor
+from .machine.speed_tables import tables_of
 from .march import march
 from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
@@ -114,11 +115,7 @@ class Simulation:
         self._run.tape.head[0].least = taped.angle
         set_method(self._run, self._scheme, settings.control())
         self._has_warned = False
-        self._tables = [
-            (where, speeds)
-            for where, part in rotor.named_parts()
-            if (speeds := getattr(part, "speed", ()))
-        ]
+        self._tables = tables_of(rotor)
         self._has_warned_of_damping = False
 
         numbers = self._run.memory.record[0]
@@ -293,14 +290,10 @@ class Simulation:
 
     def _warn_beyond_tables(self, speed: float) -> None:
         """Say once of every table that the speed [rad/s] has left it."""
-        for entry in list(self._tables):
-            where, speeds = entry
-            if not speeds[0] <= speed <= speeds[-1]:
-                self._tables.remove(entry)
-                self._warn(
-                    f"{where}: speed {speed:.4g} rad/s lies outside its table, {speeds[0]:g} to "
-                    f"{speeds[-1]:g} rad/s; from there on its coefficients are those of the end"
-                )
+        for table in list(self._tables):
+            if not table.low <= speed <= table.high:
+                self._tables.remove(table)
+                self._warn(table.beyond.format(speed=speed))
 
     def _no_rest(self, status: int) -> str:
         springs = self.structure.springs

@@ -26,7 +26,7 @@ from rotor_fmu.runs.job import load_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-files = sorted(Path(sys.argv[1]).rglob("*.toml"))
+files = [f for f in sorted(Path(sys.argv[1]).rglob("*.toml")) if f.parent.name != "studies"]
 rotors = {"rig": rig()} | {f"{f.parent.name}/{f.stem}": load_rotor(f)[1] for f in files}
 seen = {}
 for name, rotor in rotors.items():

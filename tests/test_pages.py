@@ -47,6 +47,9 @@ def copy(tmp_path_factory):
             target = folder / name
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(ROOT / name, target)
+    library = ROOT / "model" / "library"  # which would take a minute to make
+    if library.is_dir():
+        shutil.copytree(library, folder / "model" / "library")
     made = subprocess.run(
         ["make", f"PYTHON={sys.executable}", ".venv/made"],
         cwd=folder,

@@ -15,6 +15,7 @@ import numpy as np
 from ..fmu.interface import ports
 from ..fmu.variables import Variable
 from ..model.machine.rotor import Rotor
+from ..model.machine.speed_tables import tables_of
 from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
@@ -53,9 +54,10 @@ _NEEDS = (
     ),
 )
 # As in skin/instance.h.
-_HEAD = struct.Struct("<8s16s40s 5q 5q 2q 4q 5q")
+_HEAD = struct.Struct("<8s16s40s 5q 5q 2q 4q 2q 6q")
 _VARIABLE = struct.Struct("<3q 4q 6d")
 _ROW = struct.Struct("<3q")
+_SPAN = struct.Struct("<q2d")
 
 
 class Face(NamedTuple):
@@ -98,7 +100,12 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         for a, b, why in _NEEDS
         if a in index
     ]
-    sentences = [_HEAD.size + texts.place(text) for text in SENTENCES]
+    beyond = tables_of(face.rotor)
+    warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
+    sentences = [_HEAD.size + texts.place(text) for text in (*SENTENCES, *warnings)]
+    spans = b"".join(
+        _SPAN.pack(code, table.low, table.high) for code, table in enumerate(beyond, len(SENTENCES))
+    )
     # texts stand behind the head, so that their places are known first
     parts = [_padded(texts.bytes)]
     begins = []
@@ -107,6 +114,7 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         writes,
         b"".join(needs),
         struct.pack(f"<{len(sentences)}q", *sentences),
+        spans,
     ):
         begins.append(_HEAD.size + sum(map(len, parts)))
         parts.append(part)
@@ -118,10 +126,11 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         *(_HEAD.size + len(body), len(face.table), observed_at),
         *(index["tau_drive" if face.is_free else "speed"], face.is_free),
         *(1 + len(SLOTS), 1 + SLOTS.index("tolerance")),
-        *(len(writes) // _ROW.size, len(needs), len(SENTENCES)),
+        *(len(writes) // _ROW.size, len(needs), len(sentences)),
         *(len(block), LAYOUT.extent(block, "memory").stop),
         *(record + _field(RECORD, "is_free")[1], record + _field(RECORD, "continues")[1]),
         *(where["memory.loads"], where["reading.observed"]),
+        *(len(beyond), record + _field(RECORD, "omega")[1]),
         *begins,
     )
     return head + body

@@ -159,9 +159,9 @@ assert last(path) == alone
     )
 
 
-@pytest.mark.parametrize("jit", ["interpreted", pytest.param("compiled", marks=pytest.mark.slow)])
-def test_two_versions_of_the_code_in_one_process_do_not_meet(fmu, tmp_path, jit):
-    """Compiled they must not meet in numba's tables either; that compiles both."""
+@pytest.mark.parametrize("kernels", [None, pytest.param("numba", marks=pytest.mark.slow)])
+def test_two_versions_of_the_code_in_one_process_do_not_meet(fmu, tmp_path, kernels):
+    """They must not meet in numba's tables either; that compiles both."""
     newer = another_version(fmu, tmp_path / "newer.fmu")
     in_a_process(
         fmu,
@@ -174,7 +174,7 @@ assert doubled == [2 * y for y in first]
 assert last(path) == first
 assert last({str(newer)!r}) == doubled
 """,
-        {"NUMBA_DISABLE_JIT": "1"} if jit == "interpreted" else {},
+        {"ROTOR_FMU_KERNELS": kernels} if kernels else {},
     )
 
 

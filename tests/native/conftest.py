@@ -1,10 +1,12 @@
-"""The native FMU, built once for this machine; its library stays in the user's cache."""
+"""The native FMU, built once for this machine."""
 
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from rotor_fmu.model.kernels.library import find
 
+from rotor_fmu.native.core import core_digest
 from rotor_fmu.native.pack import build_native
 
 from ..fmu.masters import COMPILER, Master, compile_c_host
@@ -23,7 +25,7 @@ def pytest_collection_modifyitems(items):
 @pytest.fixture(scope="session")
 def make(tmp_path_factory):
     """Builds a native FMU of this machine's platform."""
-    if find_spec("ziglang") is None:
+    if find(HERE, core_digest()) is None and find_spec("ziglang") is None:
         pytest.skip("ziglang is not installed (pip install 'rotor-fmu[native]')")
 
     def build(**options) -> Path:

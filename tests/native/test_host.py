@@ -12,8 +12,11 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.simulation import RotorWarning, Simulation
 
 from ..fmu.masters import COMPILER
+from ..parts.test_linear_bearing import FLEXIBLE, TABLE
 from .machine import Machine
 
 H = 0.004
@@ -134,6 +137,22 @@ def test_integers_can_be_read_as_reals(fmu):
     steps = machine.fmu.getInteger([machine.refs["solver.steps"]])[0]
     assert machine.read(["solver.steps"])[0] == steps > 0
     machine.close()
+
+
+def test_a_speed_beyond_a_bearings_table_is_said_once_as_in_python(make, capfd):
+    fmu = make(rotor_toml=FLEXIBLE + TABLE)
+    machine = Machine(fmu).start(speed=300.0)
+    machine.step(1e-4)
+    assert capfd.readouterr().err == ""
+    machine.set(speed=500.0)
+    for _ in range(3):
+        machine.step(1e-4)
+    said = capfd.readouterr().err.splitlines()
+    machine.close()
+    with pytest.warns(RotorWarning) as warned:
+        Simulation(parse_rotor(FLEXIBLE + TABLE), speed=500.0)
+    expected = [str(w.message) for w in warned if "outside" in str(w.message)]
+    assert [line.partition("warning: ")[2] for line in said] == expected
 
 
 def test_with_its_derivative_a_ramp_of_the_speed_is_exact_at_any_step(fmu):
@@ -257,3 +276,19 @@ def test_a_state_of_fmi_3_goes_on_bit_for_bit(make):
     assert (machine.read() == first).all()
     assert np.isfinite(first).all()
     machine.close()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/statm").is_file(), reason="needs Linux's /proc")
+def test_ten_thousand_instances_one_after_another_leave_no_memory_behind(library):
+    def pages():
+        return int(Path("/proc/self/statm").read_text().split()[1])
+
+    def cycle(count):
+        for _ in range(count):
+            library.c.fmi2FreeInstance(library.ready())
+
+    cycle(1000)
+    before = pages()
+    cycle(10_000)
+    assert pages() - before < 256  # of 4 kB: less than 105 bytes an instance

@@ -114,6 +114,16 @@ static void warn(Instance *m, int code, const double *numbers)
     m->warned[code % WARNINGS] = 1;
 }
 
+static void warn_beyond_tables(Instance *m)
+{
+    const Table *t = m->table;
+    const Span *span = (const Span *)((const char *)t + t->first_span);
+    double speed = *(const double *)(m->block + t->omega_at);
+    for (int64_t i = 0; i < t->spans; i++, span++)
+        if (!(span->low <= speed && speed <= span->high))
+            warn(m, (int)span->sentence, &speed);
+}
+
 Status choose_categories(Instance *m, int is_on, size_t count, const char *const *names)
 {
     unsigned chosen = count ? 0 : ~0u;
@@ -345,6 +355,7 @@ static Status build(Instance *m)
         return refuse(m, "internal error at the start");
     if (code)
         return say(m, ERROR, sentence(t, code), numbers);
+    warn_beyond_tables(m);
     m->state->is_built = 1;
     return OK;
 }
@@ -438,6 +449,7 @@ Status march(Instance *m, double current, double size)
     }
     if (code < 0)
         warn(m, -code, numbers);
+    warn_beyond_tables(m);
     s->now = current + size;
     return OK;
 }

@@ -46,12 +46,19 @@ typedef struct {
 } Need; /* variable > 0 asks for the other to be true */
 
 typedef struct {
+    int64_t sentence; /* its code */
+    double low, high;
+} Span; /* speeds of a bearing's table, beyond which a sentence warns */
+
+typedef struct {
     char magic[8], core[16], guid[40];
     int64_t bytes, variables, observed_at, drive_at, is_free;
     int64_t settings, tolerance_at, writes, needs, sentences;
     int64_t block, state_bytes;                       /* sizes of the block, and of the run in it */
     int64_t is_free_at, continues_at, loads_at, observed; /* places in the block */
-    int64_t first_variable, first_write, first_need, first_sentence, first_block; /* in the file */
+    int64_t spans, omega_at; /* how many, and the place of the speed in the block */
+    int64_t first_variable, first_write, first_need, first_sentence, first_span, first_block;
+    /* in the file */
 } Table;
 
 typedef struct {
