@@ -8,7 +8,7 @@ from collections.abc import Callable
 from enum import Enum
 from functools import cache, partial
 from importlib import import_module
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -76,7 +76,7 @@ def waits_for_compiler() -> bool:
 def calls(block: np.ndarray, code: Code | None = None) -> Calls:
     """The functions for a block, carried out by `code`, the one chosen if None."""
     code = code or chosen()
-    functions = entries.start, entries.advance, entries.linearize, entries.look
+    functions: tuple[Any, ...] = entries.start, entries.advance, entries.linearize, entries.look
     if code is Code.LIBRARY:
         made = library.loaded()
         assert made is not None

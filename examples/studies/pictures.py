@@ -84,7 +84,8 @@ def full_spectrum(data: xarray.Dataset, varied: str, value: float, path: Path) -
 def hysteresis(data: xarray.Dataset, path: Path) -> None:
     """Jump speeds of run-up and run-down against friction, beside the fold."""
     figure, axes = new_figure()
-    frictions = np.linspace(*np.sort(data["contact[1].mu"].values)[[0, -1]], 41)
+    seen = data["contact[1].mu"].values
+    frictions = np.linspace(seen.min(), seen.max(), 41)
     for colour, clearance in zip(
         _COLOURS[1:], np.unique(data["contact[1].clearance"]), strict=True
     ):

@@ -145,7 +145,7 @@ def _table(part: LinearBearing) -> np.ndarray:
     return rows
 
 
-def _cubics(speeds: Sequence[float], values: Sequence[float]) -> Any:
+def _cubics(speeds: Any, values: Sequence[float]) -> Any:
     # imported where a table is: it takes longer than all else that a machine is made of
     from scipy.interpolate import PchipInterpolator
 

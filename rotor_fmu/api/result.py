@@ -18,8 +18,7 @@ from ..errors import InputError
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..report.places import Recorded
-from ..report.places import read_run as read_recorded
-from ..runs.recording import Recording
+from ..runs.recording import Recording, load_recording
 from ..runs.run_down import PEAKS_AFTER, Run
 from ..runs.views import peak_index
 from .machine import Machine
@@ -263,7 +262,8 @@ def read_run(folder: Path | str) -> Result:
     ...     rf.read_run(folder).machine.name
     'zigulic2003'
     """
-    recording = read_recorded(Path(folder)).recording
+    path = Path(folder)
+    recording = load_recording(path / "recording.npz" if path.is_dir() else path)
     toml = str(recording.about.get("toml", ""))
     try:
         machine = Machine(parse_rotor(toml), toml)
