@@ -1,6 +1,7 @@
 """The README says what the code says."""
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,11 @@ ROOT = Path(__file__).parents[1]
 def test_the_variables_are_those_of_the_table():
     page = (ROOT / "docs" / "variables.md").read_text(encoding="utf-8")
     assert markdown(interface(rig())) in page
+
+
+def test_the_page_of_commands_is_made_from_the_commands():
+    made = runpy.run_path(str(ROOT / "docs" / "site" / "commands.py"))["page"]()
+    assert (ROOT / "docs" / "commands.md").read_text(encoding="utf-8") == made
 
 
 def test_the_hosts_page_names_test_files_that_exist():

@@ -14,8 +14,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 SECTIONS = {
+    "To look things up": ["docs/commands.md", "docs/api.md"],
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
-    "In Python": ["docs/api.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],
     "Many runs": ["docs/studies.md"],
     "What to trust": [

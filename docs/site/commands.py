@@ -1,0 +1,85 @@
+"""The page of all commands, from the commands: python docs/site/commands.py > docs/commands.md."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import typer
+
+from rotor_fmu.cli import COMMANDS
+
+HEAD = """# Commands
+
+Made from the commands themselves (`python docs/site/commands.py`); `rotor-fmu COMMAND --help` says
+the same. What cannot be is told in one line, and the status is 2; 1 is a run that failed, 130 one
+that Ctrl-C stopped, after which nothing unfinished is left.
+
+Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to the
+speed, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4 ms),
+`paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms). `--set
+solver.tolerance=1e-4`, or `--preset robust --set solver.h=1e-4`, and the like change a preset;
+`solver.reduction=4` keeps four component modes of the shaft, which pays where it has many elements.
+"""
+
+
+def _functions(name: str, place: str) -> Iterator[tuple[str, Callable[..., Any]]]:
+    """A command, or those of a group, and the functions behind them."""
+    module, _, attribute = place.partition(":")
+    found = getattr(import_module(f"rotor_fmu.{module}"), attribute)
+    if isinstance(found, typer.Typer):
+        for command in found.registered_commands:
+            yield f"{name} {command.name}", command.callback
+    else:
+        yield name, found
+
+
+def _entry(name: str, function: Callable[..., Any]) -> list[str]:
+    """A command with what it takes."""
+    paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
+    lines = [f"### `rotor-fmu {name}`", ""]
+    lines += [line for text in paragraphs for line in (" ".join(text.split()), "")]
+    hints = get_type_hints(function, include_extras=True)
+    rows = [
+        _row(parameter, hints[parameter.name])
+        for parameter in inspect.signature(function).parameters.values()
+    ]
+    return [*lines, "| | | |", "| --- | --- | --- |", *rows, ""] if rows else lines
+
+
+def _row(parameter: inspect.Parameter, hint: Any) -> str:
+    """An option or an argument: its name, its kind, what it is for with its default."""
+    kind, about = get_args(hint) if get_origin(hint) is Annotated else (hint, None)
+    is_argument = isinstance(about, typer.models.ArgumentInfo)
+    # an annotated option's first name stands where else its default does
+    names = [n for n in (about.default, *(about.param_decls or ())) if str(n).startswith("--")]
+    option = names[0] if names else f"--{parameter.name.replace('_', '-')}"
+    name = (about.metavar or parameter.name.upper()) if is_argument else option
+    kinds = [k for k in (get_args(kind) or (kind,)) if k is not type(None)]
+    spoken = {bool: "", str: "text", float: "number", int: "integer"}
+    inner = (get_args(kinds[0]) or kinds)[0]
+    text = " ".join((about.help or "").split())
+    if kind is not bool and parameter.default not in (None, "", inspect.Parameter.empty):
+        text += f" Default: `{parameter.default}`."
+    return f"| `{name}` | {spoken.get(inner, inner.__name__.lower())} | {_cell(text)} |"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def page() -> str:
+    """The whole page."""
+    lines = [HEAD]
+    for panel, places in COMMANDS.items():
+        lines += [f"## {panel}", ""]
+        for name, place in places.items():
+            for command, function in _functions(name, place):
+                lines += _entry(command, function)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    print(page(), end="")
