@@ -21,8 +21,14 @@ from .protocol.part import Interface
 from .refusal import Refusal
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.sentences import described, hidden_whirls, longest_step, nearest
-from .stability.whirls import Tangents, Whirl, growing_whirls
+from .stability.sentences import (
+    described,
+    grows_at_rest,
+    hidden_whirls,
+    longest_step,
+    nearest,
+)
+from .stability.whirls import Tangents, Whirl, coarse, growing_whirls, growth_at_rest
 from .step.step import Motion
 from .structure.assembly import Structure, assemble
 from .structure.reduction import reduced
@@ -148,6 +154,8 @@ class Simulation:
         ]
         self._whirls: tuple[Whirl, ...] = ()
         self._has_warned_of_whirls = False
+        self._coarse = coarse(structure)
+        self._warn_of_growth_at_rest()
         self._survey_whirls()
 
     @property
@@ -252,9 +260,17 @@ class Simulation:
         speed = float(self._speed[0])
         self._surveyed_to = _PASSED * max(abs(speed), self.structure.numbers[0].lowest_omega)
         speeds = [share * speed for share in _SURVEYED] if speed else [0.0]
-        self._whirls = growing_whirls(self.structure, self._tangents(), speeds)
+        self._whirls = growing_whirls(self._coarse, self._tangents(), speeds)
         if self._whirls and is_unconditionally_stable(self._scheme):
             self._mind_whirls()
+
+    def _warn_of_growth_at_rest(self) -> None:
+        speed = float(self._speed[0])
+        self._speed[0] = 0.0
+        root = growth_at_rest(self._coarse, self._tangents())
+        self._speed[0] = speed
+        if root is not None:
+            self._warn(grows_at_rest(root))
 
     def _tangents(self) -> Tangents:
         problem = self._run.problem

@@ -16,7 +16,8 @@ ROOT = Path(rotor_fmu.__file__).parents[1]
 MISSING = "no library was made of these kernels (rotor-fmu core --platform here)"
 needs_library = pytest.mark.skipif(library.loaded() is None, reason=MISSING)
 
-# Every example machine and the rig with contact: everything that can be read, and the state.
+# Every example machine and the rig with contact: everything that can be read and recorded, and the
+# state.
 STEPS = """
 import hashlib, json, sys
 from pathlib import Path
@@ -24,6 +25,7 @@ from rotor_fmu.model.code import chosen
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.runs.job import load_rotor
 from rotor_fmu.model.settings import choose
+from rotor_fmu.model.march.tape import Record, recordable
 from rotor_fmu.model.simulation import Simulation
 
 files = [f for f in sorted(Path(sys.argv[1]).rglob("*.toml")) if f.parent.name != "studies"]
@@ -31,13 +33,18 @@ rotors = {"rig": rig()} | {f"{f.parent.name}/{f.stem}": load_rotor(f)[1] for f i
 seen = {}
 for name, rotor in rotors.items():
     for preset in ("robust", "controlled"):
-        sim = Simulation(rotor, choose(preset), speed=300.0, rate=-10.0, warn=lambda message: None)
+        # every step, on a tape that is full at times
+        tape = Record([str(entry.name) for entry in recordable(rotor)], 0.0, 4)
+        sim = Simulation(
+            rotor, choose(preset), speed=300.0, rate=-10.0, record=tape, warn=lambda message: None
+        )
         for i in range(1, 4):
             sim.advance(0.002 * i, 300.0 - 10.0 * sim.time)
         snapshot = sim.snapshot()
         sim.restore(snapshot)
         digest = hashlib.sha256(snapshot.tobytes()).hexdigest()
-        seen[f"{name} {preset}"] = [digest, sim.observed.tolist()]
+        read = [*sim.observed.tolist(), *sim.drain().ravel().tolist()]
+        seen[f"{name} {preset}"] = [digest, read]
 print(json.dumps([chosen().value, "numba" in sys.modules, seen]))
 """
 

@@ -22,7 +22,8 @@ _PROFILE_KEYS = (
     "axial_force", "shear", "taper",
 )  # fmt: skip
 _SECTION_KEYS = ("length", "elements", *_PROFILE_KEYS, "layer")
-_MOST_ELEMENTS = 10_000
+# More tell a beam no better: what rounding takes of its stiffness grows with the fourth power.
+MOST_ELEMENTS = 1000
 
 
 class Materials:
@@ -62,6 +63,8 @@ def sections_between(
     for key, given in (("nodes", nodes), ("diameters", diameters)):
         if not isinstance(given, list):
             raise QuantityError(f"shaft.{key} = {given!r}: must be a list of numbers [m]")
+    if len(nodes) > MOST_ELEMENTS + 1:
+        raise QuantityError(f"shaft.nodes: {len(nodes)} given, at most {MOST_ELEMENTS + 1}")
     if len(nodes) < 2:
         raise QuantityError(f"shaft.nodes: {len(nodes)} given, at least 2 are needed")
     if len(diameters) != len(nodes) - 1:
@@ -91,13 +94,14 @@ def sections_in_turn(given: Any, materials: Materials) -> tuple[Section, ...]:
             raise QuantityError(f"{where}.length is missing")
         check(f"{where}.length", quantities(Section)["length"], table["length"])
         count = table.get("elements", 1)
-        if (
-            isinstance(count, bool)
-            or not isinstance(count, int)
-            or not 1 <= count <= _MOST_ELEMENTS
-        ):
+        if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST_ELEMENTS:
             raise QuantityError(
-                f"{where}.elements = {count!r}: must be an integer from 1 to {_MOST_ELEMENTS}"
+                f"{where}.elements = {count!r}: must be an integer from 1 to {MOST_ELEMENTS}"
+            )
+        if len(sections) + count > MOST_ELEMENTS:
+            raise QuantityError(
+                f"{where}.elements = {count}: a shaft has at most {MOST_ELEMENTS} elements, and "
+                f"{len(sections)} lie before"
             )
         length = float(table["length"])
         profiles = [_profile(where, table, length, materials)]

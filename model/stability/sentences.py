@@ -38,6 +38,22 @@ def hidden_whirls(
     )
 
 
+def grows_at_rest(root: complex) -> str:
+    """A sentence about a growth at rest, its root lambda [1/s] with an imaginary part >= 0."""
+    if root.imag > 0:
+        decrement = -2 * math.pi * root.real / root.imag
+        mode = (
+            f"a mode of {root.imag / (2 * math.pi):.4g} Hz ({root.imag:.4g} rad/s) grows, its "
+            f"logarithmic decrement being {decrement:.3g}"
+        )
+    else:
+        mode = f"it moves away from its equilibrium by {root.real:.3g} 1/s, without oscillating"
+    return (
+        f"unstable at rest: with all contacts open {mode}; look at the damping and the stiffness "
+        "of its bearings"
+    )
+
+
 def described(whirl: Whirl, contacts: Sequence[str]) -> str:
     """The whirl in words."""
     where = "all contacts open"

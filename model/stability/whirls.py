@@ -59,14 +59,27 @@ def growing_whirls(
 ) -> tuple[Whirl, ...]:
     """The growing whirls with all contacts open, each alone closed, and all closed, at these speeds
     of rotation [rad/s]; the fastest growing first."""
-    if len(structure.weight) > MOST_DOFS:
-        structure = reduced(structure, _MODES)
-    machine = _Machine(structure, tangents)
+    machine = _Machine(coarse(structure), tangents)
     has_wall, states = structure.interfaces.has_wall, structure.interfaces.states
     walls = np.flatnonzero((has_wall == 1) & (states == 0)).tolist()
     cases = {(), *((j,) for j in walls), tuple(walls)}
     found = [w for speed in speeds for case in sorted(cases) for w in machine.growing(speed, case)]
     return tuple(sorted(found, key=lambda w: -w.root.real))
+
+
+def coarse(structure: Structure) -> Structure:
+    """The machine as whirls are looked for in it: a long shaft reduced."""
+    return reduced(structure, _MODES) if len(structure.weight) > MOST_DOFS else structure
+
+
+def growth_at_rest(structure: Structure, tangents: Tangents) -> complex | None:
+    """Root of the growth with the least damping ratio where nothing turns and all contacts are open
+    [1/s], its imaginary part >= 0; None where nothing grows. tangents: at rest."""
+    machine = _Machine(coarse(structure), tangents)
+    roots = machine.roots(0.0, ())
+    grows = (roots.imag >= 0.0) & (np.abs(roots) > _SLOW * structure.numbers[0].lowest_omega)
+    grows &= roots.real > _GROWING * np.abs(roots)
+    return complex(max(roots[grows], key=lambda r: r.real / abs(r))) if grows.any() else None
 
 
 class _Machine:
@@ -104,6 +117,10 @@ class _Machine:
         self._by_d = _matrices(tangents.p_d, tangents.q_d)
         self._by_v = _matrices(tangents.p_v, tangents.q_v)
         self._always = np.flatnonzero(structure.interfaces.has_wall == 0).tolist()
+
+    def roots(self, speed: float, closed: tuple[int, ...]) -> np.ndarray:
+        """All eigenvalues at one speed [rad/s] with these walls touched [1/s]."""
+        return self._scale * np.linalg.eigvals(self._matrix(speed, closed))
 
     def growing(self, speed: float, closed: tuple[int, ...]) -> list[Whirl]:
         """The growing whirls at one speed [rad/s] with these walls touched."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
+from ..files import unfinished
 from ..fmu.variables import Variable
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
@@ -118,9 +119,8 @@ def save_coupled(run: Coupled, path: Path) -> None:
     """Write a run to a .npz file, whole or not at all."""
     columns: dict[str, Any] = {f"drive {name}": column for name, column in run.drive.items()}
     columns |= {f"rotor {name}": column for name, column in run.rotor.items()}
-    unfinished = path.with_suffix(".part.npz")
-    np.savez_compressed(unfinished, t=run.t, J=run.J, **columns)
-    unfinished.replace(path)
+    with unfinished(path) as part:
+        np.savez_compressed(part, t=run.t, J=run.J, **columns)
 
 
 def load_coupled(path: Path) -> Coupled:

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from ..files import unfinished
 from ..model.impact.ratchet import Ratchet, RatchetRun
 from .figures import panels
 
@@ -151,9 +152,9 @@ def animate(found: RatchetRun, path: Path, caption: str) -> Path:
     movie = FuncAnimation(figure, frame, frames=len(found.shape_t), blit=False)
     figure.canvas.draw()
     figure.set_layout_engine("none")
-    unfinished = path.with_stem(path.stem + ".part")
-    movie.save(unfinished, writer=PillowWriter(fps=_FRAME_RATE), dpi=90)
-    return unfinished.replace(path)
+    with unfinished(path) as part:
+        movie.save(part, writer=PillowWriter(fps=_FRAME_RATE), dpi=90)
+    return path
 
 
 def frame_interval() -> float:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from ..errors import InputError, RunFailed, writable_folder
+from ..linear.doubts import doubts
 from ..model.kernels.library import here
 from ..packing.bundle import build as pack
 from ..runs.command import Free, RotorFile
@@ -37,8 +38,10 @@ def build(
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> None:
     """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
-    toml, _ = load_rotor(rotor)
+    toml, machine = load_rotor(rotor)
     folder = writable_folder(out)
+    for doubt in doubts(machine):
+        typer.echo(f"warning: {doubt}", err=True)
     if is_native:
         typer.echo(build_without_python(toml, is_free, fmi, platforms, folder))
     elif fmi != 2 or platforms:

@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element, fromstring, indent, tostring
 from pythonfmu.builder import FmuBuilder
 
 from .. import model
+from ..files import unfinished
 from ..fmu.interface import interface
 from ..fmu.slave import DRIVE_FILE, ROTOR_FILE
 from ..model.kernels.library import CARRIED, find
@@ -193,12 +194,10 @@ def repack(
 def write_archive(target: Path, contents: Mapping[str, bytes]) -> Path:
     """Write files by their path in it into the FMU `target`, sorted and with one date; returns
     `target`."""
-    # written beside its place and moved there, so that nothing half-written is ever found
-    unfinished = target.with_suffix(".part")
-    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as sink:
+    with unfinished(target) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_DEFLATED) as sink:
         for name, data in sorted(contents.items()):
             info = zipfile.ZipInfo(name, _ZIP_DATE)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = 0o644 << 16
             sink.writestr(info, data)
-    return unfinished.replace(target)
+    return target

@@ -24,12 +24,14 @@ def analyse(folder: Path) -> dict[str, Any]:
     """Figures of the rows there are, as JSON can say them.
 
     columns: of every number that is kept, count, mean, std and quantiles; limits: how many runs
-    pass each, and the share with its interval of Clopper and Pearson; sensitivity: indices of Sobol
-    or Morris with their confidence intervals, where the design is one of theirs.
+    pass each, and the share with its interval of Clopper and Pearson, both of runs drawn
+    independently (`is_drawn`); sensitivity: indices of Sobol or Morris with their confidence
+    intervals, where the design is one of theirs.
     """
     about, data = about_of(folder), open_dataset(folder)
     design = design_of(about["design"])
     numbers = [c["name"] for c in about["columns"] if not c["dimension"]]
+    drawn = data.isel(run=np.flatnonzero(is_drawn(design, data.run.values)))
     failed = np.char.startswith(data.status.values.astype(str), FAILED)
     report: dict[str, Any] = {
         "name": about["name"],
@@ -37,14 +39,24 @@ def analyse(folder: Path) -> dict[str, Any]:
         "rows": int(data.sizes["run"]),
         "failed": int(failed.sum()),
         "doubtful": int((data.status.values != "ok").sum() - failed.sum()),
-        "columns": {name: statistics(data[name].values) for name in numbers},
+        "columns": {name: statistics(drawn[name].values) for name in numbers},
         "limits": {
-            name: exceedance(data[name].values, limit) for name, limit in about["limits"].items()
+            name: exceedance(drawn[name].values, limit) for name, limit in about["limits"].items()
         },
     }
     if design.kind in SENSITIVITY:
         report["sensitivity"] = {name: sensitivity(design, data, name) for name in numbers}
     return report
+
+
+def is_drawn(design: Design, runs: np.ndarray) -> np.ndarray:
+    """Whether runs were drawn independently of one another, shape (n,): a block of saltelli or
+    morris holds points that differ in a coordinate from two, or from one, that were."""
+    if design.kind not in SENSITIVITY:
+        return np.ones(len(runs), dtype=bool)
+    block = len(design) // design.size
+    within = runs % block
+    return (within == 0) | ((within == block - 1) & (design.kind == "saltelli"))
 
 
 def design_of(told: dict[str, Any]) -> Design:

@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
 from ..errors import InputError
+from ..files import unfinished
 from ..model.schemes.family import Scheme
 
 Row = dict[str, Any]  # words and numbers by their column
@@ -149,9 +150,8 @@ def write_table(rows: Iterable[Row], path: Path) -> None:
     writer.writerow(COLUMNS)
     writer.writerows(_cells(row) for row in rows)
     data = text.getvalue().encode()
-    unfinished = path.with_name(path.name + ".part")
-    unfinished.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
-    unfinished.replace(path)
+    with unfinished(path) as part:
+        part.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
 
 
 def _cells(row: Row) -> list[str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..files import unfinished
 from ..model.machine.toml import rig, rig_toml
 from ..model.schemes.family import Scheme, chung_hulbert, generalized_alpha
 from ..model.settings import Settings
@@ -72,9 +73,8 @@ def prepare_run_down(folder: Path) -> None:
     scheme, h = REFERENCE
     simulation = perturbed(scheme, h, 0.0, RUN_DOWN_SPEED)
     amplitudes, _ = _run_down(simulation)
-    unfinished = path.with_suffix(".part.npz")
-    np.savez_compressed(unfinished, amplitudes=amplitudes, impacts=_impact_speeds())
-    unfinished.replace(path)
+    with unfinished(path) as part:
+        np.savez_compressed(part, amplitudes=amplitudes, impacts=_impact_speeds())
 
 
 def _impact_speeds() -> np.ndarray:

@@ -73,7 +73,9 @@ FAILURES = {
         "the scheme is unstable",
     ),
     "no convergence": Failure(
-        ("integer solver.preset 1", "real bearing[1].k 1e20", *INITIALIZE), "step 0 1", "try"
+        ("integer solver.preset 1", "real bearing[1].mu 1e6", "real speed 300", *INITIALIZE),
+        "step 0 1",
+        "did not converge",
     ),
 }
 LATER = {

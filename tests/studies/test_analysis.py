@@ -5,9 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from rotor_fmu.studies.analysis import analyse, exceedance, statistics, worst
+from rotor_fmu.studies.analysis import (
+    analyse,
+    design_of,
+    exceedance,
+    is_drawn,
+    statistics,
+    worst,
+)
 from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.dataset import open_dataset
+from rotor_fmu.studies.dataset import about_of, open_dataset
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 
@@ -17,6 +24,10 @@ _V13 = 0.01 * math.pi**8 * 8 / 225
 _V = _V1 + _V2 + _V13
 FIRST = {"x1": _V1 / _V, "x2": _V2 / _V, "x3": 0.0}
 TOTAL = {"x1": (_V1 + _V13) / _V, "x2": _V2 / _V, "x3": _V13 / _V}
+
+
+def design_of_folder(folder):
+    return design_of(about_of(folder / "out")["design"])
 
 
 def analysed(folder, kind, size, model=None):
@@ -53,6 +64,17 @@ def test_mean_and_standard_deviation_of_ishigamis_function(tmp_path):
     found = analysed(tmp_path, "sobol", 1024)["columns"]["y"]
     assert found["mean"] == pytest.approx(3.5, abs=0.02)
     assert found["std"] == pytest.approx(math.sqrt(_V), rel=0.01)
+
+
+def test_shares_are_counted_over_runs_that_were_drawn_independently(tmp_path):
+    """Those of a block of saltelli share coordinates: two of five are whole draws."""
+    report = analysed(tmp_path, "saltelli", 64)
+    assert report["rows"] == 64 * 5
+    assert report["columns"]["y"]["count"] == 64 * 2
+    data = open_dataset(tmp_path / "out")
+    drawn = data.isel(run=np.flatnonzero(is_drawn(design_of_folder(tmp_path), data.run.values)))
+    for name in ("x1", "x2", "x3"):
+        assert len(np.unique(drawn[name])) == 64 * 2
 
 
 def test_quantiles_are_those_of_the_distribution_that_was_drawn():

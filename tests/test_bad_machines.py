@@ -1,0 +1,364 @@
+"""Machine files that are wrong: one plain line, no traceback, no hang, whatever is in them."""
+
+import math
+import random
+import re
+import signal
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.linear import modes
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
+
+from rotor_fmu.cli import main
+from rotor_fmu.errors import InputError
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.linear.doubts import doubts
+from rotor_fmu.packing.documents import documents
+from rotor_fmu.runs.machine_file import machine_text
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+REFUSALS = (QuantityError, InputError, EquilibriumError, StepFailure)
+LIMIT = 60  # a file takes some hundredths of a second [s]
+BASES = (
+    rig_toml(),
+    (EXAMPLES / "magnetic_bearing" / "compressor.toml").read_text(encoding="utf-8"),
+    (EXAMPLES / "jeffcott_rub" / "jeffcott.toml").read_text(encoding="utf-8"),
+    machine_text("file", EXAMPLES / "from_ross" / "rubbing.toml"),
+    """
+gravity_angle = 0.1
+[material.steel]
+young = 2.1e11
+density = 7800.0
+[material.brass]
+young = 1e11
+density = 8400.0
+poisson = 0.35
+[shaft]
+eta_v = 1e-5
+rotating_damping = true
+[[section]]
+length = 0.1
+outer_left = 0.02
+outer_right = 0.03
+bore = 0.01
+elements = 2
+[[section.layer]]
+outer = 0.05
+bore = 0.03
+material = "brass"
+[[section]]
+length = 0.2
+outer = 0.03
+axial_force = 100.0
+shear = "hutchinson"
+[[housing]]
+name = "left"
+mass = 1.0
+kx = 1e7
+ky = 2e7
+cx = 100.0
+cy = 100.0
+[[linear_bearing]]
+node = 1
+housing = "left"
+kxx = [1e6, 2e6, 3e6]
+kyy = 1e6
+kxy = [1e4, 2e4, 3e4]
+cxx = 100.0
+cyy = [100.0, 200.0, 150.0]
+speed = [0.0, 200.0, 500.0]
+[[seal]]
+node = 3
+kxx = 1e5
+kyy = 1e5
+cxx = 50.0
+cyy = 50.0
+[[linear_bearing]]
+z = 0.3
+kxx = 1e6
+kyy = 1e6
+cxx = 100.0
+cyy = 100.0
+[[touchdown_bearing]]
+node = 2
+housing = "left"
+journal_radius = 0.02
+clearance = 1e-4
+mu = 0.2
+k = 1e8
+exponent = 1.5
+wear = 1e-5
+race_inertia = 1e-4
+race_drag = 0.01
+[[point_mass]]
+node = 3
+mass = 2.0
+[[unbalance]]
+node = 3
+amount = 1e-5
+phase = 1.0
+[[port]]
+node = 2
+name = "magnet"
+[[sensor]]
+node = 3
+name = "probe"
+[base]
+[start]
+x = 1e-5
+vy = 0.01
+""",
+)
+ODD = (
+    "0", "-1", "1e-300", "1e300", "-1e-12", "nan", "inf", "-inf", "1e20", "true", '"word"', "[]",
+    "{}", "[1.0, 2.0]", '""', "1979-05-27", "99999999999999999999", "0.5", "3", "1e-9", "1e9",
+)  # fmt: skip
+
+
+def mutated(seed):
+    """A machine file with one to three changes."""
+    rng = random.Random(seed)
+    lines = rng.choice(BASES).splitlines()
+    for _ in range(rng.randint(1, 3)):
+        at = rng.randrange(len(lines))
+        key, equals, value = lines[at].partition("=")
+        kind = rng.randrange(8)
+        if kind <= 2 and equals:
+            numbers = list(re.finditer(r"-?\d[\d.e+-]*", value))
+            if numbers and rng.random() < 0.7:
+                found = rng.choice(numbers)
+                value = f"{value[: found.start()]}{rng.choice(ODD)}{value[found.end() :]}"
+            else:
+                value = f" {rng.choice(ODD)}"
+            lines[at] = f"{key}={value}"
+        elif kind == 3:
+            del lines[at]
+        elif kind == 4:
+            lines.insert(rng.randrange(len(lines)), lines[at])
+        elif kind == 5 and len(lines[at]) > 1:
+            place = rng.randrange(len(lines[at]))
+            lines[at] = lines[at][:place] + rng.choice("xX.[]{}=\"'#9 ") + lines[at][place + 1 :]
+        elif kind == 6:
+            other = rng.randrange(len(lines))
+            lines[at], lines[other] = lines[other], lines[at]
+        else:
+            begins = [i for i, line in enumerate(lines) if line.startswith("[")]
+            begin = rng.choice(begins)
+            end = next((i for i in begins if i > begin), len(lines))
+            if rng.random() < 0.5:
+                del lines[begin:end]
+            else:
+                lines += lines[begin:end]
+        lines = lines or [""]
+    return "\n".join(lines)
+
+
+def used(text):
+    """What becomes of a file: read, judged, described, started and run for some steps."""
+    rotor = parse_rotor(text)
+    doubts(rotor)
+    documents(rotor, interface(rotor), "Machine")
+    try:
+        modes(rotor, 100.0)
+    except QuantityError as error:
+        one_line(error)
+    for preset in ("controlled", "robust"):
+        simulation = Simulation(rotor, choose(preset), speed=100.0, warn=one_line)
+        simulation.advance(2e-3, 100.0)
+
+
+def one_line(message):
+    """What is said, in one line."""
+    assert str(message)
+    assert "\n" not in str(message)
+    return str(message)
+
+
+def outcome(seed):
+    """The refusal of a mutated file in one line, None where it is a machine that runs."""
+    text = mutated(seed)
+    signal.alarm(LIMIT)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)
+            used(text)
+    except REFUSALS as error:
+        return one_line(error)
+    finally:
+        signal.alarm(0)
+    return None
+
+
+@pytest.fixture(autouse=True)
+def hangs_end():
+    """A file that takes too long ends the test."""
+
+    def end(number, frame):
+        raise TimeoutError(f"a file took more than {LIMIT} s")
+
+    before = signal.signal(signal.SIGALRM, end)
+    yield
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.parametrize("base", range(len(BASES)))
+def test_what_is_mutated_is_sound(base):
+    parse_rotor(BASES[base])
+
+
+def test_forty_mutated_machine_files_are_read_or_refused_in_one_line():
+    found = [outcome(seed) for seed in range(40)]
+    assert 0 < sum(reason is None for reason in found) < 40
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(10))
+def test_five_hundred_mutated_machine_files_are_read_or_refused_in_one_line(block):
+    for seed in range(100 + 50 * block, 150 + 50 * block):
+        outcome(seed)
+
+
+# --- what is doubtful, and what is too much ---
+
+HELD = """
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.1, 0.2]
+diameters = [0.02, 0.02]
+[[body]]
+node = 2
+mass = 1.0
+I_d = 0.001
+I_p = 0.002
+"""
+
+
+def bearing(node, k=1e5, c=100.0, cross=0.0):
+    return (
+        f"[[linear_bearing]]\nnode = {node}\nkxx = {k}\nkyy = {k}\nkxy = {cross}\n"
+        f"kyx = {-cross}\ncxx = {c}\ncyy = {c}\n"
+    )
+
+
+def said(text, **options):
+    """What a simulation of a machine warns of as it begins."""
+    messages = []
+    Simulation(parse_rotor(text), choose("robust"), warn=messages.append, **options)
+    return messages
+
+
+@pytest.mark.parametrize("made", [{"c": -20.0}, {"cross": 5e4}], ids=["damping", "cross coupling"])
+@pytest.mark.parametrize("speed", [0.0, 300.0])
+def test_a_machine_unstable_at_rest_is_warned_of_with_the_mode_and_its_log_dec(made, speed):
+    text = HELD + bearing(1, **made) + bearing(3, **made)
+    found = modes(parse_rotor(text), 0.0)
+    worst = found.log_dec.argmin()
+    assert found.log_dec[worst] < 0
+    (told,) = (m for m in said(text, speed=speed) if "at rest" in m)
+    assert doubts(parse_rotor(text)) == [told]
+    hz, decrement = map(float, re.search(r"of (\S+) Hz .* decrement being (\S+);", told).groups())
+    assert hz == pytest.approx(found.damped[worst] / (2 * math.pi), rel=1e-3)
+    assert decrement == pytest.approx(found.log_dec[worst], rel=1e-2)
+
+
+def test_a_machine_that_leaves_its_equilibrium_is_warned_of():
+    text = HELD + bearing(1, k=-1e5) + bearing(3, k=-1e5)
+    (told,) = (m for m in said(text) if "at rest" in m)
+    assert "without oscillating" in told
+    assert doubts(parse_rotor(text)) == [told]
+
+
+def test_a_stable_machine_is_not_doubted():
+    for text in (rig_toml(), *BASES[1:4], HELD + bearing(1) + bearing(3)):
+        assert doubts(parse_rotor(text)) == []
+        assert not [m for m in said(text, speed=100.0) if "at rest" in m]
+
+
+def test_a_machine_that_nothing_holds_is_refused_unless_it_is_released_in_the_air():
+    (told,) = doubts(parse_rotor(HELD))
+    assert "is not held" in told
+    with pytest.raises(EquilibriumError, match="held at 0 of its nodes"):
+        said(HELD)
+    released = f"{HELD}[start]\ny = 0.0\n"
+    assert doubts(parse_rotor(released)) == []
+    assert said(released) == []
+
+
+@pytest.mark.parametrize(
+    ("shaft", "message"),
+    [
+        (
+            "[[section]]\nlength = 1.0\nouter = 0.1\nelements = 1000000\n",
+            "section[1].elements = 1000000: must be an integer from 1 to 1000",
+        ),
+        (
+            2 * "[[section]]\nlength = 1.0\nouter = 0.1\nelements = 600\n",
+            "section[2].elements = 600: a shaft has at most 1000 elements, and 600 lie before",
+        ),
+        (
+            f"[shaft]\nnodes = {[1e-3 * i for i in range(5001)]}\ndiameters = {[0.02] * 5000}\n",
+            "shaft.nodes: 5001 given, at most 1001",
+        ),
+    ],
+)
+def test_too_many_nodes_are_refused_with_the_limit(shaft, message):
+    with pytest.raises(QuantityError, match=re.escape(message)):
+        parse_rotor(f"[material]\nyoung = 2.1e11\ndensity = 7800.0\n{shaft}")
+
+
+def table(**changed):
+    given = {"node": "1", "kxx": "[1e6, 2e6, 3e6]", "kyy": "1e6", "cxx": "1.0", "cyy": "1.0"}
+    given |= {"speed": "[0.0, 100.0, 200.0]"} | changed
+    return "[[linear_bearing]]\n" + "".join(f"{k} = {v}\n" for k, v in given.items() if v)
+
+
+@pytest.mark.parametrize(
+    ("part", "message"),
+    [
+        (
+            table(speed="[0.0, 200.0, 100.0]"),
+            "linear_bearing[1].speed[3] = 100 rad/s: must be above",
+        ),
+        (
+            table(speed="[0.0, 100.0, 100.0]"),
+            "linear_bearing[1].speed[3] = 100 rad/s: must be above",
+        ),
+        (
+            table(speed="[0.0, nan, 100.0]"),
+            "linear_bearing[1].speed[2] = nan rad/s: must be a finite",
+        ),
+        (table(kxx="[1e6, nan, 1e6]"), "linear_bearing[1].kxx[2] = nan N/m: must be a finite"),
+        (table(kxx="[1e6, 1e6]"), "linear_bearing[1].kxx: 2 given, 3 needed"),
+        (table(kyy=""), "linear_bearing[1].kyy is missing"),
+        (2 * "[[coupling]]\nnode = 1\ndiameter = 0.1\nwidth = 0.1\n", "coupling = [{"),
+        ("[[port]]\nname = 'a'\n", "port[1].node is missing"),
+        ("[[port]]\nnode = 4\n", "port[1].node = 4: must be an integer from 1 to 3"),
+        ("[[port]]\nz = 0.15\n", "port[1].z = 0.15 m: no node is there; the nearest is node"),
+        (2 * "[[port]]\nnode = 1\nname = 'a'\n", "a: the name 'a' is there already"),
+    ],
+)
+def test_a_wrong_table_or_port_is_refused_by_name(part, message):
+    with pytest.raises(QuantityError, match=re.escape(message)):
+        parse_rotor(HELD + bearing(3) + part if "linear" not in part else HELD + part + bearing(3))
+
+
+def test_a_refused_machine_leaves_nothing_half_written(tmp_path, monkeypatch, capsys):
+    (tmp_path / "bad.toml").write_text(HELD + bearing(1, k="nan"), encoding="utf-8")
+    for command in ("build", "run-down", "modes", "show"):
+        options = [command, "--rotor", str(tmp_path / "bad.toml"), "--out", str(tmp_path / "out")]
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *options])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code == 2
+        error = capsys.readouterr().err
+        assert error.count("\n") == 1
+        assert "linear_bearing[1].kxx = nan N/m" in error
+    assert not list(tmp_path.glob("out/*"))
