@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from .code import Code, calls, chosen
+from .doubts import DOUBTS, STALLED
 from .kernels.compiled import INTERPRETED_WARNING
 from .machine.rotor import Rotor
 from .machine.speed_tables import tables_of
@@ -47,11 +48,6 @@ class RotorWarning(UserWarning):
     instability that it hides."""
 
 
-OVERDAMPED_ADVICE = (
-    "while a journal rubs the integrator takes energy that the machine's own dampers would not, "
-    "and may hide an instability; do not trust this run: take the preset controlled, or a smaller "
-    "solver.h"
-)
 SMALLER_STEP = (
     "try a smaller solver.h; what diverges at every step length is the machine's own, with loads "
     "or a speed that it does not bear"
@@ -120,9 +116,7 @@ class Simulation:
         self._run.tape.channels[:] = channels
         self._run.tape.head[0].least = taped.angle
         set_method(self._run, self._scheme, settings.control())
-        self._has_warned = False
         self._tables = tables_of(rotor)
-        self._has_warned_of_damping = False
 
         numbers = self._run.memory.record[0]
         numbers.t = t
@@ -134,8 +128,7 @@ class Simulation:
             self._run.memory.loads[:] = loads
         # views of single fields: a record's attributes cost a microsecond each
         self._time = self._run.memory.record["t"]
-        self._trapped = self._run.memory.record["trapped"]
-        self._overdamped_at = self._run.memory.record["overdamped_at"]
+        self._doubts = [(self._run.memory.record[doubt.since], doubt.words) for doubt in DOUBTS]
         self._loads = self._run.memory.loads
         self._observed = self._run.reading.observed
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
@@ -213,18 +206,12 @@ class Simulation:
             self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
         if abs(self._speed[0]) > self._surveyed_to:
             self._survey_whirls()
-        if self._trapped[0] and not self._has_warned:
-            self._has_warned = True
-            since = self._run.memory.record[0].trapped_at
-            self._warn(
-                f"false state since t = {since:.4g} s: a journal jumps from wall to "
-                "wall of its clearance every step or two, which is the integrator's doing; do not "
-                "trust this run: take the preset robust, or a smaller solver.h"
-            )
-
-        if self._overdamped_at[0] == self._overdamped_at[0] and not self._has_warned_of_damping:
-            self._has_warned_of_damping = True
-            self._warn(f"overdamped since t = {self._overdamped_at[0]:.4g} s: {OVERDAMPED_ADVICE}")
+        for entry in self._doubts:
+            since, words = entry
+            if since[0] == since[0]:
+                self._doubts.remove(entry)
+                self._warn(words.format(since[0]))
+                break
 
     def snapshot(self) -> np.ndarray:
         """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
@@ -338,6 +325,8 @@ class Simulation:
         if status == march.NOT_CONVERGED:
             reason = "the contact forces did not converge"
             advice = "try a smaller solver.h, or the preset robust"
+        elif status == march.STALLED:
+            return f"{where}: {STALLED}"
         else:
             dofs, nodes = self.structure.deflections.T
             q = np.abs(self.motion.q[dofs])

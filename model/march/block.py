@@ -110,7 +110,8 @@ def new_block(
         starts = LAWS[interface.law].states
         run.motion.own[interface.own : interface.own + len(starts)] = starts
     run.memory.record[0].trapped_at = np.nan
-    run.memory.record[0].overdamped_at = np.nan
+    for instant in ("overdamped_at", "slow_at", "coarse_at"):
+        run.memory.record[0][instant] = np.nan
     for name, value in Control._field_defaults.items():
         run.method.numbers[0][name] = value
     run.memory.record[0].damping = 1.0

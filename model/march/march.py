@@ -16,9 +16,9 @@ from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_lengt
 from .energy import powers, total_energy
 from .memory import spin_at, spin_now
 from .tape import is_due, write
-from .watch import open_window, watch_amplitudes, watch_bounces, watch_losses
+from .watch import open_window, watch_amplitudes, watch_bounces, watch_losses, watch_work
 
-DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2
+DONE, NOT_CONVERGED, NOT_FINITE, STALLED = 0, 1, 2, 3
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
@@ -168,6 +168,10 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
         wished = r.h
         was_rejected = False
         while True:
+            if varies and watch_work(structure, memory):
+                r.failed_at = r.t
+                r.failed_h = h
+                return STALLED
             t = t_end if parts == 1.0 else r.t + h
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
@@ -178,7 +182,11 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             error = 0.0
             if status == DONE:
                 error = step_error(structure, control, spin.omega, h, r.steps == 0, motion, trial)
-                if not varies or error <= control.eps_max or h <= shortest:
+                if not varies or error <= control.eps_max:
+                    break
+                if h <= shortest:
+                    if control.mode == CONTROLLED and math.isnan(r.coarse_at):
+                        r.coarse_at = r.t
                     break
             elif not varies or h <= shortest:
                 r.failed_at = r.t

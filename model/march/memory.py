@@ -33,6 +33,9 @@ RECORD = np.dtype(
             "turn",  # angle at which the present revolution began [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
             "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
+            "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
+            "coarse_at",  # time of the first step at h_min that misses the tolerance [s], or NaN
+            "cycle_end",  # when the work of a cycle is counted anew [s]
             "window_begin",  # of the losses looked at, and when they are looked at next [s]
             "window_end",
             "window_residual",  # of the ledger, what was dissipated, and that without friction [J]
@@ -47,7 +50,10 @@ RECORD = np.dtype(
     ]
     + [
         (name, "i8")
-        for name in ("steps", "rejected", "newton", "trapped", "touched", "continues", "is_free")
+        for name in (
+            *("steps", "rejected", "newton", "trapped", "touched", "continues", "is_free"),
+            "cycle_newton",  # iterations when the present cycle began
+        )
     ]
 )
 

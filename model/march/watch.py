@@ -1,5 +1,5 @@
-"""What is looked at after every step: the probes' amplitudes, the false wall-to-wall state, and
-whether the integrator damps the machine more than the machine itself."""
+"""What is looked at after every step: the probes' amplitudes, the false wall-to-wall state, whether
+the integrator damps the machine more than the machine itself, and the work that a cycle takes."""
 
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ WINDOW_CYCLES = 10.0
 LEAST_LOSS = 3e-4
 MEMORY = 0.8  # of a window's sums in the next
 COARSE = 0.5
+# Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
+# tolerance some hundreds; a run that takes more than SLOW says so, and at MOST it is given up.
+SLOW, MOST = 300_000, 10_000_000
 _FRICTION = FLOWS.index("friction")
 _LOSSES = OWN_FLOWS.index("external") + 1
 
@@ -74,6 +77,20 @@ def watch_bounces(structure, motion, memory):
             r.trapped += 1
             if math.isnan(r.trapped_at):
                 r.trapped_at = r.t
+
+
+@compiled
+def watch_work(structure, memory):
+    """Count the iterations of the present cycle; whether they are more than MOST."""
+    r = memory.record[0]
+    if r.t >= r.cycle_end:
+        fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
+        r.cycle_end = r.t + 2.0 * math.pi / fastest
+        r.cycle_newton = r.newton
+    taken = r.newton - r.cycle_newton
+    if taken > SLOW and math.isnan(r.slow_at):
+        r.slow_at = r.t
+    return taken > MOST
 
 
 @compiled

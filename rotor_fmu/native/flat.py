@@ -98,21 +98,30 @@ def rotor_no_rest(block, status, told):
     return say.NO_REST
 
 
+@compiled
+def _last_doubt(r, told):
+    """The code of the one of `DOUBTS` that began last, 0 of none: whoever tells each once has told
+    the others when they began."""
+    code = say.GOOD
+    told[0] = -math.inf
+    for i, since in enumerate((r.trapped_at, r.overdamped_at, r.slow_at, r.coarse_at)):
+        if since >= told[0]:
+            told[0] = since
+            code = -(say.DOUBTFUL + i)
+    return code
+
+
 def rotor_outcome(block, status, told):
     """What `rotor_advance` came to; a negative code is a warning about a run that goes on."""
     run = _view(block)
     r = run.memory.record[0]
     if status == march.DONE:
-        if r.trapped > 0:
-            told[0] = r.trapped_at
-            return -say.FALSE_STATE
-        if math.isnan(r.overdamped_at):
-            return say.GOOD
-        told[0] = r.overdamped_at
-        return -say.OVERDAMPED
+        return _last_doubt(r, told)
     told[0], told[1], told[2] = r.failed_at, r.omega, r.failed_h
     if status == march.NOT_CONVERGED:
         return say.NOT_CONVERGED
+    if status == march.STALLED:
+        return say.TOO_SLOW
     told[3], told[4] = _farthest_node(run), run.structure.numbers[0].bound
     told[5] = radius_at_infinity(run.method.numbers[0])
     return say.DIVERGED if is_stable(run.method.numbers[0]) else say.DIVERGED_UNSTABLE

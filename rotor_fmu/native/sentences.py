@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..model.doubts import DOUBTS, STALLED
 from ..model.settings import INDICATORS, METHODS, MODES, NORMS, Settings, without_effect
-from ..model.simulation import OVERDAMPED_ADVICE, SMALLER_STEP
+from ..model.simulation import SMALLER_STEP
 
 GOOD = 0
 # The parameters of the methods, and the settings that must be positive, in the order of the checks.
@@ -87,10 +88,8 @@ SENTENCES = (
     f"{_DIVERGED}{SMALLER_STEP}",
     f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take alpha_m <= alpha_f <= "
     "0.5",
-    "false state since t = {.4g} s: a journal jumps from wall to wall of its clearance every step "
-    "or two, which is the integrator's doing; do not trust this run: take the preset robust, or a "
-    "smaller solver.h",
-    f"overdamped since t = {{.4g}} s: {OVERDAMPED_ADVICE}",
+    f"{_WHERE}{STALLED}",
+    *(doubt.words.replace("{:.4g}", "{.4g}") for doubt in DOUBTS),
 )
 
 
@@ -120,8 +119,8 @@ def _codes(*counts: int) -> tuple[int, ...]:
     NOT_CONVERGED,
     DIVERGED,
     DIVERGED_UNSTABLE,
-    FALSE_STATE,
-    OVERDAMPED,
+    TOO_SLOW,
+    DOUBTFUL,
     _END,
 ) = _codes(
     len(METHODS) * len(SHAPES),
@@ -130,6 +129,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     *(1,) * 6,
     len(METHODS),
     len(_IDLE),
-    *(1,) * 8,
+    *(1,) * 7,
+    len(DOUBTS),
 )
 assert len(SENTENCES) == _END

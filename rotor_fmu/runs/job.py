@@ -6,6 +6,7 @@ import csv
 import difflib
 import json
 import math
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -36,6 +37,7 @@ from .signals import Signals, make_signals, read_signals
 RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")
 _console = Console(stderr=True)
 _MOST_ROWS = 2e6
+_LINE_EVERY = 10.0  # seconds between lines of progress where no terminal is
 
 
 def load_rotor(path: Path | None) -> tuple[str, Rotor]:
@@ -223,7 +225,20 @@ def difference(one: Run, other: Run) -> float:
 
 
 @contextmanager
-def _bar(job: Job, label: str) -> Iterator[Callable[[float], None]]:
+def _bar(job: Job, label: str) -> Iterator[Callable[[float, float], None]]:
+    """A bar with the length of the present steps, which says what a slow run is slow by; where no
+    terminal is, a line every now and then."""
+    said = time.monotonic()
+
+    def tell(t: float, h: float) -> None:
+        nonlocal said
+        if time.monotonic() - said > _LINE_EVERY:
+            said = time.monotonic()
+            _console.print(f"{label}: {t:.4g} of {job.stop:g} s, steps of {_length(h)}")
+
+    if not _console.is_terminal:
+        yield tell
+        return
     with Progress(
         *Progress.get_default_columns()[:-1],
         TimeRemainingColumn(),
@@ -232,10 +247,14 @@ def _bar(job: Job, label: str) -> Iterator[Callable[[float], None]]:
     ) as bar:
         task = bar.add_task(label, total=job.stop)
 
-        def progress(t: float) -> None:
-            bar.update(task, completed=t)
+        def progress(t: float, h: float) -> None:
+            bar.update(task, completed=t, description=f"{label}, steps of {_length(h)}")
 
         yield progress
+
+
+def _length(h: float) -> str:
+    return f"{1e3 * h:.3g} ms" if h >= 1e-4 else f"{1e6 * h:.3g} µs"
 
 
 def fmu_in(out: Path, toml: str) -> Path:

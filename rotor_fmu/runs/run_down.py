@@ -26,7 +26,7 @@ from .recording import Recording
 from .signals import Signals
 from .views import contact_of, is_constant, peak_index, place_of
 
-Progress = Callable[[float], None]
+Progress = Callable[[float, float], None]  # of the time reached and the last step [s]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
 _TAPE_ROWS = 16384  # of one communication interval, some 250 turns
@@ -66,7 +66,7 @@ class Run:
         return self.columns["w"] / (2 * math.pi)
 
 
-def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
+def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t, h: None) -> Run:
     """Drive a built FMU with FMPy.
 
     A run that fails is returned up to its last good communication point, with the reason.
@@ -85,7 +85,8 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
     def step_finished(t: float, its_recorder: Any) -> bool:
         nonlocal recorder
         recorder = its_recorder
-        progress(t)
+        last = dict(zip((name for name, *_ in recorder.cols), recorder.rows[-1], strict=True))
+        progress(t, last["solver.h_last"])
         return not interrupts
 
     folder = fmpy.extract(str(fmu))
@@ -120,7 +121,13 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t: None) -> Run:
         return Run(np.zeros(0), empty, f"failed: {failure}", tuple(messages), wall)
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
-    return Run(np.asarray(rows["time"]), columns, _status(failure, columns), tuple(messages), wall)
+    return Run(
+        np.asarray(rows["time"]),
+        columns,
+        _status(failure, columns, messages),
+        tuple(messages),
+        wall,
+    )
 
 
 @contextmanager
@@ -149,7 +156,7 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
-def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t: None) -> Run:
+def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t, h: None) -> Run:
     """The same run without an FMU: same steps, same inputs, same numbers."""
     return _march(rotor, plan, (), progress)[0]
 
@@ -158,7 +165,7 @@ def run_recorded(
     rotor: Rotor,
     plan: Plan,
     record: Record | Sequence[str] | None = None,
-    progress: Progress = lambda t: None,
+    progress: Progress = lambda t, h: None,
     about: Mapping[str, Any] | None = None,
     is_silent: bool = False,
 ) -> tuple[Run, Recording]:
@@ -227,6 +234,7 @@ def _march(
     begun = time.perf_counter()
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
     loads = load_names(rotor)
+    h_last = simulation.names.index("solver.h_last")
     failure = None
     t, n = 0.0, 0
     times, rows = [t], [simulation.observed.copy()]
@@ -246,20 +254,24 @@ def _march(
         t, n = target, n + 1
         times.append(t)
         rows.append(simulation.observed.copy())
-        progress(t)
+        progress(t, float(simulation.observed[h_last]))
     wall = time.perf_counter() - begun
     columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
-    run = Run(np.array(times), columns, _status(failure, columns), tuple(messages), wall)
+    status = _status(failure, columns, messages)
+    run = Run(np.array(times), columns, status, tuple(messages), wall)
     return run, np.concatenate(taped)
 
 
-def _status(failure: str | None, columns: Mapping[str, np.ndarray]) -> str:
+def _status(failure: str | None, columns: Mapping[str, np.ndarray], messages: Sequence[str]) -> str:
     if failure is not None:
         return f"failed: {failure}"
     if columns["solver.trapped"][-1] > 0:
         return "false state"
     since = columns["solver.overdamped_at"][-1]
-    return f"overdamped since {since:.4g} s" if since >= 0 else "ok"
+    if since >= 0:
+        return f"overdamped since {since:.4g} s"
+    coarse = [message for message in messages if message.startswith("too coarse since")]
+    return coarse[0].partition(":")[0] if coarse else "ok"
 
 
 def summary(run: Run) -> dict[str, Any]:

@@ -1,0 +1,45 @@
+"""What makes a run doubtful once it has begun, each from an instant that the run remembers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from .march.watch import MOST, SLOW
+
+
+class Doubt(NamedTuple):
+    """A field of the run's record, the time from which the doubt holds [s] or NaN, and the words in
+    which that time stands."""
+
+    since: str
+    words: str
+
+
+_FASTER = (
+    "take a larger solver.tolerance or the preset robust, softer contacts (k) or less friction (mu)"
+)
+DOUBTS = (
+    Doubt(
+        "trapped_at",
+        "false state since t = {:.4g} s: a journal jumps from wall to wall of its clearance every "
+        "step or two, which is the integrator's doing; do not trust this run: take the preset "
+        "robust, or a smaller solver.h",
+    ),
+    Doubt(
+        "overdamped_at",
+        "overdamped since t = {:.4g} s: while a journal rubs the integrator takes energy that the "
+        "machine's own dampers would not, and may hide an instability; do not trust this run: take "
+        "the preset controlled, or a smaller solver.h",
+    ),
+    Doubt(
+        "slow_at",
+        f"slow since t = {{:.4g}} s: a cycle of the motion takes more than {SLOW:,} "
+        f"iterations, and at {MOST:,} the run is given up; {_FASTER}",
+    ),
+    Doubt(
+        "coarse_at",
+        "too coarse since t = {:.4g} s: steps of solver.h_min, below which none is made, miss the "
+        "tolerance; take a smaller solver.h_min, or a larger solver.tolerance",
+    ),
+)
+STALLED = f"a cycle of the motion takes more than {MOST:,} iterations; {_FASTER}"
