@@ -195,8 +195,15 @@ def outcome(seed):
     return None
 
 
-@pytest.fixture(autouse=True)
-def hangs_end():
+@pytest.fixture(scope="module")
+def compiled():
+    """What compiles takes longer than a file may."""
+    for base in BASES[::4]:
+        used(base)
+
+
+@pytest.fixture
+def hangs_end(compiled):
     """A file that takes too long ends the test."""
 
     def end(number, frame):
@@ -212,16 +219,24 @@ def test_what_is_mutated_is_sound(base):
     parse_rotor(BASES[base])
 
 
+@pytest.mark.usefixtures("hangs_end")
 def test_forty_mutated_machine_files_are_read_or_refused_in_one_line():
     found = [outcome(seed) for seed in range(40)]
     assert 0 < sum(reason is None for reason in found) < 40
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("hangs_end")
 @pytest.mark.parametrize("block", range(10))
 def test_five_hundred_mutated_machine_files_are_read_or_refused_in_one_line(block):
     for seed in range(100 + 50 * block, 150 + 50 * block):
         outcome(seed)
+
+
+@pytest.mark.parametrize("seed", [179, 583, 637])
+def test_what_a_mutated_file_once_broke_is_refused(seed):
+    """A housing that is a number; a length of 1e-300 m."""
+    assert outcome(seed)
 
 
 # --- what is doubtful, and what is too much ---

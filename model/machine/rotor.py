@@ -171,7 +171,7 @@ class Rotor:
             for element in part.elements(where, self.material.density):
                 if isinstance(element, Interface) and element.housing not in housings:
                     known = ", ".join(sorted(housings - {GROUND})) or "none"
-                    near = get_close_matches(element.housing, housings - {GROUND}, 1)
+                    near = get_close_matches(str(element.housing), housings - {GROUND}, 1)
                     hint = f"; did you mean {near[0]}?" if near else ""
                     raise QuantityError(
                         f"{where}.housing = {element.housing!r}: no housing of that name; there is "

@@ -40,7 +40,7 @@ from ..protocol.part import (
     Velocity,
     outputs_of,
 )
-from ..quantities import quantities
+from ..quantities import QuantityError, quantities
 from .beam import shaft_element
 from .parameters import prepare
 
@@ -330,8 +330,14 @@ def _lowest_omega(
     pinned = [] if is_held else [_dof(i) for i in interfaces if i.law.stiffness is None]
     K = K_shaft + np.diag(held)
     free = np.setdiff1d(np.arange(len(M)), pinned)
-    inverse = np.linalg.inv(np.linalg.cholesky(M[np.ix_(free, free)]))
-    squares = np.linalg.eigvalsh(inverse @ K[np.ix_(free, free)] @ inverse.T)
+    try:
+        inverse = np.linalg.inv(np.linalg.cholesky(M[np.ix_(free, free)]))
+        squares = np.linalg.eigvalsh(inverse @ K[np.ix_(free, free)] @ inverse.T)
+    except np.linalg.LinAlgError:
+        raise QuantityError(
+            "shaft: its masses and stiffnesses lie too far apart to calculate with; look for a "
+            "length or a diameter of a wrong power of ten"
+        ) from None
     # what is smaller is a motion as a rigid body, and rounding
     return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
 

@@ -1,9 +1,10 @@
-"""Three machines in ROSS 2.3.0, saved as it saves them, with its own numbers about them.
+"""Three machines in ROSS, saved as it saves them, with its own numbers about them.
 
     python -m venv v && v/bin/pip install "ross-rotordynamics==2.3.0" "plotly<7"
     v/bin/python tests/reference/make_ross.py
 
-Writes ross/*.toml, ross/*.json and ross_answers.json beside this file.
+and with 3.1.0 on Python 3.13 in the same way. Writes ross/*.toml, ross/*.json and ross_answers.json
+beside this file, of ROSS 3 ross3/... and ross3_answers.json.
 """
 
 import json
@@ -14,6 +15,8 @@ import numpy as np
 import ross as rs
 
 HERE = Path(__file__).parent
+IS_3 = rs.__version__.startswith("3")
+FOLDER = "ross3" if IS_3 else "ross"
 STEEL = rs.Material("steel", rho=7810.0, E=211e9, G_s=81.2e9)
 TITANIUM = rs.Material("titanium", rho=4430.0, E=114e9, G_s=43e9)
 
@@ -47,7 +50,7 @@ def compressor():
             cyy=scale * (9e4 - 4e4 * rise),
             cxy=scale * 4e3 * rise,
             cyx=scale * 3e3 * rise,
-            frequency=speed,
+            **{"speed" if IS_3 else "frequency": speed},
             tag=f"bearing {n}",
         )
         for n, scale in ((0, 1.0), (5, 0.8))
@@ -141,7 +144,8 @@ def main():
     answers = {}
     for file, (build, *unbalances) in MACHINES.items():
         rotor = build()
-        path = HERE / "ross" / file
+        path = HERE / FOLDER / file
+        path.parent.mkdir(exist_ok=True)
         path.unlink(missing_ok=True)
         rotor.save(path)
         modal = {}
@@ -171,7 +175,7 @@ def main():
             "speeds": RESPONSES,
             **planes,
         }
-    (HERE / "ross_answers.json").write_text(json.dumps(answers, indent=1) + "\n")
+    (HERE / f"{FOLDER}_answers.json").write_text(json.dumps(answers, indent=1) + "\n")
 
 
 if __name__ == "__main__":
