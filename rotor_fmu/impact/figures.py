@@ -133,25 +133,29 @@ def wheel_speeds(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
 
 
 def stall(name: str, found: RatchetRun, others: Mapping[str, RatchetRun], caption: str) -> Figure:
-    """Where the increments of a run go (beside paper B, Figure 11)."""
-    figure, axes = panels(2, 6.8, 5.6)
+    """Where the increments of a run go (beside paper B, Figure 11): its pawl, those of others, and
+    the time that each has reached."""
+    runs = {name: found, **others}
+    figure, axes = panels(len(runs) + 1, 6.8, 2.6 + 1.5 * len(runs))
     last = max(2 * found.t[-1], 1e-4) if not found.run.is_done else found.t[-1]
-    for k, (label, run) in enumerate(others.items(), 1):
+    for k, (label, run) in enumerate(runs.items()):
         inside = run.t <= last
-        style = {"color": COLOURS[k + 1], "lw": 1.0, "ls": _DASHES[k % 4]}
-        axes[0].plot(1e3 * run.t[inside], run.pawl_speed[inside], label=label, **style)
-        axes[1].plot(run.t * 1e3, **style, label=label)
-    axes[0].plot(
-        1e3 * found.t, found.pawl_speed, color=ORANGE, lw=1.4, marker=".", ms=3, label=name
-    )
-    axes[1].plot(1e3 * found.t, color=ORANGE, lw=1.8, label=name)
-    axes[0].set_xlabel("Time [ms]")
-    axes[0].set_ylabel("Pawl [rad/s]")
-    axes[1].set_xlabel("Increments used")
-    axes[1].set_ylabel("Time reached [ms]")
-    axes[1].set_yscale("log")
+        style: dict[str, Any] = {"color": (ORANGE, *COLOURS[2:])[k], "ls": _DASHES[k % 4]}
+        mark = {"marker": ".", "ms": 3} if k == 0 else {}
+        axes[k].plot(
+            1e3 * run.t[inside], run.pawl_speed[inside], lw=1.2, label=label, **style, **mark
+        )
+        axes[k].sharex(axes[0])
+        axes[k].sharey(axes[0])
+        axes[k].set_ylabel("Pawl [rad/s]")
+        axes[-1].plot(1e3 * run.t, lw=1.6, label=label, **style)
+        for one in (axes[k], axes[-1]):
+            one.legend(frameon=False, fontsize=8.5, loc="lower right")
+    axes[-2].set_xlabel("Time [ms]")
+    axes[-1].set_xlabel("Increments used")
+    axes[-1].set_ylabel("Time reached [ms]")
+    axes[-1].set_yscale("log")
     axes[0].set_title(caption, loc="left", fontsize=10)
-    axes[1].legend(frameon=False, fontsize=8.5)
     return figure
 
 
