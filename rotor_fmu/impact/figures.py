@@ -35,7 +35,11 @@ def panels(rows: int, width: float, height: float, **options: Any) -> tuple[Figu
 
 def tip_velocity(runs: Sequence[tuple[float, BarsRun]], caption: str) -> Figure:
     """Velocity of the left bar's end at each increment length dt [s], with the wave solution."""
-    figure, axes = panels(len(runs), 6.4, 1.0 + 2.1 * len(runs), sharex=True)
+    figure, axes = panels(len(runs), 6.4, 1.0 + 2.1 * len(runs), sharex=True, sharey=True)
+    # one scale, so that the panels can be compared
+    largest = max(float(np.nanmax(np.abs(found.tip_velocity))) for _, found in runs)
+    largest = min(max(2.0, 1.4 * largest), 50.0)
+    axes[0].set_ylim(-largest, largest)
     for one, (dt, found) in zip(axes, runs, strict=True):
         bars = found.bars
         t = np.array([0, bars.t_impact, bars.t_impact, bars.t_release, bars.t_release, 0.04])
@@ -46,8 +50,6 @@ def tip_velocity(runs: Sequence[tuple[float, BarsRun]], caption: str) -> Figure:
         if found.is_complete:
             text += f": RMS error {found.rms_error():.3g} m/s"
         one.plot(1e3 * found.t, found.tip_velocity, color=BLUE, lw=1.0, label=text, **mark)
-        largest = max(2.0, 1.05 * float(np.nanmax(np.abs(found.tip_velocity))))
-        one.set_ylim(-min(largest, 50.0), min(largest, 50.0))
         one.set_ylabel("Tip velocity [m/s]")
         one.legend(frameon=False, loc="upper right", fontsize=8.5, ncols=2)
     axes[-1].set_xlabel("Time [ms]")
@@ -85,18 +87,23 @@ def bars_energy(runs: Mapping[str, BarsRun], dt: float) -> Figure:
 
 
 def bars_momentum(runs: Mapping[str, BarsRun], dt: float) -> Figure:
-    """Momentum of the left bar over time, with the wave solution."""
-    figure, axes = new_figure(6.8, 4.2)
+    """Momentum of the left bar over time, and how far it is from the wave solution's."""
+    figure, axes = panels(2, 6.8, 6.0, sharex=True)
     bars = next(iter(runs.values())).bars
     whole = bars.energy / bars.speed
-    t = np.array([0.0, bars.t_impact, bars.t_release, 0.04])
-    axes.plot(1e3 * t, [1, 1, -1, -1], color=GREY, lw=3.5, label="wave solution")
-    _curves(axes, {name: (1e3 * r.t, r.run.seen[:, 1] / whole) for name, r in runs.items()})
-    axes.set_xlabel("Time [ms]")
-    axes.set_ylabel("Momentum of the left bar over that at the start [1]")
-    axes.set_title(f"Momentum handed over, $\\Delta t$ = {dt:g} s", loc="left", fontsize=10)
-    axes.set_ylim(-1.5, 1.2)
-    axes.legend(frameon=False, fontsize=8.5)
+    wave = 1e3 * np.array([0.0, bars.t_impact, bars.t_release, 0.04]), [1, 1, -1, -1]
+    axes[0].plot(*wave, color=GREY, lw=3.5, label="wave solution")
+    seen = {name: (1e3 * r.t, r.run.seen[:, 1] / whole) for name, r in runs.items()}
+    _curves(axes[0], seen)
+    _curves(axes[1], {name: (t, p - np.interp(t, *wave)) for name, (t, p) in seen.items()})
+    # the curves that hide each other above, not the one that leaves them
+    apart = sorted(float(np.nanmax(np.abs(p - np.interp(t, *wave)))) for t, p in seen.values())
+    axes[1].set_ylim(-2 * apart[len(apart) // 2], 2 * apart[len(apart) // 2])
+    axes[0].set_ylabel("Momentum of the left bar\nover that at the start [1]")
+    axes[1].set_ylabel("The same less\nthe wave solution's [1]")
+    axes[1].set_xlabel("Time [ms]")
+    axes[0].set_title(f"Momentum handed over, $\\Delta t$ = {dt:g} s", loc="left", fontsize=10)
+    axes[0].legend(frameon=False, fontsize=8.5)
     return figure
 
 
@@ -126,25 +133,29 @@ def wheel_speeds(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
 
 
 def stall(name: str, found: RatchetRun, others: Mapping[str, RatchetRun], caption: str) -> Figure:
-    """Where the increments of a run go (beside paper B, Figure 11)."""
-    figure, axes = panels(2, 6.8, 5.6)
+    """Where the increments of a run go (beside paper B, Figure 11): its pawl, those of others, and
+    the time that each has reached."""
+    runs = {name: found, **others}
+    figure, axes = panels(len(runs) + 1, 6.8, 2.6 + 1.5 * len(runs))
     last = max(2 * found.t[-1], 1e-4) if not found.run.is_done else found.t[-1]
-    for k, (label, run) in enumerate(others.items(), 1):
+    for k, (label, run) in enumerate(runs.items()):
         inside = run.t <= last
-        style = {"color": COLOURS[k + 1], "lw": 1.0, "ls": _DASHES[k % 4]}
-        axes[0].plot(1e3 * run.t[inside], run.pawl_speed[inside], label=label, **style)
-        axes[1].plot(run.t * 1e3, **style, label=label)
-    axes[0].plot(
-        1e3 * found.t, found.pawl_speed, color=ORANGE, lw=1.4, marker=".", ms=3, label=name
-    )
-    axes[1].plot(1e3 * found.t, color=ORANGE, lw=1.8, label=name)
-    axes[0].set_xlabel("Time [ms]")
-    axes[0].set_ylabel("Pawl [rad/s]")
-    axes[1].set_xlabel("Increments used")
-    axes[1].set_ylabel("Time reached [ms]")
-    axes[1].set_yscale("log")
+        style: dict[str, Any] = {"color": (ORANGE, *COLOURS[2:])[k], "ls": _DASHES[k % 4]}
+        mark = {"marker": ".", "ms": 3} if k == 0 else {}
+        axes[k].plot(
+            1e3 * run.t[inside], run.pawl_speed[inside], lw=1.2, label=label, **style, **mark
+        )
+        axes[k].sharex(axes[0])
+        axes[k].sharey(axes[0])
+        axes[k].set_ylabel("Pawl [rad/s]")
+        axes[-1].plot(1e3 * run.t, lw=1.6, label=label, **style)
+        for one in (axes[k], axes[-1]):
+            one.legend(frameon=False, fontsize=8.5, loc="lower right")
+    axes[-2].set_xlabel("Time [ms]")
+    axes[-1].set_xlabel("Increments used")
+    axes[-1].set_ylabel("Time reached [ms]")
+    axes[-1].set_yscale("log")
     axes[0].set_title(caption, loc="left", fontsize=10)
-    axes[1].legend(frameon=False, fontsize=8.5)
     return figure
 
 
