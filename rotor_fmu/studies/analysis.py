@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError
 from .dataset import about_of, open_dataset
-from .design import SENSITIVITY, Axis, Design, Distribution
+from .design import GRID, SENSITIVITY, Axis, Design, Distribution
 from .study import FAILED
 
 if TYPE_CHECKING:
@@ -44,6 +44,9 @@ def analyse(folder: Path) -> dict[str, Any]:
             name: exceedance(drawn[name].values, limit) for name, limit in about["limits"].items()
         },
     }
+    if design.kind == GRID:  # whose points are chosen: their share is no estimate
+        for found in report["limits"].values():
+            found.pop("interval", None)
     if design.kind in SENSITIVITY:
         report["sensitivity"] = {name: sensitivity(design, data, name) for name in numbers}
     return report

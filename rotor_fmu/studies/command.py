@@ -174,11 +174,11 @@ def _print_table(rows: list[dict[str, Any]]) -> None:
         return
     table = Table(box=None)
     for key in rows[0]:
-        table.add_column(key, overflow="fold")
+        table.add_column(key, overflow="fold", no_wrap=key != "status")
     for row in rows:
-        cells = (f"{v:.5g}" if isinstance(v, float) else str(v) for v in row.values())
+        cells = (f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values())
         table.add_row(*cells)
-    Console(width=max(Console().width, 100), highlight=False).print(table)
+    Console(width=max(Console().width, 120), highlight=False).print(table)
 
 
 def _analyse(out: Path) -> None:
@@ -196,11 +196,12 @@ def _analyse(out: Path) -> None:
     _print_table(rows)
     for name, found in report["limits"].items():
         if found["count"]:
-            low, high = found["interval"]
-            typer.echo(
-                f"{name} > {found['limit']:g}: {found['above']} of {found['count']} runs, "
-                f"{found['share']:.2%} (95 %: {low:.2%} to {high:.2%})"
-            )
+            within = ""
+            if "interval" in found:
+                low, high = found["interval"]
+                within = f" (95 %: {low:.2%} to {high:.2%})"
+            counted = f"{found['above']} of {found['count']} runs, {found['share']:.2%}"
+            typer.echo(f"{name} > {found['limit']:g}: {counted}{within}")
     for name, found in report.get("sensitivity", {}).items():
         if found:
             typer.echo(f"{name}, indices from {found['blocks']} of {found['of']} blocks:")

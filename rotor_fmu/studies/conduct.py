@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from ..errors import RunFailed
 from .engines import Chunk, Done, Engine, deaths, run_chunk
 from .store import Row, Store
 from .study import FAILED, Result, Study
@@ -17,6 +18,8 @@ from .study import FAILED, Result, Study
 _QUEUED = 2  # chunks a worker, one of them waiting
 _MOST = 2000  # runs in a chunk
 _DEATHS = 2  # of workers, by a run alone, after which the run is called failed
+
+_KEPT = "rows written before are whole, and the same call goes on from there"
 
 Report = Callable[["Progress"], None]
 MakeEngine = Callable[[], AbstractContextManager[Engine]]
@@ -105,7 +108,7 @@ def _results(
         finished, _ = wait(running, return_when=FIRST_COMPLETED)
         results: dict[int, Result] = {}
         for future in finished:
-            if isinstance(future.exception(), fatal):
+            if isinstance(_error_of(future), fatal):
                 continue
             done = future.result()
             ahead.learn(done)
@@ -126,18 +129,26 @@ def _one_by_one(
     while suspects:
         number = next(iter(suspects))
         future = found.executor.submit(run_chunk, study.model, ahead.alone(number))
-        error = future.exception()
-        if error is None:
-            del suspects[number]
-            yield future.result().results
-        elif isinstance(error, deaths()):
+        if isinstance(_error_of(future), deaths()):
             suspects[number] += 1
             if suspects[number] >= _DEATHS:
                 del suspects[number]
                 yield {number: Result(f"{FAILED}the process that ran it died", {})}
             return
-        else:
-            raise error
+        del suspects[number]
+        yield future.result().results
+
+
+def _error_of(future: Future) -> BaseException | None:
+    """What a chunk raised, the death of its worker; `RunFailed` for what no run is to blame for."""
+    try:
+        error = future.exception()
+    except CancelledError:
+        raise RunFailed(f"the scheduler was lost; {_KEPT}") from None
+    if error is None or isinstance(error, deaths()):
+        return error
+    told = f"{type(error).__name__}: {error}"
+    raise RunFailed(f"a worker cannot run anything: {told}; {_KEPT}") from error
 
 
 def _keep(

@@ -91,6 +91,15 @@ def test_the_share_above_a_limit_has_the_interval_of_clopper_and_pearson():
     assert found["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
 
 
+def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
+    values = "\n".join(f"x{i} = {{ values = [0.1, 1.0, 2.0] }}" for i in (1, 2, 3))
+    study = ishigami_study(tmp_path, text=f"[vary]\n{values}\n[limits]\ny = 5.0\n")
+    conduct(study, tmp_path / "out", here, quiet)
+    found = analyse(tmp_path / "out")["limits"]["y"]
+    assert 0 < found["above"] < found["count"] == 27
+    assert "interval" not in found
+
+
 def test_the_worst_runs_are_the_failed_ones_and_then_the_largest(tmp_path):
     study = ishigami_study(tmp_path, Ishigami(fails_above=3.0))
     conduct(study, tmp_path / "out", here, quiet)

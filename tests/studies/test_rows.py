@@ -1,5 +1,6 @@
 """Rows of a study: each once, whatever stopped the calls that made them."""
 
+import contextlib
 import errno
 import os
 import random
@@ -7,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
 
@@ -17,7 +19,7 @@ from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.studies import store
 from rotor_fmu.studies.conduct import conduct, row_of
-from rotor_fmu.studies.engines import Where, engine
+from rotor_fmu.studies.engines import Engine, Where, engine
 from rotor_fmu.studies.store import Store
 
 from .functions import Ishigami, here, ishigami_study, one_by_one, quiet, study_text
@@ -124,6 +126,39 @@ def test_a_full_disk_is_said_in_one_line_and_loses_no_row_that_was_written(
     assert studies.open(tmp_path).identical(data)
 
 
+def cancel(future):
+    """As Dask does with what it has lost."""
+    future.cancel()
+    future.set_running_or_notify_cancel()
+
+
+@pytest.mark.parametrize(
+    ("end", "expected"),
+    [
+        (cancel, "the scheduler was lost; rows written before are whole"),
+        (
+            lambda future: future.set_exception(ModuleNotFoundError("No module named 'rotor_fmu'")),
+            "a worker cannot run anything: ModuleNotFoundError: No module named 'rotor_fmu'; rows",
+        ),
+    ],
+)
+def test_an_engine_that_is_lost_is_said_in_one_line(undisturbed, tmp_path, end, expected):
+    study, _ = undisturbed
+
+    class Lost(Executor):
+        def submit(self, fn, /, *arguments, **named):
+            future = Future()
+            end(future)
+            return future
+
+    @contextlib.contextmanager
+    def lost():
+        yield Engine(Lost(), 1, 1.0)
+
+    with pytest.raises(RunFailed, match=expected):
+        conduct(study, tmp_path, lost, quiet)
+
+
 def test_a_run_that_fails_is_a_row_with_its_reason(tmp_path):
     study = ishigami_study(tmp_path, Ishigami(fails_above=2.0))
     progress = conduct(study, tmp_path / "out", here, quiet)
@@ -208,6 +243,7 @@ def test_a_run_that_kills_its_process_is_a_row_and_takes_no_other_with_it(tmp_pa
 
 ALONE = """
 import sys
+from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
 from rotor_fmu.studies.conduct import conduct
