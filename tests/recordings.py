@@ -32,7 +32,7 @@ def write_study(folder, runs=60, planned=80):
     rng = np.random.default_rng(3)
     mu, clearance = rng.uniform(0, 0.4, runs), rng.uniform(2e-5, 1e-4, runs)
     has_failed = mu > 0.35
-    peak = np.where(has_failed, np.nan, 500 + 800 * mu)
+    peak = np.where(has_failed, np.nan, 5e-4 + 8e-4 * mu)
     grid = [20.0, 30.0, 40.0]
     columns = {
         "run": np.arange(runs),
@@ -48,15 +48,15 @@ def write_study(folder, runs=60, planned=80):
     # parts overlap where a merge was cut short
     pq.write_table(table.slice(runs // 3), folder / "rows" / "a.parquet")
     pq.write_table(table.slice(0, runs // 2), folder / "rows" / "b.parquet")
-    kept = {"text": "largest x", "unit": "um", "dimension": "", "coordinate": []}
-    curve = {"text": "amplitude", "unit": "um", "dimension": "speed", "coordinate": grid}
+    kept = {"text": "largest x", "unit": "m", "dimension": "", "coordinate": []}
+    curve = {"text": "amplitude", "unit": "m", "dimension": "speed", "coordinate": grid}
     about = {
         "name": "tolerances",
         "runs": planned,
         "design": {"axes": [{"name": name, "targets": [name]} for name in ("mu", "clearance")]},
         "columns": [
             {"name": "peak", "coordinate_unit": "1", **kept},
-            {"name": "amplitude", "coordinate_unit": "Hz", **curve},
+            {"name": "amplitude", "coordinate_unit": "rad/s", **curve},
         ],
     }
     (folder / "study.json").write_text(json.dumps(about))

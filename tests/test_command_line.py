@@ -169,7 +169,7 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     assert figures["status"] == "ok"
     written = {path.name for path in (tmp_path / "here").iterdir()}
     pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
-    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz"}
+    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
     assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,bearing[1].psi")
     assert len(rows) == 1 + 101
@@ -186,7 +186,7 @@ def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_ear
     assert "no_peak              the run ends within the start-up" in done.stdout
     pictures = {f"run_down_{name}.png" for name in ("time", "spectrum", "orbit")}
     written = {path.name for path in tmp_path.iterdir()}
-    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz"}
+    assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
 
 
 def test_signals_from_a_file_drive_the_run(tmp_path):

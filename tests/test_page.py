@@ -313,6 +313,10 @@ def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
     told = dict(zip(cells[::2], cells[1::2], strict=True))
     assert told["id"] == "id017"
     assert float(told["mu"]) == pytest.approx(columns["mu"][row], rel=1e-4)
+    assert float(told["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
+    assert told["with its signals"] == "rotor-fmu study ... --select id017"
+    hertz = page.run("return map.line.data.x")
+    assert hertz == pytest.approx([w / (2 * math.pi) for w in (20.0, 30.0, 40.0)])
     page.find("after").click()
     assert page.text("reading").startswith("Run 18, id018")
     page.set("run", "3")

@@ -141,11 +141,24 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
     assert found.exit_code == 0, found.output
     text = out.read_text(encoding="utf-8")
     data = block(text, "data")
+    assert data["pages"] == {}
     assert data["ids"] == columns["id"]
     assert unpacked(data["values"]["mu"]) == pytest.approx(columns["mu"], abs=1e-6)
     assert "The study goes on: 60 of 80 runs" in text
     failed = columns["status"].count("failed: whirled apart")
     assert f"{failed} runs: failed: whirled apart" in text
+
+
+def test_a_run_made_again_with_its_signals_has_a_page_that_the_map_links(tmp_path):
+    write_study(tmp_path / "a study")
+    folder = tmp_path / "a study" / "runs" / "id007"
+    folder.mkdir(parents=True)
+    recorded().save(folder / "recording.npz")
+    found = report(tmp_path / "a study", "--out", tmp_path / "pages" / "report.html")
+    assert found.exit_code == 0, found.output
+    text = (tmp_path / "pages" / "report.html").read_text(encoding="utf-8")
+    assert block(text, "data")["pages"] == {"id007": "../a%20study/runs/id007/report.html"}
+    assert (folder / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
 
 
 @pytest.mark.parametrize(

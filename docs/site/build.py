@@ -16,6 +16,7 @@ ROOT = Path(__file__).parents[2]
 SECTIONS = {
     "To look things up": ["docs/commands.md", "docs/api.md"],
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
+    "Results": ["docs/signals.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],
     "Many runs": ["docs/studies.md"],
     "What to trust": [

@@ -79,8 +79,9 @@ def report(
         raise InputError(f"--out {out}: is a folder; give the page's name in it")
     if studies:
         from ..report.study import study_page
+        from .selected import pages_of_runs
 
-        page = study_page(*read_study(paths[0]))
+        page = study_page(*read_study(paths[0]), pages_of_runs(paths[0], out.parent))
     else:
         from ..report.page import runs_page
 

@@ -22,25 +22,30 @@ _MOST_REASONS = 5
 _OK = "ok"
 
 
-def study_page(about: Mapping[str, Any], rows: pyarrow.Table) -> str:
+def study_page(
+    about: Mapping[str, Any], rows: pyarrow.Table, pages: Mapping[str, str] | None = None
+) -> str:
     """The page of a study as HTML.
 
     about: what its folder says of it (name, runs, design with its axes, columns); rows: a run each,
-    with run, id, status, what was varied, and the columns kept, a number or a list.
+    with run, id, status, what was varied, and the columns kept, a number or a list; pages: of runs
+    that were made again with their signals, addresses by id.
     """
     shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_RUNS)).astype(int))
     axes = [axis["name"] for axis in about["design"]["axes"]]
     kept = [column for column in about["columns"] if not column["dimension"]]
     units = {axis["name"]: axis.get("unit", "") for axis in about["design"]["axes"]}
     columns = [{"name": name, "unit": units[name], "text": "varied"} for name in axes]
-    columns += [{key: column[key] for key in ("name", "unit", "text")} for column in kept]
-    values = {column["name"]: _numbers(rows, column["name"]) for column in columns}
+    columns += [_head(column) for column in kept]
+    scales = {column["name"]: _shown_in(column["unit"])[0] for column in kept}
+    values = {c["name"]: scales.get(c["name"], 1.0) * _numbers(rows, c["name"]) for c in columns}
     status = rows["status"].to_pylist()
     data = {
         "axes": axes,
         "columns": columns,
         "ids": [str(rows["id"][int(i)]) for i in shown],
         "status": [status[i] for i in shown],
+        "pages": dict(pages or {}),
         "runs": rows["run"].to_numpy()[shown].tolist(),
         "values": {name: packed(column[shown]) for name, column in values.items()},
         "curves": _curves(about["columns"], rows, shown),
@@ -58,6 +63,16 @@ def study_page(about: Mapping[str, Any], rows: pyarrow.Table) -> str:
         signals=None,
         scripts=("study.js",),
     )
+
+
+def _shown_in(unit: str) -> tuple[float, str]:
+    """What a number in a unit is multiplied by to be read, and in which unit that is."""
+    return {"m": (1e6, "µm"), "rad/s": (0.5 / np.pi, "Hz")}.get(unit, (1.0, unit))
+
+
+def _head(column: Mapping[str, Any]) -> dict[str, str]:
+    unit = _shown_in(column["unit"])[1]
+    return {"name": column["name"], "unit": unit, "text": column["text"]}
 
 
 def _numbers(rows: pyarrow.Table, name: str) -> np.ndarray:
@@ -79,9 +94,12 @@ def _curves(
             cell = rows[column["name"]][int(i)].as_py()
             if cell is not None and len(cell) == width:
                 values[row] = cell
-        told = ("name", "unit", "text", "dimension", "coordinate_unit")
-        head = {key: column[key] for key in told} | {"coordinate": list(column["coordinate"])}
-        found.append(head | {"values": packed(values, COARSE)})
+        across, unit = _shown_in(column["coordinate_unit"])
+        head: dict[str, Any] = _head(column)
+        head |= {"dimension": column["dimension"], "coordinate_unit": unit}
+        head["coordinate"] = [across * value for value in column["coordinate"]]
+        scale, _ = _shown_in(column["unit"])
+        found.append(head | {"values": packed(scale * values, COARSE)})
     return found
 
 

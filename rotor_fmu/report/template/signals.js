@@ -1,17 +1,18 @@
 // A signal over time: every sample where the screen has room, else the extremes of each stretch.
 
-// Samples from..to of v thinned to the least and the largest of each of `stretches`.
+// Samples from..to of v thinned to the least and the largest of each of `stretches` of time.
 function thinned(t, v, from, to, stretches) {
-  const n = to - from;
-  if (n <= 2 * stretches) return { x: t.slice(from, to), y: v.slice(from, to) };
+  if (to - from <= 2 * stretches) return { x: t.slice(from, to), y: v.slice(from, to) };
   const x = [];
   const y = [];
-  for (let k = 0; k < stretches; k++) {
-    const begin = from + Math.floor((k * n) / stretches);
-    const end = from + Math.floor(((k + 1) * n) / stretches);
+  const scale = stretches / (t[to - 1] - t[from]);
+  let begin = from;
+  while (begin < to) {
+    const stretch = Math.floor((t[begin] - t[from]) * scale);
     let least = begin;
     let largest = begin;
-    for (let i = begin + 1; i < end; i++) {
+    let i = begin + 1;
+    for (; i < to && Math.floor((t[i] - t[from]) * scale) === stretch; i++) {
       if (v[i] < v[least]) least = i;
       else if (v[i] > v[largest]) largest = i;
     }
@@ -22,6 +23,7 @@ function thinned(t, v, from, to, stretches) {
       x.push(t[second]);
       y.push(v[second]);
     }
+    begin = i;
   }
   return { x, y };
 }

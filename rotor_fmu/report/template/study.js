@@ -14,13 +14,14 @@ class StudyMap {
     this.runs = this.chart.source(["x", "y", "c"]);
     this.failed = this.chart.source(["x", "y"]);
     this.one = this.chart.source(["x", "y"]);
-    this.chartper = new Bokeh.LinearColorMapper({
+    this.mapper = new Bokeh.LinearColorMapper({
       palette: Bokeh.Palettes.Cividis256, low: 0, high: 1,
     });
-    this.chart.plot.scatter(column("x"), column("y"), {
-      source: this.runs, size: 7, line_color: null,
-      fill_color: { field: "c", transform: this.chartper },
+    const dots = this.chart.plot.scatter(column("x"), column("y"), {
+      source: this.runs, size: 8, line_width: 0.7,
+      fill_color: { field: "c", transform: this.mapper },
     });
+    this.chart.keep(dots, { line_color: "soft" });
     const crosses = this.chart.plot.scatter(column("x"), column("y"), {
       source: this.failed, size: 8, marker: "x", line_width: 1.5, fill_color: null,
     });
@@ -29,7 +30,7 @@ class StudyMap {
       source: this.one, size: 15, line_width: 3, fill_color: null,
     });
     this.chart.keep(ring, { line_color: "c1" });
-    this.bar = new Bokeh.ColorBar({ color_mapper: this.chartper, width: 12 });
+    this.bar = new Bokeh.ColorBar({ color_mapper: this.mapper, width: 12 });
     this.chart.plot.add_layout(this.bar, "right");
     this.chart.painted.push([
       this.bar,
@@ -69,10 +70,10 @@ class StudyMap {
     this.failed.data = { x: of(x, bad), y: bad.map(height) };
     this.height = height;
     const shades = of(c, good);
-    this.chartper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
-    this.chartper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
-    if (!shades.length) [this.chartper.low, this.chartper.high] = [0, 1];
-    if (this.chartper.low === this.chartper.high) this.chartper.high += 1;
+    this.mapper.low = shades.reduce((a, b) => Math.min(a, b), Infinity);
+    this.mapper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
+    if (!shades.length) [this.mapper.low, this.mapper.high] = [0, 1];
+    if (this.mapper.low === this.mapper.high) this.mapper.high += 1;
     this.bar.title = this.label(field("shade").value);
     this.chart.plot.below[0].axis_label = this.label(field("across").value);
     this.chart.plot.left[0].axis_label = this.label(field("up").value);
@@ -111,14 +112,21 @@ class StudyMap {
     if (document.activeElement !== field("run")) field("run").value = study.runs[row];
     const entries = [["id", study.ids[row]], ["status", study.status[row]]];
     for (const { name } of study.columns) entries.push([this.label(name), shown(study.values[name][row])]);
-    field("picked").tBodies[0].replaceChildren(
-      ...entries.map(([name, value]) => {
-        const line = document.createElement("tr");
-        for (const text of [name, value]) line.insertCell().textContent = text;
-        return line;
-      }),
-    );
-    entries.push(["to run it again", `rotor-fmu study ... --select ${study.ids[row]}`]);
+    const page = study.pages[study.ids[row]];
+    const again = `rotor-fmu study ... --select ${study.ids[row]}`;
+    entries.push(page ? ["its signals", "its page"] : ["with its signals", again]);
+    const lines = entries.map(([name, value]) => {
+      const line = document.createElement("tr");
+      for (const text of [name, value]) line.insertCell().textContent = text;
+      return line;
+    });
+    if (page) {
+      const link = document.createElement("a");
+      link.href = page;
+      link.textContent = "its page";
+      lines.at(-1).cells[1].replaceChildren(link);
+    }
+    field("picked").tBodies[0].replaceChildren(...lines);
     const told = ["across", "up", "shade"].map((id) => field(id).value);
     const values = told.map((name) => `${name} ${shown(study.values[name][row])}`).join(", ");
     const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
