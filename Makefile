@@ -12,9 +12,14 @@ endif
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
+	touch $(VENV)/made
+
+# what testing needs beside what running needs
+$(VENV)/made-test: $(VENV)/made
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage,docs,native]"
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
-	touch $(VENV)/made
+	touch $(VENV)/made-test
 
 # the solver as machine code, a minute after a change of it; where it cannot be made, runs compile
 KERNELS := $(wildcard model/*.py model/*/*.py rotor_fmu/native/*.py rotor_fmu/native/skin/*)
@@ -35,41 +40,41 @@ survey: $(VENV)/core
 reference: $(VENV)/core
 	$(BIN)/python -m rotor_fmu.packing.reference
 
-test: $(VENV)/core
+test: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-test-native: $(VENV)/core
+test-native: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadgroup -m "native and not slow"
 
-test-all: $(VENV)/core
+test-all: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
 
 # all tests as on other processors, and on loaded cores: an hour or two
-test-processors: $(VENV)/core
+test-processors: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python tests/processors.py
 
 # the documentation as a site that works from disk: build/site/index.html
-docs: $(VENV)/made
+docs: $(VENV)/made-test
 	$(BIN)/python docs/site/build.py
 
-lint: $(VENV)/made
+lint: $(VENV)/made-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(MAKE) types
 
 # `rotor_fmu.model` lies in model/, `rotor_fmu.examples` in examples/: links make one tree of them
-types: $(VENV)/made
+types: $(VENV)/made-test
 	rm -rf build/types
 	mkdir -p build/types/rotor_fmu
 	ln -s $(CURDIR)/rotor_fmu/* $(CURDIR)/model $(CURDIR)/examples build/types/rotor_fmu
 	$(BIN)/python -m mypy
 
 # wrong versions of description, documents, FMU and ledger that the tests must see
-mutants: $(VENV)/core
+mutants: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m tests.mutants
 
 # lines of Python that the tests run; kernels are machine code and not among them
-coverage: $(VENV)/core
+coverage: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report=term:skip-covered
 
 # what a run costs beside other programs; stopped with Ctrl-C it goes on from there
@@ -84,7 +89,7 @@ bench: $(VENV)/core
 
 # source archive and wheel, which holds the solver for all platforms, in dist/, checked, installed and
 # used; HOME_URL=address of the files for an index page's pictures
-dist: $(VENV)/made
+dist: $(VENV)/made-test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build twine
 	$(BIN)/rotor-fmu core
 	$(BIN)/python tests/release.py "$(HOME_URL)"
