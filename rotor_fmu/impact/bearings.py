@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ..errors import writable_folder
-from ..figures import save
 from ..model.impact.journals import JournalRun, RunDown, run_journals
 from ..model.machine.rotor import Rotor
 from ..model.schemes.family import MODERATE_DISSIPATION
+from ..runs.job import write_text
 from ..runs.report import Column, Report
-from . import figures as pictures
 from .cases import IMPACTS, ImpactCase, carried_out, finish
 
 COLUMNS = (
@@ -97,7 +95,7 @@ def present(
     title = f"Rotor in hard stops, {speed[0]:g} rad/s and {speed[1]:g} rad/s2, {stop:g} s"
     report = Report(COLUMNS, rows, title)
     report.write(out / "bearings.csv", out / "bearings.md")
-    save(_picture(trials, rows, fine, stop, title), out / "bearings.png")
+    write_text(_outcomes(trials, rows, fine, stop), out / "outcomes.md")
     finish([report], chosen, [], out)
 
 
@@ -113,26 +111,26 @@ def _row(trial: Trial, found: JournalRun, right: JournalRun, wall: float) -> dic
     return row | {"wall_time": wall, "status": found.run.status}
 
 
-def _picture(
-    trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, stop: float, title: str
-) -> Figure:
-    """Scheme and increment against impact option and shaft: who arrives, and how well."""
-    cells: dict[tuple[str, str], tuple[str, str]] = {}
+def _outcomes(trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, stop: float) -> str:
+    """Scheme and increment against impact option and shaft, as Markdown: who arrives, and how
+    well."""
+    cells: dict[tuple[str, str], str] = {}
     lines: dict[str, None] = {}
     columns: dict[str, None] = {}
     for trial, row in zip(trials, rows, strict=True):
         if trial.dt == fine:
             continue
         name = f"{trial.case.name}, {1e3 * trial.dt:g} ms"
-        shaft = "damped shaft" if trial.run_down.rotor.eta_v else "undamped"
-        column = f"{trial.case.impact}\n{shaft}"
+        shaft = "damped" if trial.run_down.rotor.eta_v else "undamped"
+        column = f"{shaft}: {trial.case.impact}"
         lines[name] = columns[column] = None
         if row["status"] == "done":
             more = row["increments"] * trial.dt / stop
             work = f", x {more:.1f}" if more > 1.01 else ""
-            cells[name, column] = "arrived", f"{row['error']:.3g} µm{work}"
+            cells[name, column] = f"{row['error']:.3g} µm{work}"
         else:
             outcome = "stalled" if row["status"].startswith("gave up") else "diverged"
-            cells[name, column] = outcome, f"{outcome}, {row['t_end']:.3f} s"
-    caption = f"{title}: error of the disc, increments; or when it ended"
-    return pictures.outcomes(list(lines), list(columns), cells, caption)
+            cells[name, column] = f"{outcome}, {row['t_end']:.3f} s"
+    table = [["", *columns], ["---"] * (1 + len(columns))]
+    table += [[name, *(cells.get((name, column), "-") for column in columns)] for name in lines]
+    return "".join(f"| {' | '.join(line)} |\n" for line in table)

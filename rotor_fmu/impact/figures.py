@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
 
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..model.impact.bars import BarsRun
@@ -17,7 +16,6 @@ from ..model.impact.ratchet import RatchetRun
 
 PURPLE, SKY = "#cc79a7", "#56b4e9"
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#000000")
-OUTCOMES = {"arrived": "#a9d0ea", "stalled": "#f2c38f", "diverged": "#d9d9d9"}
 _DASHES = ("-", (0, (5, 1.6)), (0, (1.2, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
 
 
@@ -187,23 +185,4 @@ def shaking(runs: Mapping[str, RatchetRun], caption: str) -> Figure:
     axes[0].legend(frameon=False, fontsize=8.5, loc="upper left")
     axes[0].set_title(caption, loc="left", fontsize=10)
     axes[1].set_xlabel("Time [ms]")
-    return figure
-
-
-def outcomes(rows: Sequence[str], columns: Sequence[str], cells: Mapping, caption: str) -> Figure:
-    """Which runs reached their end; cells: (row, column) -> (outcome, text), outcome one of
-    `OUTCOMES`."""
-    figure, axes = new_figure(1.9 + 1.45 * len(columns), 1.0 + 0.42 * len(rows))
-    axes.grid(False)
-    axes.spines[:].set_visible(False)
-    for (row, column), (outcome, text) in cells.items():
-        i, j = rows.index(row), columns.index(column)
-        axes.add_patch(Rectangle((j, i), 0.97, 0.94, facecolor=OUTCOMES[outcome], lw=0))
-        axes.text(j + 0.485, i + 0.47, text, ha="center", va="center", fontsize=8.5)
-    axes.set_xlim(0, len(columns))
-    axes.set_ylim(len(rows), 0)
-    axes.set_xticks(np.arange(len(columns)) + 0.485, columns, fontsize=8.5)
-    axes.set_yticks(np.arange(len(rows)) + 0.47, rows, fontsize=8.5)
-    axes.tick_params(length=0, labeltop=True, labelbottom=False)
-    axes.set_title(caption, loc="left", fontsize=10, pad=8)
     return figure
