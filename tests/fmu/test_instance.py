@@ -153,7 +153,8 @@ def in_phase(phase):
     if phase == "instantiated":
         return host
     if phase == "failed":
-        host.set("bearing[1].k", 1e20)
+        host.set("bearing[1].mu", 1e6)
+        host.set("speed", 300.0)
     host.fmu.enter_initialization()
     if phase == "initializing":
         return host
