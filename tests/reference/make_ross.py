@@ -110,8 +110,9 @@ MACHINES = {
     "under_tension.toml": (under_tension, (4, 1e-4, -0.5), (8, 5e-5, 0.0)),
 }
 # those of the tables: between them ROSS 2.3 has splines where ROSS 3 and this project have PCHIP
-SPEEDS = (0.0, 200.0, 500.0, 900.0)
-RESPONSES = (200.0, 500.0, 900.0, 1500.0)
+BETWEEN = (350.0, 1200.0) if IS_3 else ()
+SPEEDS = (0.0, 200.0, 500.0, 900.0, *BETWEEN)
+RESPONSES = (200.0, 500.0, 900.0, 1500.0, *BETWEEN)
 
 
 def lateral(rotor, speed):
@@ -158,7 +159,7 @@ def main():
             }
         nodes, amounts, phases = (list(item) for item in zip(*unbalances, strict=True))
         response = rotor.run_unbalance_response(
-            nodes, amounts, phases, frequency=np.array(RESPONSES)
+            nodes, amounts, phases, **{"speed_range" if IS_3 else "frequency": np.array(RESPONSES)}
         )
         per_node = rotor.number_dof
         planes = {
