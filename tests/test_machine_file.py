@@ -17,7 +17,11 @@ from rotor_fmu.machine_file.tables import own_tables, part_tables
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
-MACHINES = [*ROOT.glob("examples/*/*.toml"), *ROOT.glob("model/machine/rigs/*.toml")]
+MACHINES = [
+    path
+    for path in (*ROOT.glob("examples/*/*.toml"), *ROOT.glob("model/machine/rigs/*.toml"))
+    if {"shaft", "extends"} & tomllib.loads(path.read_text(encoding="utf-8")).keys()
+]
 VALIDATOR = jsonschema.Draft202012Validator(schema())
 
 

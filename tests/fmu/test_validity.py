@@ -129,7 +129,7 @@ def test_its_documents_name_what_it_requires(fmu):
             assert f"Python {python}" in text
             for name in required(fmu):
                 assert name in text, (page, name)
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
     assert f"Python {python} or newer with `numpy` and `scipy`, and `numba`" in readme
 
 
