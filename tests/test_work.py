@@ -1,0 +1,60 @@
+"""A run that takes more work than it should says so, and one that stands still is given up."""
+
+from dataclasses import replace
+
+import pytest
+from rotor_fmu.model.doubts import DOUBTS
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation, StepFailure
+
+from rotor_fmu.native import sentences
+from rotor_fmu.runs.job import prepare
+from rotor_fmu.runs.run_down import run_direct
+
+RIG = rig()
+
+
+def rubbing(**bearing):
+    """The rig with other bearings."""
+    return RIG.with_parts(Bearing, *(replace(b, **bearing) for b in RIG.bearings))
+
+
+def test_friction_that_no_step_resolves_ends_the_run_with_what_to_try():
+    sim = Simulation(rubbing(mu=5.0), speed=400.0, rate=-10.0, warn=lambda message: None)
+    with pytest.raises(StepFailure, match=r"more than 10,000,000 iterations; .* less friction"):
+        sim.advance(0.01, 400.0)
+    assert 0 < sim.time < 0.01
+    assert sim.read("solver.newton") > 1e7
+
+
+@pytest.mark.slow
+def test_a_contact_stiffer_than_any_step_is_slow_too_coarse_and_given_up():
+    said = []
+    sim = Simulation(rubbing(k=1e20), speed=400.0, rate=-10.0, warn=said.append)
+    sim.advance(0.004, 400.0)
+    with pytest.raises(StepFailure, match=r"iterations; .* softer contacts"):
+        sim.advance(0.04, 400.0)
+    assert {message.split(" since")[0] for message in said} >= {"slow", "too coarse"}
+
+
+def test_the_rig_is_never_slow():
+    said = []
+    sim = Simulation(RIG, choose(tolerance=1e-5), speed=400.0, rate=-10.0, warn=said.append)
+    for n in range(1, 6):
+        sim.advance(0.02 * n, 400.0 - 0.2 * (n - 1))
+    assert said == []
+
+
+def test_a_run_whose_shortest_steps_miss_the_tolerance_is_not_ok():
+    sets = ["solver.tolerance=1e-5", "solver.h_min=1e-3", "solver.h=1e-3"]
+    job = prepare(None, None, sets, None, 0.1, 0.05)
+    run = run_direct(job.rotor, job)
+    assert run.status == "too coarse since t = 0 s"
+    assert any("take a smaller solver.h_min" in message for message in run.messages)
+
+
+def test_the_native_fmu_has_the_words_of_every_doubt_in_their_order():
+    told = sentences.SENTENCES[sentences.DOUBTFUL : sentences.DOUBTFUL + len(DOUBTS)]
+    assert [text.replace("{.4g}", "{:.4g}") for text in told] == [d.words for d in DOUBTS]
