@@ -206,12 +206,11 @@ class Simulation:
             self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
         if abs(self._speed[0]) > self._surveyed_to:
             self._survey_whirls()
-        for entry in self._doubts:
+        for entry in tuple(self._doubts):
             since, words = entry
             if since[0] == since[0]:
                 self._doubts.remove(entry)
                 self._warn(words.format(since[0]))
-                break
 
     def snapshot(self) -> np.ndarray:
         """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
