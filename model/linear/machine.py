@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -168,10 +168,14 @@ class LinearMachine:
         if self._acts.any():
             found = tangents(self.structure, to_complex(self._across @ at), speed)
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in found))
-            across = self._across
-            K = (K - across.T @ sp.block_diag(list(laws.by_d)) @ across).tocsc()
-            D = (D - across.T @ sp.block_diag(list(laws.by_v)) @ across).tocsc()
+            K = (K - self._between(laws.by_d)).tocsc()
+            D = (D - self._between(laws.by_v)).tocsc()
         return Linear(speed, self.M, D, K, at, laws)
+
+    def _between(self, tangents: np.ndarray) -> Any:
+        """Matrix of what acts between nodes and housings, of its tangents by interface."""
+        blocks = sp.block_diag([sp.coo_array(tangent) for tangent in tangents])
+        return self._across.T @ blocks @ self._across
 
     def loads(self, linear: Linear, u: np.ndarray, force: np.ndarray, omega: float) -> np.ndarray:
         """What springs, then interfaces bear, x and y, shape (springs + interfaces, 2) [N].
