@@ -19,8 +19,9 @@ from rich.progress import Progress, TimeRemainingColumn
 from ..errors import InputError, writable_folder
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
 from ..model.machine.toml import rig_toml
-from ..runs.job import fmu_in, write_json
+from ..runs.job import clear, fmu_in, write_json
 from ..runs.run_down import interrupts_noted
+from ..telling import tells
 from .system import (
     Coupled,
     build_drive_train,
@@ -37,6 +38,7 @@ STEP = 0.002  # communication step of the run-ups [s]
 # The study of the residual: communication steps [s], and the length of its runs [s].
 STUDIED, STUDY_STOP = (0.008, 0.004, 0.002, 0.001), 1.0
 CONTINUATIONS = ("held", "linear")
+RESULTS = ("summary.json", "run_up.png", "power.png")
 _MEAN_OVER = 0.5  # window of the mean load torque [s]
 _BESIDE = {"textcoords": "offset points", "ha": "right", "color": "#555555", "fontsize": 9}
 _console = Console(stderr=True)
@@ -53,12 +55,13 @@ class RunUp:
     rotor: dict[str, float]
 
 
+@tells
 def drive_train(
     ample: Annotated[float, typer.Option(help="Torque limit that passes, in N.m.")] = AMPLE,
     small: Annotated[float, typer.Option(help="Torque limit that does not, in N.m.")] = SMALL,
     step: Annotated[float, typer.Option(help="Communication step, in seconds.")] = STEP,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/drive_train"),
-) -> None:
+) -> dict[str, Any]:
     """Couple the rotor with a motor: run it up with ample torque and with too little.
 
     Leaves both FMUs, the system files of the example and pictures in the folder. Runs that an
@@ -71,7 +74,7 @@ def drive_train(
         raise InputError(f"--small {small:g} N.m: must be below --ample = {ample:g} N.m")
     if not 1e-4 <= step <= 0.02:
         raise InputError(f"--step {step:g} s: must lie between 0.0001 and 0.02")
-    writable_folder(out)
+    clear(writable_folder(out), RESULTS)
     fmus = build_drive_train(out), fmu_in(out, rig_toml())
     for file in example().iterdir():
         if file.is_file() and file.name != "drive_train.py":
@@ -90,6 +93,7 @@ def drive_train(
     report = summary(runs, study)
     write_json(report, out / "summary.json")
     typer.echo(_in_words(report, out))
+    return report | {"out": str(out)}
 
 
 def _studied(ample: float, continuation: str, step: float) -> RunUp:

@@ -13,14 +13,17 @@ from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 
 from ..errors import InputError, writable_folder
+from ..telling import tells
 
 TARGET, RAMP = 1400.0, 500.0  # of the run-up: [rad/s], [rad/s2]
 LIFT, RUN, SETTLED, CAUGHT = 0.02, 0.2, 0.4, 0.6  # instants and spans of a run [s]
 STEP = 1e-4  # the controller's sample time [s]
 VOLTS = 150.0
+RESULTS = ("summary.json", "run_up.png", "orbit.png", "drop.png")
 _console = Console(stderr=True)
 
 
+@tells
 def magnetic_bearing(
     speed: Annotated[float, typer.Option(help="Speed to reach, in rad/s.")] = TARGET,
     step: Annotated[float, typer.Option(help="Sample time of the controller, in s.")] = STEP,
@@ -28,12 +31,12 @@ def magnetic_bearing(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path(
         "out/magnetic_bearing"
     ),
-) -> None:
+) -> dict[str, Any]:
     """Couple a compressor with its magnetic bearings: lift, run up, switch off, drop, be caught.
 
     Leaves both FMUs, the system files of the example and pictures in the folder.
     """
-    from ..runs.job import write_json
+    from ..runs.job import clear, write_json
     from .figures import write_pictures
     from .system import build_control, couple, example, rotor_in
 
@@ -46,7 +49,7 @@ def magnetic_bearing(
         )
     if not 0 < volts <= 1000:
         raise InputError(f"--volts {volts:g} V: must be > 0 and at most 1000")
-    writable_folder(out)
+    clear(writable_folder(out), RESULTS)
     fmus = build_control(out), rotor_in(out)
     for file in example().iterdir():
         if file.suffix in (".xml", ".ssd", ".toml") or file.name.startswith("with_"):
@@ -65,6 +68,7 @@ def magnetic_bearing(
     report = summary(run, off)
     write_json(report, out / "summary.json")
     typer.echo(_in_words(report, out))
+    return report | {"out": str(out)}
 
 
 def summary(run: Any, off: float) -> dict[str, Any]:

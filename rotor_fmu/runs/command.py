@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from ..errors import RunFailed, writable_folder
+from ..errors import writable_folder
 from ..fmu.interface import interface
 from ..model.settings import PRESETS
 from ..packing.bundle import build
 from ..packing.variable_table import markdown
 from ..packing.warm import warm as make_ready
 from ..report.page import write_report
+from ..telling import tells
 from .figures import write_run_down
 from .host_env import host_environment
 from .job import (
@@ -44,6 +45,7 @@ Sets = Annotated[
 ]
 
 
+@tells
 def run_down(
     preset: Annotated[str | None, typer.Option(help=f"One of {', '.join(PRESETS)}.")] = None,
     sets: Sets = None,
@@ -55,7 +57,7 @@ def run_down(
     direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
-) -> None:
+) -> dict[str, Any]:
     """Drive the built FMU over the paper's run-down and write figures and pictures.
 
     The same run is recorded at the solver's own steps, without the FMU, for the pictures.
@@ -68,16 +70,17 @@ def run_down(
     driven = None if fmu is None else execute(job, fmu, label)
     recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
     result = driven or recorded
-    report = summary(result) | {"recorded_steps": len(recording.t)}
-    if driven is not None:
-        report["recorded_apart"] = difference(driven, recorded)
+    report = summary(result) | {
+        "recorded_steps": len(recording.t),
+        "recorded_apart": driven and difference(driven, recorded),
+    }
     write_csv(result, out / "run_down.csv")
     recording.save(out / "recording.npz")
     name = f"Preset {preset}" if preset else "Default solver"
     write_run_down(result, recording, report, name, job.settings.mode == "adaptive", out)
     write_json(report, out / "summary.json")
     write_report(recording, report, out / "report.html")
-    if apart := report.get("recorded_apart"):
+    if apart := report["recorded_apart"]:
         typer.echo(
             f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "
             "apart from the FMU's; the pictures are of the recorded one",
@@ -87,8 +90,7 @@ def run_down(
         if key != "messages":
             typer.echo(f"{key:20s} {_shown(value)}")
     typer.echo(f"{'written to':20s} {out}")
-    if result.status.startswith("failed"):
-        raise RunFailed(f"the run stopped before its end: {result.status.removeprefix('failed: ')}")
+    return report | {"out": str(out)}
 
 
 def _shown(value: object) -> str:

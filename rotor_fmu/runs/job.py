@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import difflib
-import json
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,6 +27,7 @@ from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
+from ..telling import json_text
 from .machine_file import machine_text
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
@@ -204,9 +204,10 @@ def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run
         return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
 
 
-def clear(out: Path) -> None:
-    """Take away what an earlier run left in its folder, its own files alone."""
-    for pattern in RESULTS:
+def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
+    """Take away what an earlier run left in its folder, its own files alone; results: patterns of
+    their names."""
+    for pattern in results:
         for path in out.glob(pattern):
             path.unlink()
 
@@ -274,7 +275,7 @@ def write_csv(run: Run, path: Path) -> None:
 
 def write_json(data: Mapping[str, object], path: Path) -> None:
     """A JSON file, whole or not at all."""
-    write_text(json.dumps(data, indent=2) + "\n", path)
+    write_text(json_text(data), path)
 
 
 def write_text(text: str, path: Path) -> None:

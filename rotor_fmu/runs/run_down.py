@@ -51,7 +51,8 @@ class Run:
     """A run at its communication points.
 
     t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: `ok`,
-    `false state`, `overdamped since ...` or what went wrong; messages: of the solver; wall_s [s].
+    `false state`, `overdamped since ...` or what went wrong; messages: of the solver; wall_s: from
+    the end of the first communication step, by when all code is compiled, to the run's [s].
     """
 
     t: np.ndarray
@@ -83,7 +84,9 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t, h: None) -> Ru
             messages.append(text.decode("utf-8", "replace").splitlines()[-1])
 
     def step_finished(t: float, its_recorder: Any) -> bool:
-        nonlocal recorder
+        nonlocal recorder, begun
+        if recorder is None:  # whatever had to be compiled now is
+            begun = time.perf_counter()
         recorder = its_recorder
         last = dict(zip((name for name, *_ in recorder.cols), recorder.rows[-1], strict=True))
         progress(t, last["solver.h_last"])
@@ -231,13 +234,13 @@ def _march(
         if not is_silent:
             print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
 
-    begun = time.perf_counter()
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
     loads = load_names(rotor)
     h_last = simulation.names.index("solver.h_last")
     failure = None
     t, n = 0.0, 0
     times, rows = [t], [simulation.observed.copy()]
+    begun = time.perf_counter()
     taped = [simulation.drain()]
     while t < stop and not math.isclose(t, stop):
         target = min((n + 1) * plan.step, stop)
@@ -252,6 +255,8 @@ def _march(
         finally:
             taped.append(simulation.drain())
         t, n = target, n + 1
+        if n == 1:  # whatever had to be compiled now is
+            begun = time.perf_counter()
         times.append(t)
         rows.append(simulation.observed.copy())
         progress(t, float(simulation.observed[h_last]))

@@ -18,7 +18,8 @@ from rich.progress import Progress as Bar
 from rich.progress import TextColumn
 from rich.table import Table
 
-from ..errors import InputError, RunFailed, writable_folder
+from ..errors import InputError, writable_folder
+from ..telling import tells
 from .conduct import Progress, conduct
 from .engines import Where, engine
 from .machine_runs import MachineRuns
@@ -29,6 +30,7 @@ _LINE_EVERY = 10.0  # lines of progress where there is no terminal [s]
 _errors = Console(stderr=True)
 
 
+@tells
 def study(
     file: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What to run and keep.")],
     out: Annotated[Path, typer.Option(help="Folder of the study; one that is begun goes on.")],
@@ -50,7 +52,7 @@ def study(
     select: Annotated[
         str, typer.Option(help="Run one again with all its signals: its id, or its number.")
     ] = "",
-) -> None:
+) -> dict[str, Any]:
     """Make many runs of a machine, one row each, and say what they show.
 
     A call that was stopped, however, goes on where it was; rows that are there are not made again.
@@ -59,8 +61,7 @@ def study(
     told = read_study(file, is_quick=is_quick)
     where = _where(jobs, scheduler, cluster)
     if select:
-        _select(told, select, out)
-        return
+        return _select(told, select, out)
     with _shown(told) as report:
         try:
             progress = conduct(told, out, partial(engine, where), report)
@@ -68,9 +69,10 @@ def study(
             say = f"{told.name}: its rows are kept; the same call goes on from there"
             print(say, file=sys.stderr, flush=True)
             raise
-    _say_result(told, out, progress)
+    figures = _say_result(told, out, progress)
     if is_analysed:
-        _analyse(out)
+        figures["analysis"] = _analyse(out)
+    return figures
 
 
 def _need_extra() -> None:
@@ -149,7 +151,7 @@ def _duration(seconds: float) -> str:
     return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
 
 
-def _say_result(told: Study, out: Path, progress: Progress) -> None:
+def _say_result(told: Study, out: Path, progress: Progress) -> dict[str, Any]:
     from .analysis import worst
     from .dataset import open_dataset
 
@@ -161,12 +163,25 @@ def _say_result(told: Study, out: Path, progress: Progress) -> None:
         counts[kind] = counts.get(kind, 0) + 1
     shown = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
     typer.echo(f"{told.name}: {progress.runs} runs, {progress.now} of them now: {shown}")
+    figures: dict[str, Any] = {
+        "name": told.name,
+        "runs": progress.runs,
+        "made_now": progress.now,
+        "counts": counts,
+        "worst_of": None,
+        "worst": [],
+        "analysis": None,
+        "out": str(out),
+    }
     ranked = [c for c in told.model.columns if not c.dimension]
     if ranked:
         named = next((c for c in ranked if c.name in told.limits), ranked[0])
         typer.echo(f"the largest of {named.name} [{named.unit}], what failed first:")
-        _print_table(worst(data, named.name))
+        figures["worst_of"] = named.name
+        figures["worst"] = worst(data, named.name)
+        _print_table(figures["worst"])
     typer.echo(f"written to {out}")
+    return figures
 
 
 def _print_table(rows: list[dict[str, Any]]) -> None:
@@ -181,7 +196,7 @@ def _print_table(rows: list[dict[str, Any]]) -> None:
     Console(width=max(Console().width, 120), highlight=False).print(table)
 
 
-def _analyse(out: Path) -> None:
+def _analyse(out: Path) -> dict[str, Any]:
     from ..runs.job import write_json
     from .analysis import analyse
 
@@ -209,9 +224,10 @@ def _analyse(out: Path) -> None:
         else:
             typer.echo(f"{name}: no indices: fewer than two whole blocks, or it does not vary")
     typer.echo(f"written to {out / 'analysis.json'}")
+    return report
 
 
-def _select(told: Study, select: str, out: Path) -> None:
+def _select(told: Study, select: str, out: Path) -> dict[str, Any]:
     """Make one run again with all its signals, in a folder of its own."""
     from ..runs.job import write_json
 
@@ -225,12 +241,11 @@ def _select(told: Study, select: str, out: Path) -> None:
     folder = writable_folder(out / "runs" / run_id)
     recording.save(folder / "recording.npz")
     about = {"run": number, "id": run_id, "status": recording.about["status"], "values": values}
-    write_json(about | {"messages": recording.about["messages"]}, folder / "summary.json")
+    about["messages"] = recording.about["messages"]
+    write_json(about, folder / "summary.json")
     typer.echo(f"run {number}, {run_id}: {recording.about['status']}")
     typer.echo(f"written to {folder}")
-    if str(recording.about["status"]).startswith(FAILED):
-        reason = str(recording.about["status"]).removeprefix(FAILED)
-        raise RunFailed(f"the run stopped before its end: {reason}")
+    return about | {"out": str(folder)}
 
 
 def _number_of(told: Study, select: str) -> int:

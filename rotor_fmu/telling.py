@@ -1,0 +1,70 @@
+"""What a command tells of its results: words, the same figures as JSON, or nothing."""
+
+from __future__ import annotations
+
+import inspect
+import io
+import math
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from functools import wraps
+from json import dumps
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import typer
+
+from .errors import RunFailed
+
+_OPTIONS = {
+    "as_json": Annotated[
+        bool, typer.Option("--json", help="Print the summary as JSON to standard output.")
+    ],
+    "is_quiet": Annotated[
+        bool, typer.Option("--quiet", help="Print nothing but errors, and what --json asks for.")
+    ],
+}
+_FAILED = "failed: "
+
+
+def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
+    """Give a command that returns its figures the options `--json` and `--quiet`; a `status` among
+    the figures that says `failed: ` is a `RunFailed` once they are told."""
+
+    @wraps(command)
+    def told(*, as_json: bool = False, is_quiet: bool = False, **options: Any) -> None:
+        with ExitStack() as stack:
+            if as_json or is_quiet:
+                stack.enter_context(redirect_stdout(io.StringIO()))
+            if is_quiet:
+                stack.enter_context(redirect_stderr(io.StringIO()))
+            figures = command(**options)
+        if as_json:
+            typer.echo(json_text(figures), nl=False)
+        status = str(figures.get("status", ""))
+        if status.startswith(_FAILED):
+            raise RunFailed(f"the run stopped before its end: {status.removeprefix(_FAILED)}")
+
+    hints = get_type_hints(command, include_extras=True) | _OPTIONS
+    own = inspect.signature(command).parameters.values()
+    added = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=False) for n in _OPTIONS]
+    told.__annotations__ = hints
+    told.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [parameter.replace(annotation=hints[parameter.name]) for parameter in (*own, *added)]
+    )
+    return told
+
+
+def json_text(figures: Mapping[str, Any]) -> str:
+    """Figures as JSON, which knows no infinity: null where a number is not finite."""
+    return dumps(_plain(figures), indent=2, allow_nan=False) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value
