@@ -15,6 +15,10 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 SECTIONS = {
     "To look things up": ["docs/commands.md", "docs/api.md"],
+    "Notebooks": [
+        *("docs/notebooks/run_down.ipynb", "docs/notebooks/own_machine.ipynb"),
+        *("docs/notebooks/coupling.ipynb", "docs/notebooks/study.ipynb"),
+    ],
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
     "Results": ["docs/signals.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],

@@ -5,8 +5,9 @@ from rotor_fmu.about import __version__
 project = "rotor-fmu"
 author = "the rotor-fmu authors"
 version = release = __version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode", "sphinx_copybutton"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.viewcode", "sphinx_copybutton"]
 myst_enable_extensions = ["dollarmath"]
+nb_execution_mode = "off"  # the tests run the notebooks
 myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "rotor-fmu"

@@ -15,7 +15,7 @@ from ..model.machine.toml import parse_rotor
 from ..model.march.tape import recordable
 from ..model.quantities import QuantityError
 from ..runs.job import load_rotor
-from .pictures import png
+from .pictures import png, shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -101,7 +101,7 @@ class Machine:
         """The machine to scale, in mm."""
         from ..packing.machine_picture import machine_figure
 
-        return machine_figure(self.rotor)
+        return shown(machine_figure(self.rotor))
 
     def __repr__(self) -> str:
         kinds = [part.KIND for part in self.rotor.parts]

@@ -22,7 +22,7 @@ from ..runs.recording import Recording, load_recording
 from ..runs.run_down import PEAKS_AFTER, Run
 from ..runs.views import peak_index
 from .machine import Machine
-from .pictures import png
+from .pictures import png, shown
 
 if TYPE_CHECKING:
     import pandas as pd  # type: ignore[import-untyped]
@@ -196,7 +196,7 @@ class Result:
 
         if kind not in KINDS:
             raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
-        return KINDS[kind](View(self._seen, place, speed, is_pp))
+        return shown(KINDS[kind](View(self._seen, place, speed, is_pp)))
 
     def save(self, folder: Path | str) -> Path:
         """Write `recording.npz` into a folder, for `read_run`, `rotor-fmu plot` and reports."""
