@@ -14,11 +14,27 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 class InputError(Refusal, ValueError):
-    """What a user gave that cannot be; names the thing, its value and what is allowed."""
+    """What a user gave that cannot be; names the thing, its value and what is allowed.
+
+    >>> import rotor_fmu as rf
+    >>> try:
+    ...     rf.simulate(rf.load(), speed=185.0, stop=-1.0)
+    ... except rf.InputError as error:
+    ...     print(error)
+    stop = -1.0 s: must be > 0 and finite
+    """
 
 
 class RunFailed(RuntimeError):
-    """A run that did not reach its end."""
+    """A run that did not reach its end, where nothing of it can be returned.
+
+    >>> import rotor_fmu as rf
+    >>> try:
+    ...     raise rf.RunFailed("the FMU cannot be instantiated")
+    ... except rf.RunFailed as error:
+    ...     print(error)
+    the FMU cannot be instantiated
+    """
 
 
 def run(app: Callable[..., int | None]) -> None:

@@ -34,7 +34,14 @@ if TYPE_CHECKING:
 
 class Peak(NamedTuple):
     """A peak of a displacement over the speed: the part, the axis, the amplitude 0-p from rest [m],
-    the speed [rad/s] and the time [s]."""
+    the speed [rad/s] and the time [s].
+
+    >>> import rotor_fmu as rf
+    >>> run = rf.simulate(rf.load(), speed=([0, 7], [220, 150]), tolerance=1e-2)
+    >>> peak = next(peak for peak in run.peaks if peak.axis == "x")
+    >>> f"{peak.part}: about {round(1e6 * peak.amplitude, -2):.0f} µm at {peak.speed:.2g} rad/s"
+    'disc[1]: about 400 µm at 1.7e+02 rad/s'
+    """
 
     part: str
     axis: str
