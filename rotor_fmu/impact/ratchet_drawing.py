@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
@@ -118,15 +119,19 @@ def drawing(found: RatchetRun, caption: str) -> Figure:
     bent = bending(found.ratchet, found.shapes[[k for _, k in shown]])
     largest = float(np.sqrt((bent**2).sum(axis=-1)).max())
     factor = _magnification(bent)
-    figure, axes = panels(len(shown), 6.6, 0.8 + 2.25 * len(shown), sharex=True)
-    for one, (label, k) in zip(axes, shown, strict=True):
+    rows = math.ceil(len(shown) / 2)
+    figure = Figure(figsize=(8.4, 0.6 + 2.3 * rows), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
+    for one, (label, k) in zip(axes.flat, shown, strict=True):
         scene = _Scene(one, found.ratchet, factor, largest)
         scene.show(found.shape_angle[k], found.shapes[k])
-        text = f"{label}, t = {1e3 * found.shape_t[k]:.2f} ms"
-        one.text(0.02, 0.95, text, transform=one.transAxes, va="top", fontsize=9)
-    axes[-1].set_xlabel("x [mm]")
-    axes[0].set_title(f"{caption}, bending drawn {factor:g} times", loc="left", fontsize=10)
-    figure.colorbar(scene.mesh, ax=axes, label="Bending [µm]", shrink=0.5)
+        one.set_title(f"{label}, t = {1e3 * found.shape_t[k]:.2f} ms", loc="left", fontsize=11)
+        one.spines[["top", "right"]].set_visible(False)
+        one.set_xlabel("x [mm]")
+        one.label_outer()
+    figure.suptitle(f"{caption}, bending drawn {factor:g} times", x=0.01, ha="left", fontsize=11)
+    figure.colorbar(scene.mesh, ax=axes, label="Bending [µm]", shrink=0.9)
     return figure
 
 

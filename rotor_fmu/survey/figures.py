@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
 from .findings import Findings, median, title_of
@@ -33,67 +36,98 @@ def _step_axis(axes: Axes, steps: Sequence[float]) -> None:
 
 
 def error(findings: Findings) -> Figure:
-    """Error of the run-down's amplitudes against step length."""
-    figure, axes = new_figure(7.0, 4.4)
+    """Error of the run-down's amplitudes against step length, a panel a scheme among the others."""
+    figure = Figure(figsize=(9.0, 5.6), dpi=150, layout="constrained")
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
     steps = findings.steps("rotor")
-    for label, (color, marker) in SHOWN.items():
-        h, value, is_safe = [], [], []
-        for step in steps:
-            rows = findings.of("rotor", scheme=label, h=step)
-            middle = median(rows, "error")
-            if middle is not None:
-                h.append(step * 1e3)
-                value.append(middle * 100)
-                is_safe.append(not findings.trapped_share(label, step))
-        axes.plot(h, value, color=color, lw=1.3, label=title_of(label))
+    curves = {label: _errors(findings, label, steps) for label in SHOWN}
+    for axes, (label, (color, _)) in zip(panels.flat, SHOWN.items(), strict=True):
+        for h, value, _ in curves.values():
+            axes.plot(h, value, color="#dddddd", lw=1.2)
+        h, value, is_safe = curves[label]
+        axes.plot(h, value, color=color, lw=1.8)
         fill = [color if safe else "white" for safe in is_safe]
-        axes.scatter(h, value, c=fill, edgecolors=color, marker=marker, s=28, zorder=3)
-    axes.set_yscale("log")
-    _step_axis(axes, steps)
-    axes.set_ylabel("Error of the amplitudes [%]")
-    axes.legend(frameon=False, fontsize=8, loc="upper left", ncols=2)
-    axes.set_title(
-        "Run-down: median error of twelve runs; open: some in the false state",
-        loc="left",
+        axes.scatter(h, value, c=fill, edgecolors=color, s=34, lw=1.4, zorder=3)
+        axes.set_title(title_of(label), loc="left", fontsize=10, color=color)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.set_yscale("log")
+        _step_axis(axes, steps)
+        axes.set_yticks([0.3, 1, 3, 10, 30], ["0.3", "1", "3", "10", "30"])
+        axes.set_yticks([], minor=True)
+        axes.grid(color="#eeeeee", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.label_outer()
+    for axes in panels[:, 0]:
+        axes.set_ylabel("Error of the amplitudes [%]")
+    figure.suptitle(
+        "Run-down: median error of twelve runs (open: some of them in the false state; grey: the "
+        "other schemes)",
+        x=0.01,
+        ha="left",
         fontsize=10,
     )
     return figure
 
 
+def _errors(
+    findings: Findings, label: str, steps: Sequence[float]
+) -> tuple[list[float], list[float], list[bool]]:
+    """Steps [ms] of a scheme with their median errors [%], and whether no run is in the false
+    state."""
+    found = []
+    for step in steps:
+        middle = median(findings.of("rotor", scheme=label, h=step), "error")
+        if middle is not None:
+            found.append((1e3 * step, 100 * middle, not findings.trapped_share(label, step)))
+    h, value, is_safe = zip(*found, strict=True)
+    return list(h), list(value), list(is_safe)
+
+
 def false_states(findings: Findings) -> Figure:
     """Share of the run-downs in the false state, and what the map of one impact predicts."""
-    figure = Figure(figsize=(8.6, 5.4), dpi=150, layout="constrained")
+    figure = Figure(figsize=(9.4, 6.0), dpi=150, layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     schemes, steps = findings.schemes("bounce"), findings.steps("rotor")
     speed = findings.impact_speed()
     contents: tuple[tuple[str, Callable[[str, float], float | None]], ...] = (
-        ("seen: share of twelve run-downs", findings.trapped_share),
+        ("seen: of twelve run-downs", findings.trapped_share),
         (
-            f"predicted: share of single impacts at {speed:.2g} m/s",
+            f"predicted: of single impacts at {speed:.2g} m/s",
             lambda label, h: findings.bounce_share(label, h, speed),
         ),
     )
+    colors = ListedColormap(["#f2f2f2", *colormaps["cividis_r"](np.linspace(0.1, 1.0, 4))])
+    norm = BoundaryNorm([-0.5, 1e-9, 0.25, 0.5, 0.75, 1.0], colors.N)
     for axes, (title, share) in zip(panels, contents, strict=True):
         values = np.array(
             [[np.nan if (s := share(x, h)) is None else s for h in steps] for x in schemes]
         )
-        image = axes.imshow(values, cmap="cividis", vmin=0, vmax=1, aspect="auto")
-        for i, j in np.ndindex(values.shape):
-            text = "x" if np.isnan(values[i, j]) else f"{values[i, j]:.1f}".lstrip("0")
-            if values[i, j] != 0:
-                shade = "black" if values[i, j] > 0.6 or text == "x" else "white"
-                text = "1" if text == "1.0" else text
-                axes.text(j, i, text, ha="center", va="center", fontsize=6, color=shade)
-        axes.set_xticks(range(len(steps)), [f"{h * 1e3:.2g}" for h in steps], fontsize=7)
-        axes.set_yticks(range(len(schemes)), [title_of(x) for x in schemes], fontsize=8)
+        axes.pcolormesh(values, cmap=colors, norm=norm, edgecolor="white", lw=1.0)
+        for i, j in np.argwhere(np.isnan(values)):
+            axes.plot(j + 0.5, i + 0.5, "x", color="black", ms=7, mew=1.3)
+        axes.set_xticks(np.arange(len(steps)) + 0.5, [f"{h * 1e3:.2g}" for h in steps], fontsize=9)
+        axes.set_yticks(np.arange(len(schemes)) + 0.5, [title_of(x) for x in schemes], fontsize=9)
         axes.set_xlabel(_STEP_LABEL)
-        axes.set_title(title, loc="left", fontsize=9)
-    figure.colorbar(image, ax=panels, shrink=0.7, label="share in the false state [1]")
+        axes.set_title(title, loc="left", fontsize=10)
+        axes.tick_params(length=0)
+        axes.spines[:].set_visible(False)
+    panels[0].invert_yaxis()
+    said = ("none", "below 1/4", "below 1/2", "below 3/4", "3/4 and more")
+    patches = [
+        Patch(color=color, label=text) for color, text in zip(colors.colors, said, strict=True)
+    ]
+    figure.legend(
+        handles=patches,
+        title="Share in the false state (x: diverged)",
+        loc="outside lower center",
+        ncols=5,
+        frameon=False,
+    )
     figure.suptitle(
-        "The false state: seen in the run-down, predicted from one impact (x: diverged)",
+        "The false state: seen in the run-down, predicted from one impact",
         x=0.01,
         ha="left",
-        fontsize=10,
+        fontsize=11,
     )
     return figure
 
