@@ -156,3 +156,13 @@ def test_a_run_takes_away_its_own_earlier_files_alone(tmp_path):
     clear(tmp_path)
     left = {path.name for path in tmp_path.iterdir()}
     assert left == {"notes.txt", "RotorBearing.fmu", "summary.json.bak"}
+
+
+def test_pictures_go_with_the_recording_that_they_were_drawn_of(tmp_path):
+    for name in ("orbit.png", "mine.png"):
+        (tmp_path / name).write_bytes(b"")
+    clear(tmp_path)  # without a recording they are the user's
+    assert {path.name for path in tmp_path.iterdir()} == {"orbit.png", "mine.png"}
+    (tmp_path / "recording.npz").write_bytes(b"")
+    clear(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.png"}

@@ -10,17 +10,13 @@ from typing import Annotated
 import typer
 
 from ..errors import InputError, writable_folder
+from ..runs import PLOTS
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
-_KINDS = (
-    "bode", "polar", "orbit", "cascade", "poincare", "contact-angle", "contact-force", "energy",
-    "spectrum", "whirl",
-)  # fmt: skip
-
 
 def plot(
-    kind: Annotated[str, typer.Argument(help=f"One of {', '.join(_KINDS)}.")],
+    kind: Annotated[str, typer.Argument(help=f"One of {', '.join(PLOTS)}.")],
     run: Annotated[Path, typer.Argument(help="Folder of a run, with its recording.npz.")],
     place: Annotated[
         str | None,
@@ -33,9 +29,9 @@ def plot(
     out: Annotated[Path | None, typer.Option(help="Folder; default: the run's.")] = None,
 ) -> None:
     """Draw a recorded run as vibration engineers do."""
-    if kind not in _KINDS:
-        near = difflib.get_close_matches(kind, _KINDS, 1, 0.0)[0]
-        raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(_KINDS)}")
+    if kind not in PLOTS:
+        near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
+        raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
     if speed is not None and not 0 < speed < math.inf:
         raise InputError(f"--speed {speed:g} Hz: must be > 0 and finite")
     from ..figures import save

@@ -28,6 +28,7 @@ from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
 from ..telling import json_text
+from . import PLOTS
 from .machine_file import machine_text
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
@@ -206,7 +207,9 @@ def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run
 
 def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
     """Take away what an earlier run left in its folder, its own files alone; results: patterns of
-    their names."""
+    their names. Pictures are of the recording that lies beside them."""
+    if (out / "recording.npz").exists():
+        results = (*results, *(f"{kind}.png" for kind in PLOTS))
     for pattern in results:
         for path in out.glob(pattern):
             path.unlink()
