@@ -77,6 +77,7 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t, h: None) -> Ru
     recorded = [v.name for v in plan.table if v.is_observed]
     messages: list[str] = []
     recorder = None
+    begun = time.perf_counter()
 
     def log(environment: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
         if status != fmpy.fmi2.fmi2OK:
@@ -93,7 +94,6 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t, h: None) -> Ru
         return not interrupts
 
     folder = fmpy.extract(str(fmu))
-    begun = time.perf_counter()
     failure = None
     interrupts: list[int] = []
     try:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, ListedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -96,7 +96,8 @@ def false_states(findings: Findings) -> Figure:
             lambda label, h: findings.bounce_share(label, h, speed),
         ),
     )
-    colors = ListedColormap(["#f2f2f2", *colormaps["cividis_r"](np.linspace(0.1, 1.0, 4))])
+    shades = ["#f2f2f2", *(to_hex(c) for c in colormaps["cividis_r"](np.linspace(0.1, 1.0, 4)))]
+    colors = ListedColormap(shades)
     norm = BoundaryNorm([-0.5, 1e-9, 0.25, 0.5, 0.75, 1.0], colors.N)
     for axes, (title, share) in zip(panels, contents, strict=True):
         values = np.array(
@@ -113,9 +114,7 @@ def false_states(findings: Findings) -> Figure:
         axes.spines[:].set_visible(False)
     panels[0].invert_yaxis()
     said = ("none", "below 1/4", "below 1/2", "below 3/4", "3/4 and more")
-    patches = [
-        Patch(color=color, label=text) for color, text in zip(colors.colors, said, strict=True)
-    ]
+    patches = [Patch(color=shade, label=text) for shade, text in zip(shades, said, strict=True)]
     figure.legend(
         handles=patches,
         title="Share in the false state (x: diverged)",
