@@ -89,6 +89,7 @@ def test_the_blocks_of_a_page_run_as_pasted_and_warn_of_nothing(copy, page):
     bin_folder = copy / ".venv" / ("Scripts" if os.name == "nt" else "bin")
     environment = {**os.environ, "PATH": f"{bin_folder}{os.pathsep}{os.environ['PATH']}"}
     environment.pop("PYTHONPATH", None)
+    environment["PIP_QUIET"] = "2"  # what it says of its indexes is not the page's
     is_example = "examples" in page.relative_to(ROOT).parts
     folder = (copy / page.relative_to(ROOT)).parent if is_example else copy
     for language, text in blocks(page):
