@@ -60,7 +60,7 @@ class Settings:
     [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
     relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
     with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative, at most 1 [1].
-    fitted: whether the method is fitted to the speed of rotation (`fitting`).
+    fitted: whether the method is fitted to the pace of the motion (`fitting`).
     reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
 
     Raises `SettingsError`.

@@ -1,16 +1,23 @@
-"""Fitting to the speed of rotation: a steady whirl keeps its size and phase at coarse steps."""
+"""Fitting to the pace of the motion: a steady whirl keeps its size and phase at coarse steps, and a
+rotor that turns falls as any other body."""
 
 import math
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.step.fitting import fitted, unfitted
+from rotor_fmu.model.step.fitting import fitted, pace_after, unfitted
 
 from .machines import disc_dofs, overhung, unbalance_vector
+
+COMPRESSOR = Path(__file__).parents[1] / "examples" / "drop" / "compressor.toml"
 
 SCHEMES = [
     chung_hulbert(0.3),
@@ -65,3 +72,48 @@ def test_a_free_oscillation_keeps_its_period(scheme):
             roots = np.linalg.eigvals(np.linalg.solve(left, right))
             phases.append(abs(np.angle(roots[np.argmax(np.abs(roots) * (roots.imag > 0))])))
         assert abs(phases[1] - w) < 0.1 * abs(phases[0] - w)
+
+
+def test_a_rotor_that_turns_falls_as_any_other_body():
+    """Fitted to its rotation alone its mass, and so its fall, would be wrong by percents."""
+    rotor = parse_rotor(COMPRESSOR.read_text(encoding="utf-8"))
+    fallen = []
+    for fit in (True, False):
+        sim = Simulation(rotor, choose("robust", fitted=fit), speed=400.0)
+        for i in range(12):
+            sim.advance(5e-4 * (i + 1), 400.0)
+        fallen.append(sum(sim.read(f"touchdown_bearing[{k}].y") for k in (1, 2)) / 2)
+    assert fallen[0] == pytest.approx(fallen[1], rel=1e-4)
+    assert fallen[0] == pytest.approx(-9.81 * sim.time**2 / 2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("motion", "expected"),
+    [
+        (lambda t: np.exp(157j * t), 157.0),
+        (lambda t: np.cos(157 * t), 157.0),
+        (lambda t: np.exp(-400j * t), 400.0),
+        (lambda t: np.exp(2800j * t), 400.0),
+    ],
+    ids=["a slow whirl", "a slow swing", "a whirl backward", "a shake, at most the rotation"],
+)
+def test_the_pace_of_a_motion_is_its_angular_frequency(motion, expected):
+    def at(t, d=1e-5):
+        v = (motion(t + d) - motion(t - d)) / (2 * d)
+        a = (motion(t + d) - 2 * motion(t) + motion(t - d)) / d**2
+        return SimpleNamespace(v=np.array([complex(v)]), a=np.array([complex(a)]))
+
+    machine = SimpleNamespace(mass_share=np.ones(1))
+    h, square = 2e-4, 0.0
+    for i in range(1000):
+        square = plain(pace_after)(machine, 400.0, h, at(i * h), at((i + 1) * h), square)
+    assert math.sqrt(square) == pytest.approx(expected, rel=0.01)
+
+
+def test_the_pace_of_a_fall_is_none_and_of_rest_what_it_was():
+    machine = SimpleNamespace(mass_share=np.ones(1))
+    fall = [SimpleNamespace(v=np.array([-9.81j * t]), a=np.array([-9.81j])) for t in (0.1, 0.101)]
+    assert plain(pace_after)(machine, 400.0, 1e-3, *fall, 0.0) == 0.0
+    rest = SimpleNamespace(v=np.zeros(1, complex), a=np.zeros(1, complex))
+    assert plain(pace_after)(machine, 400.0, 1e-3, rest, rest, 900.0) == 900.0
+    assert plain(pace_after)(machine, 20.0, 1e-3, rest, rest, 900.0) == 400.0

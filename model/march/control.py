@@ -21,7 +21,7 @@ class Control(NamedTuple):
     LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
     MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of
     h^2 (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to
-    the speed (`fitting`); h_in_contact: longest of CONTROLLED while a journal touches [s];
+    the motion (`fitting`); h_in_contact: longest of CONTROLLED while a journal touches [s];
     overdamping: what the integrator may take of the energy of a rub, over what the dampers do [1].
     """
 
@@ -43,12 +43,13 @@ class Control(NamedTuple):
 
 
 @compiled
-def step_error(structure, control, omega, h, is_first, old, new):
-    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated."""
+def step_error(structure, control, pace, h, is_first, old, new):
+    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated. pace: of
+    the motion [rad/s]."""
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
     if control.mode == CONTROLLED:
-        error = local_error(structure, control, omega, h, old, new)
+        error = local_error(structure, control, pace, h, old, new)
         return max(error, contact_error(structure, control, h, new))
     return 0.0
 

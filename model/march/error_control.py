@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled
-from ..kernels.functions import root
+from ..kernels.functions import direction, root
 from ..step.laws import law_opening, relative
 
 SAFETY = 0.8
@@ -23,23 +23,31 @@ LATE = 0.9
 
 
 @compiled
-def local_error(structure, control, omega, h, old, new):
-    """Error of a step of length h [s] over the one tolerated [1]; omega: speed [rad/s].
+def local_error(structure, control, pace, h, old, new):
+    """Error of a step of length h [s] over the one tolerated [1]; pace: of the motion [rad/s].
 
     Displacements are weighted with their masses (root mean square), so that neither the turning
     point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
-    of this displacement and the clearance, per 2.5 radians of the lowest mode or of the rotation,
+    of this displacement and the clearance, per 2.5 radians of the slowest motion or of the pace,
     whichever is faster: with that the disc's orbit keeps to some times the tolerance.
+
+    At the turn of a swing along a line the accelerations do not change for a moment; there half
+    of what a whirl of this pace would have changed them by is taken.
     """
     share = structure.mass_share
+    turned = direction(pace * h)
     error = 0.0
+    apart = 0.0
     size = 0.0
     for i in range(len(share)):
         change = new.a[i] - old.a[i]
+        other = new.a[i] - turned * old.a[i]
         q = new.q[i]
+        apart += share[i] * (other.real * other.real + other.imag * other.imag)
         error += share[i] * (change.real * change.real + change.imag * change.imag)
         size += share[i] * (q.real * q.real + q.imag * q.imag)
-    radians = h * max(structure.numbers[0].lowest_omega, abs(omega))
+    error = max(error, 0.25 * apart)
+    radians = h * max(structure.numbers[0].slowest, pace)
     tolerated = (
         0.4 * radians * control.tolerance * (structure.numbers[0].clearance + math.sqrt(size))
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled, inlined
-from ..step.fitting import fitted, unfitted
+from ..step.fitting import fitted, pace_after, unfitted
 from ..step.step import accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
 from .energy import powers, total_energy
@@ -119,7 +119,7 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, 
     fit = unfitted()
     for correction in range(SPIN_ITERATIONS):
         if control.is_fitted:
-            fit = fitted(scheme, spin.omega * h)
+            fit = fitted(scheme, math.sqrt(r.pace2) * h)
         status, iterations = try_step(
             structure, scheme, fit, spin, h, loads, motion, trial, work, problem
         )
@@ -181,7 +181,8 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             r.newton += iterations
             error = 0.0
             if status == DONE:
-                error = step_error(structure, control, spin.omega, h, r.steps == 0, motion, trial)
+                pace = math.sqrt(r.pace2)
+                error = step_error(structure, control, pace, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break
                 if h <= shortest:
@@ -197,6 +198,8 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             wished = shorter_length(structure, control, h, error, status == DONE, motion, trial)
             parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
             h = (t_end - r.t) / parts
+        if control.is_fitted or control.mode == CONTROLLED:
+            r.pace2 = pace_after(structure, spin.omega, h, motion, trial, r.pace2)
         r.t = t
         r.h_carried = h
         r.damping = fit.damping

@@ -23,6 +23,7 @@ RECORD = np.dtype(
             "h",  # wished step length [s]
             "h_last",
             "h_carried",  # to which the carried accelerations belong
+            "pace2",  # square of the motion's `pace_after` [rad2/s2]
             "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
             "h_largest",

@@ -1,20 +1,26 @@
-"""Generalized-alpha fitted to the speed of rotation.
+"""Generalized-alpha fitted to the pace of the motion.
 
 A rotor's motion is nearly harmonic with the speed of rotation, q ~ exp(i Omega t). For such a
 motion the scheme relates accelerations, velocities and displacements by factors known in closed
 form; with the mass and the damping of a step divided by them, a steady whirl comes out with its
 own period (trigonometric fitting: Gautschi 1961). Both factors are 1 + O((Omega h)^2), so the order
 stays, and so does what holds at rest.
+
+Of a slower motion the mass would be wrong by as much: a rotor that falls, fitted to its rotation,
+falls with the wrong acceleration. So the scheme is fitted to the motion's own pace (`pace_after`),
+which is that of the rotation where the rotor whirls with it.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled
 from ..kernels.functions import direction, inverse
 
 SLOWEST = 1e-4  # Omega h [rad] below which the factors are 1 to rounding
+MEMORY = 2.0 * math.pi  # rotation over which a pace is forgotten [rad]
 
 
 class Fit(NamedTuple):
@@ -42,3 +48,28 @@ def fitted(scheme, w):
     balance = (am + (1.0 - am) * z) * inverse(af + (1.0 - af) * z)  # v_dot over a
     mass = -w * w * displacement * inverse(balance)
     return Fit(mass.real, (1j * w * displacement * inverse(velocity)).real)
+
+
+@compiled
+def pace_after(structure, omega, h, old, new, before):
+    """Square of the angular frequency of the motion [rad2/s2], at most that of the rotation, after
+    a step of length h [s]; before: after the last step.
+
+    Of q ~ exp(i p t), and of a swing along a line as well, p^2 = (|jerk|^2 + p^2 |a|^2) over
+    (|a|^2 + p^2 |v|^2), weighted with the masses; of a free fall p is 0.
+    """
+    share = structure.mass_share
+    above, below = 0.0, 0.0
+    for i in range(len(share)):
+        jerk = (new.a[i] - old.a[i]) * (1.0 / h)
+        a = 0.5 * (new.a[i] + old.a[i])
+        v = 0.5 * (new.v[i] + old.v[i])
+        square = a.real * a.real + a.imag * a.imag
+        above += share[i] * (jerk.real * jerk.real + jerk.imag * jerk.imag + before * square)
+        below += share[i] * (square + before * (v.real * v.real + v.imag * v.imag))
+    most = omega * omega
+    if below == 0.0:
+        return min(most, before)
+    seen = min(most, above / below)
+    part = min(1.0, h * abs(omega) / MEMORY) if before > 0.0 else 1.0
+    return min(most, before + part * (seen - before))

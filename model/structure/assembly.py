@@ -60,17 +60,18 @@ HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
 # the states of the law begin.
 INTERFACE = _record("law row dof end own states out has_wall", "length")
-# What a machine has one of. Given: whether the internal damping turns; base_load: place of the
+# What a machine has one of. Given: whether the internal damping turns; is_held: whether springs and
+# soft laws hold it, and not its clearances alone; base_load: place of the
 # base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share
 # of it acts along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
 # `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, small: a length of the
 # machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia with the
 # eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v +
-# sign(Omega) kappa_h; clearance: the smallest [m].
+# sign(Omega) kappa_h; clearance: the smallest [m]; slowest: pace of its slowest motion [rad/s].
 NUMBERS = _record(
-    "rotating_damping base_load",
+    "rotating_damping is_held base_load",
     "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
-    "kappa_h clearance",
+    "kappa_h clearance slowest",
 )
 
 
@@ -187,7 +188,9 @@ def assemble(rotor: Rotor) -> Structure:
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
     numbers[0].own_inertia = inertia
-    numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, springs, elements)
+    held = _held(len(M), springs, elements)
+    numbers[0].is_held = np.count_nonzero(held) >= 2
+    numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, held, elements)
     numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
     unbalances = [u for _, u in _of(Unbalance, elements)]
     structure = Structure(
@@ -315,19 +318,23 @@ def _mass_share(M: np.ndarray) -> np.ndarray:
     return lumped / lumped.sum()
 
 
+def _held(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
+    """Stiffness of springs and soft laws at each dof [N/m], shape (n,)."""
+    held = np.zeros(n)
+    np.add.at(held, springs.dof, springs.stiffness)
+    for _, i in _of(Interface, elements):
+        if i.law.stiffness is not None:
+            held[_dof(i)] += max(0.0, i.law.stiffness(i.source))
+    return held
+
+
 def _lowest_omega(
-    M: np.ndarray, K_shaft: np.ndarray, springs: np.recarray, elements: list[Element]
+    M: np.ndarray, K_shaft: np.ndarray, held: np.ndarray, elements: list[Element]
 ) -> float:
     """Of the elastic modes on springs and soft laws [rad/s]; where those do not hold the shaft at
     two nodes, it is pinned to its walls."""
-    interfaces = [interface for _, interface in _of(Interface, elements)]
-    held = np.zeros(len(M))
-    np.add.at(held, springs.dof, springs.stiffness)
-    for i in interfaces:
-        if i.law.stiffness is not None:
-            held[_dof(i)] += max(0.0, i.law.stiffness(i.source))
-    is_held = np.count_nonzero(held) >= 2
-    pinned = [] if is_held else [_dof(i) for i in interfaces if i.law.stiffness is None]
+    walls = [_dof(i) for _, i in _of(Interface, elements) if i.law.stiffness is None]
+    pinned = [] if np.count_nonzero(held) >= 2 else walls
     K = K_shaft + np.diag(held)
     free = np.setdiff1d(np.arange(len(M)), pinned)
     try:

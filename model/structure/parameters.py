@@ -10,6 +10,8 @@ from ..kernels.functions import direction
 from ..parts import LAWS
 from ..protocol.law import dispatcher
 
+WEIGHT = 9.81  # m/s2; whether gravity or a base that is accelerated gives it
+
 _length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
 
 
@@ -31,6 +33,10 @@ def prepare(structure):
         if length > 0.0:
             smallest = min(smallest, length)
     numbers.clearance = smallest if smallest < math.inf else numbers.small
+    numbers.slowest = numbers.lowest_omega
+    if numbers.is_held == 0 and smallest < math.inf:
+        # nothing but its weight brings it back: it swings in its clearance as a pendulum does
+        numbers.slowest = min(numbers.slowest, math.sqrt(WEIGHT / smallest))
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].length == 0.0:
             structure.interfaces[j].length = numbers.clearance

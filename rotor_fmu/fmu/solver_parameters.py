@@ -73,7 +73,7 @@ _TABLE = (
     _Number("rho", "1", -1.0, -1.0, 1.0, "spectral radius at infinity of chung-hulbert"),
     _Choice("adaptive", "mode", _names(MODES), "step length"),
     _Choice(
-        "fitted", "fitted", {"no": False, "yes": True}, "whether fitted to the speed of rotation"
+        "fitted", "fitted", {"no": False, "yes": True}, "whether fitted to the pace of the motion"
     ),
     _Number("tolerance", "1", 0.0, 0.0, 1.0, "relative tolerance of the controlled mode"),
     _Number("h", "s", 0.0, 0.0, 1.0, "step length, the first one where it varies"),

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from . import dropped
 
@@ -46,10 +48,31 @@ def test_a_drop_in_small_steps_converges_to_the_reference_with_order_two(error):
     assert ledger < 1e-6
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-5])
-def test_an_error_controlled_drop_stays_within_some_hundredths_of_the_clearance(error, tolerance):
-    """More than ten tolerances below 1e-2: what an impact amplifies is not asked of a step."""
+@pytest.mark.parametrize(
+    ("tolerance", "most_orbit", "most_race", "most_ledger"),
+    [
+        (1e-2, 0.015, 3e-3, 3e-4),
+        (1e-3, 9e-3, 5e-4, 5e-4),
+        (1e-4, 2e-3, 1e-4, 5e-5),
+        (1e-5, 4e-4, 1e-5, 1e-5),
+    ],
+)
+def test_an_error_controlled_drop_converges_with_the_tolerance(
+    error, tolerance, most_orbit, most_race, most_ledger
+):
+    """Orbits within ten tolerances down to 1e-4, within twenty at 1e-5, and room for rounding."""
     orbit, race, ledger = error(choose(tolerance=tolerance))
-    assert orbit < 0.05
-    assert race < 0.01
-    assert ledger < 3e-4
+    assert orbit < most_orbit
+    assert race < most_race
+    assert ledger < most_ledger
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "most"), [(1e-2, 6e-3), (1e-3, 3e-4), (1e-4, 5e-5), (1e-5, 5e-6)]
+)
+def test_the_ledger_of_the_examples_drop_closes_with_the_tolerance(tolerance, most):
+    rotor = parse_rotor(dropped.COMPRESSOR.read_text(encoding="utf-8"))
+    sim = Simulation(rotor, choose(tolerance=tolerance), speed=1000.0, drive_torque=0.0)
+    sim.advance(0.4, 0.0)
+    lost = sum(sim.read(name) for name in sim.names if name.endswith("_loss"))
+    assert abs(sim.read("energy.residual")) < most * lost
