@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.compiled import compiled
+from ..kernels.compiled import compiled, plain
 from ..parts import LAWS
 from ..step.laws import law_tangent
 from ..structure.assembly import Structure
@@ -52,7 +52,9 @@ def tangents(structure: Structure, d: np.ndarray, speed: float) -> Tangents:
     states = [s for i in interfaces for s in LAWS[i.law].states]
     free, own = np.array(states, float), np.array(states, float)
     force, p, q = (np.zeros(shape, complex) for shape in (m, (2, m), (2, m)))
-    _fill(structure.laws, interfaces, d.astype(complex), float(speed), free, own, force, p, q)
+    plain(_fill)(
+        structure.laws, interfaces, d.astype(complex), float(speed), free, own, force, p, q
+    )
     matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
     by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
     return Tangents(force, by_d, by_v)
