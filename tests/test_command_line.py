@@ -31,6 +31,21 @@ def rotor_fmu(*arguments, cwd):
 
 
 @pytest.fixture
+def command(tmp_path, monkeypatch, capfd):
+    """The command in this process, which has loaded what it needs."""
+
+    def carry_out(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        said = capfd.readouterr()
+        return subprocess.CompletedProcess(arguments, end.value.code, said.out, said.err)
+
+    return carry_out
+
+
+@pytest.fixture
 def refusal(tmp_path, monkeypatch, capsys):
     """The one line that a refused command prints; it must leave nothing behind."""
 
@@ -103,8 +118,8 @@ def test_help_names_every_command_and_loads_none(tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [[], ["impact"]])
-def test_nothing_asked_prints_help_alone(tmp_path, arguments):
-    done = rotor_fmu(*arguments, cwd=tmp_path)
+def test_nothing_asked_prints_help_alone(command, arguments):
+    done = command(*arguments)
     assert (done.returncode, done.stderr) == (0, "")
     assert "Usage:" in done.stdout
 
@@ -175,12 +190,13 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     assert len(rows) == 1 + 101
 
 
-def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_earlier_one(tmp_path):
+def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_earlier_one(
+    command, tmp_path
+):
     (tmp_path / "run_down_x.png").write_bytes(b"of an earlier run")
-    done = rotor_fmu(
+    done = command(
         *("run-down", "--set", "speed=185", "--preset", "robust", "--stop", "1"),
         *("--direct", "--out", "."),
-        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
     assert "no_peak              the run ends within the start-up" in done.stdout
@@ -189,11 +205,10 @@ def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_ear
     assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
 
 
-def test_signals_from_a_file_drive_the_run(tmp_path):
+def test_signals_from_a_file_drive_the_run(command, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed,disc[2].fy\n0,100,5\n1,120,5\n")
-    done = rotor_fmu(
+    done = command(
         *("run-down", "--input", "signals.csv", "--stop", "1", "--direct", "--out", "."),
-        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
     header, *rows = (tmp_path / "run_down.csv").read_text().splitlines()
@@ -215,11 +230,10 @@ def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
     np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
 
 
-def test_signals_that_end_before_the_run_are_said_to_be_held(tmp_path):
+def test_signals_that_end_before_the_run_are_said_to_be_held(command, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed\n0,100\n0.01,100\n")
-    done = rotor_fmu(
+    done = command(
         *("run-down", "--input", "signals.csv", "--stop", "0.02", "--direct", "--out", "."),
-        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
     assert (
@@ -227,11 +241,10 @@ def test_signals_that_end_before_the_run_are_said_to_be_held(tmp_path):
     )
 
 
-def test_a_run_that_diverges_ends_with_status_1_and_a_reason(tmp_path):
-    done = rotor_fmu(
+def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
+    done = command(
         *("run-down", "--preset", "paper", "--set", "solver.method=wbz"),
         *("--set", "solver.alpha_m=0.08", "--direct", "--out", "."),
-        cwd=tmp_path,
     )
     assert done.returncode == 1
     assert "diverged" in done.stderr
@@ -239,11 +252,10 @@ def test_a_run_that_diverges_ends_with_status_1_and_a_reason(tmp_path):
 
 
 @pytest.mark.parametrize("how", [[], ["--direct"]])
-def test_a_setting_without_effect_is_said(tmp_path, how):
-    done = rotor_fmu(
+def test_a_setting_without_effect_is_said(command, tmp_path, how):
+    done = command(
         *("run-down", "--preset", "robust", "--set", "solver.tolerance=1e-4"),
         *("--stop", "0.01", "--out", ".", *how),
-        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
     sentence = "solver.tolerance = 0.0001: has no effect in the mode fixed"
@@ -252,12 +264,11 @@ def test_a_setting_without_effect_is_said(tmp_path, how):
 
 
 @pytest.mark.parametrize("order", [1, -1])
-def test_parameters_that_go_together_are_taken_together(tmp_path, order):
+def test_parameters_that_go_together_are_taken_together(command, tmp_path, order):
     sets = ["shaft.eta_h=0.01", "shaft.rotating_damping=true"][::order]
-    done = rotor_fmu(
+    done = command(
         *("run-down", "--direct", "--stop", "0.01", "--out", "."),
         *(word for text in sets for word in ("--set", text)),
-        cwd=tmp_path,
     )
     assert done.returncode == 0, done.stderr
 
