@@ -2,21 +2,16 @@
 
 import re
 import runpy
+import shutil
 from pathlib import Path
-
-import pytest
 
 SITE = runpy.run_path(str(Path(__file__).parents[1] / "docs" / "site" / "build.py"))
 ROOT = Path(__file__).parents[1]
 
 
-@pytest.fixture
-def tree(tmp_path):
-    SITE["assemble"](tmp_path / "tree")
-    return tmp_path / "tree"
-
-
-def test_the_site_is_made_without_a_warning_and_loads_nothing_from_a_network(tree, tmp_path, capfd):
+def test_the_site_is_made_without_a_warning_and_loads_nothing_from_a_network(tmp_path, capfd):
+    tree = tmp_path / "tree"
+    SITE["assemble"](tree)
     assert SITE["render"](tree, tmp_path / "site") == 0, capfd.readouterr().err
     pages = list((tmp_path / "site").rglob("*.html"))
     assert len(pages) > 12
@@ -27,8 +22,13 @@ def test_the_site_is_made_without_a_warning_and_loads_nothing_from_a_network(tre
         ], page
 
 
-def test_a_link_to_nothing_is_an_error(tree, tmp_path, capfd):
-    page = tree / "docs" / "hosts.md"
+def test_a_link_to_nothing_is_an_error(tmp_path, capfd):
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    shutil.copyfile(ROOT / "docs" / "site" / "conf.py", tree / "conf.py")
+    page = tree / "index.md"
+    page.write_text("# A page\n\n[itself](index.md)\n")
+    assert SITE["render"](tree, tmp_path / "site") == 0, capfd.readouterr().err
     page.write_text(page.read_text() + "\n[nowhere](no_such_page.md)\n")
     assert SITE["render"](tree, tmp_path / "site") != 0
     assert "no_such_page" in capfd.readouterr().err
