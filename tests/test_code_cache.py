@@ -18,6 +18,8 @@ from rotor_fmu.model.kernels.sealed_folder import SealedFolder, make_private
 
 import rotor_fmu
 
+from .forked import Forked
+
 KERNEL = """
 import sys
 from rotor_fmu.model.kernels import code_cache, kept_overloads
@@ -53,13 +55,7 @@ class Kernel:
         path = os.pathsep.join([str(self.file.parent), source])
         variables = {"ROTOR_FMU_CACHE": str(self.cache), "PYTHONPATH": path, **environment}
         variables = {k: v for k, v in (inherited | variables).items() if v is not None}
-        return subprocess.Popen(
-            [sys.executable, "-c", f"from kernel import *\n{script}"],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=variables,
-        )
+        return Forked(f"from kernel import *\n{script}", variables)
 
     def run(self, script="show()", **environment):
         """Output lines and messages of a process that ends well."""
