@@ -5,10 +5,13 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.compiled import plain
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.parts import LAWS
-from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT, contact_force
+from rotor_fmu.model.parts import LAWS, clearance_contact
+from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT
 from rotor_fmu.model.structure.assembly import assemble
+
+contact_force = plain(clearance_contact.contact_force)
 
 BEARING = assemble(rig()).laws[LAWS.index(CLEARANCE_CONTACT)][0]
 S, K, C, MU = BEARING.clearance, BEARING.k, BEARING.c, BEARING.mu
@@ -29,7 +32,9 @@ def contact_tangent(part, d, d_dot, omega, by_position, by_velocity):
     """Force and tangent (p, q) of the law, which has no states of its own."""
     none = np.zeros(0)
     weights = by_position, by_velocity, 0.0
-    return CLEARANCE_CONTACT.tangent(part, none, d, d_dot, omega, omega, *weights, none, none)
+    return plain(CLEARANCE_CONTACT.tangent)(
+        part, none, d, d_dot, omega, omega, *weights, none, none
+    )
 
 
 def force_at(penetration, rate=0.0, sliding=0.0, angle=-math.pi / 2):

@@ -4,15 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.compiled import plain
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.march import error_control
 from rotor_fmu.model.march.block import LAYOUT, new_block
-from rotor_fmu.model.march.error_control import GROWTH, SHRINKAGE, next_length, repeated_length
+from rotor_fmu.model.march.error_control import GROWTH, SHRINKAGE
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
 from .machines import balanced, overhung
+
+next_length = plain(error_control.next_length)
+repeated_length = plain(error_control.repeated_length)
 
 
 def orbit(settings, stop=1.0, interval=0.02, speed=205.0, rate=-10.0, rotor=None):

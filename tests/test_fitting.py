@@ -13,11 +13,12 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.step.fitting import fitted, pace_after, unfitted
+from rotor_fmu.model.step import fitting
 
 from .machines import disc_dofs, overhung, unbalance_vector
 
 COMPRESSOR = Path(__file__).parents[1] / "examples" / "drop" / "compressor.toml"
+fitted, unfitted = plain(fitting.fitted), plain(fitting.unfitted)
 
 SCHEMES = [
     chung_hulbert(0.3),
@@ -106,14 +107,14 @@ def test_the_pace_of_a_motion_is_its_angular_frequency(motion, expected):
     machine = SimpleNamespace(mass_share=np.ones(1))
     h, square = 2e-4, 0.0
     for i in range(1000):
-        square = plain(pace_after)(machine, 400.0, h, at(i * h), at((i + 1) * h), square)
+        square = plain(fitting.pace_after)(machine, 400.0, h, at(i * h), at((i + 1) * h), square)
     assert math.sqrt(square) == pytest.approx(expected, rel=0.01)
 
 
 def test_the_pace_of_a_fall_is_none_and_of_rest_what_it_was():
     machine = SimpleNamespace(mass_share=np.ones(1))
     fall = [SimpleNamespace(v=np.array([-9.81j * t]), a=np.array([-9.81j])) for t in (0.1, 0.101)]
-    assert plain(pace_after)(machine, 400.0, 1e-3, *fall, 0.0) == 0.0
+    assert plain(fitting.pace_after)(machine, 400.0, 1e-3, *fall, 0.0) == 0.0
     rest = SimpleNamespace(v=np.zeros(1, complex), a=np.zeros(1, complex))
-    assert plain(pace_after)(machine, 400.0, 1e-3, rest, rest, 900.0) == 900.0
-    assert plain(pace_after)(machine, 20.0, 1e-3, rest, rest, 900.0) == 400.0
+    assert plain(fitting.pace_after)(machine, 400.0, 1e-3, rest, rest, 900.0) == 900.0
+    assert plain(fitting.pace_after)(machine, 20.0, 1e-3, rest, rest, 900.0) == 400.0

@@ -2,13 +2,16 @@
 
 import cmath
 import math
+from dataclasses import fields, replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.compiled import plain
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT, ClearanceContact
-from rotor_fmu.model.parts.touchdown_bearing import TOUCHDOWN_BEARING, TouchdownBearing
+from rotor_fmu.model.parts import clearance_contact, touchdown_bearing
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
 from rotor_fmu.model.quantities import QuantityError, quantities
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -24,6 +27,15 @@ KINDS = {
     "all": {"exponent": 1.5, "k": 1e10, "mu_rise": 0.1, "wear": 1e-4, "wear_angle": 4.4},
 }
 TABLES = np.zeros(0)
+
+
+def interpreted(law):
+    """A law's functions in Python: they are called a few times each."""
+    return replace(law, **{field.name: plain(getattr(law, field.name)) for field in fields(law)})
+
+
+CLEARANCE_CONTACT = interpreted(clearance_contact.CLEARANCE_CONTACT)
+TOUCHDOWN_BEARING = interpreted(touchdown_bearing.TOUCHDOWN_BEARING)
 
 
 def record(kind, **changes):
