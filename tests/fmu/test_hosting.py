@@ -78,10 +78,10 @@ def test_a_hundred_instances_each_give_the_result_they_give_alone(fmu):
         TRAJECTORY
         + """
 import resource
-alone = []
-for i in range(100):
+alone = {}
+for i in range(0, 100, 4):
     instance = begin(i)
-    alone.append(run(instance))
+    alone[i] = run(instance)
     instance.terminate()
     instance.freeInstance()
 together = [begin(i) for i in range(100)]
@@ -90,7 +90,7 @@ for k in range(STEPS):
     for i, instance in enumerate(together):
         instance.doStep(k * H, H)
         seen[i].append(look(instance))
-assert seen == alone
+assert {i: seen[i] for i in alone} == alone
 assert len({str(one) for one in seen}) == 100
 for instance in together:
     instance.terminate()
