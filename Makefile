@@ -44,7 +44,7 @@ test: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 test-native: $(VENV)/made-test $(VENV)/core
-	$(BIN)/python -m pytest -n auto --dist loadgroup -m "native and not slow"
+	$(BIN)/python -m pytest -n auto --dist loadfile -m "native and not slow"
 
 test-all: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"

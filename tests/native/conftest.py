@@ -15,11 +15,10 @@ HERE = "linux64"
 
 
 def pytest_collection_modifyitems(items):
-    """All tests of this folder need the library, which one worker makes."""
+    """All tests of this folder need the library."""
     for item in items:
         if Path(__file__).parent in item.path.parents:
             item.add_marker("native")
-            item.add_marker(pytest.mark.xdist_group("native"))
 
 
 @pytest.fixture(scope="session")
