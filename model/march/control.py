@@ -45,7 +45,7 @@ class Control(NamedTuple):
 @compiled
 def step_error(structure, control, pace, h, is_first, old, new):
     """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated. pace: of
-    the motion [rad/s]."""
+    the motion, in the sense of the rotation [rad/s]."""
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
     if control.mode == CONTROLLED:

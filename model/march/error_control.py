@@ -24,7 +24,8 @@ LATE = 0.9
 
 @compiled
 def local_error(structure, control, pace, h, old, new):
-    """Error of a step of length h [s] over the one tolerated [1]; pace: of the motion [rad/s].
+    """Error of a step of length h [s] over the one tolerated [1]; pace: of the motion, with the
+    rotation's sign [rad/s].
 
     Displacements are weighted with their masses (root mean square), so that neither the turning
     point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
@@ -47,7 +48,7 @@ def local_error(structure, control, pace, h, old, new):
         error += share[i] * (change.real * change.real + change.imag * change.imag)
         size += share[i] * (q.real * q.real + q.imag * q.imag)
     error = max(error, 0.25 * apart)
-    radians = h * max(structure.numbers[0].slowest, pace)
+    radians = h * max(structure.numbers[0].slowest, abs(pace))
     tolerated = (
         0.4 * radians * control.tolerance * (structure.numbers[0].clearance + math.sqrt(size))
     )

@@ -181,7 +181,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             r.newton += iterations
             error = 0.0
             if status == DONE:
-                pace = math.sqrt(r.pace2)
+                pace = math.copysign(math.sqrt(r.pace2), spin.omega)
                 error = step_error(structure, control, pace, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break
