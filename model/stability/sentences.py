@@ -12,6 +12,8 @@ from .whirls import Whirl
 # Less than this share of a growth left by the integrator is called hidden; what a step that
 # resolves it must leave.
 HIDDEN, RESOLVED = 0.5, 0.9
+# Of a root: an imaginary part below it is what a processor rounds to.
+_ROUNDING = 1e-9
 
 
 def longest_step(method: Method, whirls: Sequence[Whirl]) -> float:
@@ -40,7 +42,7 @@ def hidden_whirls(
 
 def grows_at_rest(root: complex) -> str:
     """A sentence about a growth at rest, its root lambda [1/s] with an imaginary part >= 0."""
-    if root.imag > 0:
+    if root.imag > _ROUNDING * abs(root):
         decrement = -2 * math.pi * root.real / root.imag
         mode = (
             f"a mode of {root.imag / (2 * math.pi):.4g} Hz ({root.imag:.4g} rad/s) grows, its "

@@ -79,7 +79,12 @@ def growth_at_rest(structure: Structure, tangents: Tangents) -> complex | None:
     roots = machine.roots(0.0, ())
     grows = (roots.imag >= 0.0) & (np.abs(roots) > _SLOW * structure.numbers[0].lowest_omega)
     grows &= roots.real > _GROWING * np.abs(roots)
-    return complex(max(roots[grows], key=lambda r: r.real / abs(r))) if grows.any() else None
+
+    def growth(root: complex) -> tuple[float, float]:
+        # of those that do not oscillate, which differ in rounding alone, the fastest
+        return round(root.real / abs(root), 9), root.real
+
+    return complex(max(roots[grows], key=growth)) if grows.any() else None
 
 
 class _Machine:
