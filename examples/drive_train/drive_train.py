@@ -10,27 +10,23 @@ The rotor's FMU takes the speed `w` and answers with `tau_load`: what friction, 
 put on the shaft. The rotor's own inertia is integrated here, so that no torque J w' has to go
 around the loop, late by a communication step: that would be unstable whenever J_rotor > J_motor.
 
-Standard library and pythonfmu only.
+Standard library, pythonfmu and the slave that lies beside this file in the FMU only.
 """
 
-import ctypes
 import math
-import uuid
 from collections.abc import Sequence
 
-from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
-from pythonfmu import Real as FmiReal
+from pythonfmu import DefaultExperiment
 
 try:
-    from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
+    from rotor_fmu_slave import BEGUN, Listed, TableSlave, hold  # beside it in the FMU
 except ImportError:
-    from rotor_fmu.fmu.wrapper import hold, settle_exit  # in the source tree
+    from rotor_fmu.coupled.slave import BEGUN, Listed, TableSlave, hold  # in the source
 
-# For each instance pythonfmu's wrapper drops a reference to these globals that it never took.
-ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+hold(globals())  # pythonfmu's wrapper drops a reference to them with each instance
 
 # name, causality, unit, start, lowest value allowed, what it is
-VARIABLES = (
+VARIABLES: tuple[Listed, ...] = (
     ("tau_load", "input", "N.m", 0.0, None, "load of the rotor beside its inertia"),
     ("w_target", "input", "rad/s", 400.0, None, "speed that the controller is to reach"),
     ("J_motor", "parameter", "kg.m2", 1e-3, 1e-9, "moment of inertia of the motor"),
@@ -57,70 +53,33 @@ VARIABLES = (
     ("loss", "local", "J", None, None, "dissipated in the coupling since the start"),
     ("load_before", "local", "N.m", None, None, "load at the last instant but one"),
     ("step_before", "local", "s", None, None, "length of the last communication step"),
+    BEGUN,
 )
 # What is integrated, in this order.
 STATES = ("phi_motor", "w_motor", "phi", "w", "integral", "work_motor", "work_out", "loss")
-
-
-class DriveTrainError(ValueError):
-    """An input, a parameter or a step that cannot be; names it and says what is allowed."""
-
-    def __repr__(self) -> str:
-        """The sentence alone, which pythonfmu's wrapper logs."""
-        return str(self)
 
 
 def _along(y: Sequence[float], h: float, rates: Sequence[float]) -> list[float]:
     return [a + h * b for a, b in zip(y, rates, strict=True)]
 
 
-class DriveTrain(Fmi2Slave):
+class DriveTrain(TableSlave):
     """A speed-controlled motor with a torque limit, on a flexible coupling."""
 
+    VARIABLES = VARIABLES
     description = "Motor with torque limit and speed controller, flexible coupling"
-    author = "The rotor-fmu authors"
-    license = "MIT"
     default_experiment = DefaultExperiment(start_time=0.0, stop_time=60.0, step_size=0.001)
 
     step_before: float
 
-    def __init__(self, **kwargs: object) -> None:
-        super().__init__(**kwargs)
-        settle_exit(self.resources, self.modelName)
-        self.guid = uuid.uuid5(uuid.NAMESPACE_URL, __name__)  # in the FMU it follows the content
-        for name, causality, _, start, _, text in VARIABLES:
-            setattr(self, name, start or 0.0)
-            is_parameter = causality == "parameter"
-            initial = {"parameter": Fmi2Initial.exact, "input": None}
-            variable = FmiReal(
-                name,
-                causality=Fmi2Causality[causality],
-                variability=Fmi2Variability.fixed if is_parameter else Fmi2Variability.continuous,
-                initial=initial.get(causality, Fmi2Initial.calculated),
-                description=text,
-            )
-            self.register_variable(variable)
-
-    def exit_initialization_mode(self) -> None:
+    def begin(self) -> None:
         """Begin at the speed `w_start`, the coupling untwisted."""
-        try:
-            self._check(("input", "parameter"))
-        except DriveTrainError:
-            hold(self, self.log_queue, type(self))  # the wrapper drops them on any exception
-            raise
         self.w = self.w_motor = self.w_ref = self.w_start
         self.load_before = self.tau_load
         self._see()
 
-    def do_step(self, current_time: float, step_size: float) -> bool:
+    def step(self, t: float, length: float) -> None:
         """Integrate over a communication step by Runge and Kutta's fourth-order rule."""
-        try:
-            self._check(("input",))
-            if not (step_size > 0 and math.isfinite(step_size)):
-                raise DriveTrainError(f"doStep over {step_size:g} s: the step must be > 0")
-        except DriveTrainError:
-            hold(self, self.log_queue, type(self))
-            raise
         rate = 0.0
         if self.continuation and self.step_before:
             rate = (self.tau_load - self.load_before) / self.step_before
@@ -130,8 +89,8 @@ class DriveTrain(Fmi2Slave):
             way = target - start
             return start + math.copysign(min(abs(way), self.ramp * t), way)
 
-        steps = max(1, math.ceil(step_size / self.h - 1e-9))
-        h = step_size / steps
+        steps = max(1, math.ceil(length / self.h - 1e-9))
+        h = length / steps
         y = [getattr(self, name) for name in STATES]
         for i in range(steps):
             t = i * h
@@ -145,10 +104,9 @@ class DriveTrain(Fmi2Slave):
             y = _along(y, h / 6, [a + 2 * (b + c) + d for a, b, c, d in slopes])
         for name, value in zip(STATES, y, strict=True):
             setattr(self, name, value)
-        self.w_ref = reference(step_size)
-        self.load_before, self.step_before = load, step_size
+        self.w_ref = reference(length)
+        self.load_before, self.step_before = load, length
         self._see()
-        return True
 
     def _motor(self, w_ref: float, w_motor: float, integral: float) -> tuple[float, float]:
         """Torque of the motor, and what the controller asks for [N.m]."""
@@ -178,11 +136,3 @@ class DriveTrain(Fmi2Slave):
         self.tau_motor, _ = self._motor(self.w_ref, self.w_motor, self.integral)
         slip = self.w_motor - self.w
         self.tau_coupling = self.k * (self.phi_motor - self.phi) + self.c * slip
-
-    def _check(self, causalities: tuple[str, ...]) -> None:
-        for name, causality, unit, _, low, _ in VARIABLES:
-            value = getattr(self, name)
-            if causality in causalities and not math.isfinite(value):
-                raise DriveTrainError(f"{name} = {value} {unit}: must be a finite number")
-            if causality in causalities and low is not None and value < low:
-                raise DriveTrainError(f"{name} = {value:g} {unit}: must be >= {low:g}")

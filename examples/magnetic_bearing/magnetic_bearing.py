@@ -11,30 +11,21 @@ s_f: s behind a low pass. The communication step is the controller's sample time
 read at its begin, forces follow at its end and are held over the next step, as a digital controller
 with a sample's delay has it. A master that steps both FMUs side by side (Jacobi) adds nothing.
 
-Standard library and pythonfmu only.
+Standard library, pythonfmu and the slave that lies beside this file in the FMU only.
 """
 
-import ctypes
-import functools
 import math
-import uuid
-from collections.abc import Callable, Sequence
-from typing import Any
 
-from pythonfmu import DefaultExperiment, Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
-from pythonfmu import Real as FmiReal
+from pythonfmu import DefaultExperiment
 
 try:
-    from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
+    from rotor_fmu_slave import BEGUN, Listed, Refused, TableSlave, hold  # beside it in the FMU
 except ImportError:
-    from rotor_fmu.fmu.wrapper import hold, settle_exit  # in the source tree
+    from rotor_fmu.coupled.slave import BEGUN, Listed, Refused, TableSlave, hold  # in the source
 
-# For each instance pythonfmu's wrapper drops a reference to these globals that it never took.
-ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+hold(globals())  # pythonfmu's wrapper drops a reference to them with each instance
 
 AXES = tuple((side, axis) for side in ("left", "right") for axis in "xy")
-
-Listed = tuple[str, str, str, float | None, float | None, str]
 
 
 def _inputs(side: str, axis: str) -> tuple[Listed, ...]:
@@ -82,34 +73,8 @@ VARIABLES: tuple[Listed, ...] = (
     ("tau", "output", "N.m", None, None, "torque of the drive"),
     ("work", "output", "J", None, None, "work of the magnets on the rotor, up to the last sample"),
     ("w_ref", "local", "rad/s", None, None, "reference of the speed controller"),
-    ("samples", "local", "1", -1.0, None, "samples taken since the start; -1 before it"),
+    BEGUN,
 )
-
-_CAUSALITY = {name: causality for name, causality, *_ in VARIABLES}
-
-
-class MagneticBearingError(ValueError):
-    """An input, a parameter or a call that cannot be; names it and says what is allowed."""
-
-    def __repr__(self) -> str:
-        """The sentence alone, which pythonfmu's wrapper logs."""
-        return str(self)
-
-
-def _told(call: Callable[..., Any]) -> Callable[..., Any]:
-    """A call from the host, of which a refusal leaves the slave alive: the wrapper drops its
-    references to it on any exception."""
-
-    @functools.wraps(call)
-    def guarded(self: "MagneticBearing", *arguments: object) -> Any:
-        try:
-            return call(self, *arguments)
-        except MagneticBearingError:
-            self.log_queue.clear()
-            hold(self, self.log_queue, type(self))
-            raise
-
-    return guarded
 
 
 def follow(i: float, target: float, t: float, T: float, fastest: float) -> float:
@@ -124,106 +89,37 @@ def follow(i: float, target: float, t: float, T: float, fastest: float) -> float
     return target + (i - target) * math.exp(-t / T) if t > 0 else i
 
 
-class MagneticBearing(Fmi2Slave):
+class MagneticBearing(TableSlave):
     """Two magnetic bearings with their controllers and amplifiers, and a speed controller."""
 
+    VARIABLES = VARIABLES
     description = "PID magnetic bearings with limited power amplifiers, and a speed controller"
-    author = "The rotor-fmu authors"
-    license = "MIT"
     default_experiment = DefaultExperiment(start_time=0.0, stop_time=4.0, step_size=1e-4)
 
-    def __init__(self, **kwargs: object) -> None:
-        super().__init__(**kwargs)
-        settle_exit(self.resources, self.modelName)
-        self.guid = uuid.uuid5(uuid.NAMESPACE_URL, __name__)  # in the FMU it follows the content
-        self.value: dict[str, float] = {}
-        for name, causality, _, start, _, text in VARIABLES:
-            self.value[name] = start or 0.0
-            is_parameter = causality == "parameter"
-            initial = {"parameter": Fmi2Initial.exact, "input": None}
-            variable = FmiReal(
-                name,
-                causality=Fmi2Causality[causality],
-                variability=Fmi2Variability.fixed if is_parameter else Fmi2Variability.continuous,
-                initial=initial.get(causality, Fmi2Initial.calculated),
-                description=text,
-                getter=functools.partial(self.value.__getitem__, name),
-                setter=functools.partial(self.value.__setitem__, name),
-            )
-            self.register_variable(variable)
-
-    # --- values ---
-
-    @_told
-    def get_real(self, references: Sequence[int]) -> list[float]:
-        """Values of Reals."""
-        return [self.value[self._name("getReal", reference)] for reference in references]
-
-    @_told
-    def set_real(self, references: Sequence[int], values: Sequence[float]) -> None:
-        """Set Reals, all or none: inputs at any time, parameters before the initialization ends."""
-        names = [self._name("setReal", reference) for reference in references]
-        for name in names:
-            kind = _CAUSALITY[name]
-            if kind not in ("input", "parameter"):
-                raise MagneticBearingError(f"{name}: is computed and cannot be set")
-            if kind == "parameter" and self.value["samples"] >= 0:
-                raise MagneticBearingError(f"{name}: is fixed once the initialization has ended")
-        self.value.update(zip(names, values, strict=True))
-
-    @_told
-    def _no_such(self, references: Sequence[int], *values: object) -> list[Any]:
-        if references:
-            raise MagneticBearingError(f"value reference {references[0]}: all variables are Real")
-        return []
-
-    get_integer = get_boolean = get_string = _no_such
-    set_integer = set_boolean = set_string = _no_such
-
-    def _name(self, call: str, reference: int) -> str:
-        if not 0 <= reference < len(VARIABLES):
-            raise MagneticBearingError(
-                f"{call}: value reference {reference}: must be from 0 to {len(VARIABLES) - 1}"
-            )
-        return VARIABLES[reference][0]
-
-    # --- steps ---
-
-    @_told
-    def exit_initialization_mode(self) -> None:
+    def begin(self) -> None:
         """Begin with everything switched off."""
-        self._check(("input", "parameter"))
-        v = self.value
+        v = self.__dict__
         for side, axis in AXES:
             v[f"{side}_s{axis}"] = v[f"{side}_{axis}"]
             v[f"{side}_p{axis}"] = v[f"{side}_d{axis}"]
         v["w_ref"] = v["w"]
-        v["samples"] = 0.0
 
-    @_told
-    def do_step(self, current_time: float, step_size: float) -> bool:
-        """Take a sample at `current_time` [s], and give what comes of it `step_size` [s] later."""
-        self._check(("input",))
-        if not (step_size > 0 and math.isfinite(step_size)):
-            raise MagneticBearingError(f"doStep over {step_size:g} s: the step must be > 0")
-        v = self.value
+    def step(self, t: float, h: float) -> None:
+        """Take a sample at t [s], and give what comes of it h [s] later."""
+        v = self.__dict__
         # half a step of slack for a master that sums its time up
-        t = current_time + 0.5 * step_size
+        t += 0.5 * h
         is_on = v["t_lift"] < t < v["t_off"]
         for side, axis in AXES:
-            self._axis(side, axis, step_size, is_on)
-        self._drive(step_size, v["t_run"] < t < v["t_off"])
-        v["samples"] += 1.0
-        return True
+            self._axis(side, axis, h, is_on)
+        self._drive(h, v["t_run"] < t < v["t_off"])
 
     def _axis(self, side: str, axis: str, h: float, is_on: bool) -> None:
         """A sample of one axis: the controller, its two amplifiers and magnets."""
-        v = self.value
+        v = self.__dict__
         sensed, d = v[f"{side}_{axis}"], v[f"{side}_d{axis}"]
         if not abs(d) < v["gap"]:
-            raise MagneticBearingError(
-                f"{side}_d{axis} = {d:g} m: must be smaller than the gap, {v['gap']:g} m"
-            )
+            raise Refused(f"{side}_d{axis} = {d:g} m: must be smaller than the gap, {v['gap']:g} m")
         v["work"] += v[f"{side}_h{axis}"] * (d - v[f"{side}_p{axis}"])
         v[f"{side}_h{axis}"], v[f"{side}_p{axis}"] = v[f"{side}_f{axis}"], d
 
@@ -248,18 +144,10 @@ class MagneticBearing(Fmi2Slave):
 
     def _drive(self, h: float, is_on: bool) -> None:
         """Torque towards the reference, which nears the target at a rate."""
-        v = self.value
+        v = self.__dict__
         if not is_on:
             v["tau"] = 0.0
             return
         way = v["w_target"] - v["w_ref"]
         v["w_ref"] += math.copysign(min(abs(way), v["ramp"] * h), way)
         v["tau"] = min(max(v["kw"] * (v["w_ref"] - v["w"]), -v["tau_max"]), v["tau_max"])
-
-    def _check(self, causalities: tuple[str, ...]) -> None:
-        for name, causality, unit, _, low, _ in VARIABLES:
-            value = self.value[name]
-            if causality in causalities and not math.isfinite(value):
-                raise MagneticBearingError(f"{name} = {value} {unit}: must be a finite number")
-            if causality in causalities and low is not None and value < low:
-                raise MagneticBearingError(f"{name} = {value:g} {unit}: must be >= {low:g}")

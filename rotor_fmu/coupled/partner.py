@@ -15,6 +15,7 @@ from ..fmu import wrapper
 from ..fmu.description import complete
 from ..fmu.variables import Variable
 from ..packing.bundle import repack, wrap
+from . import slave
 
 
 def example_folder(name: str) -> Path:
@@ -37,13 +38,14 @@ def build_partner(source: Path, target: Path) -> Path:
     """
     text = source.read_text(encoding="utf-8")
     target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
-        folder = Path(name)
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as scratch:
+        folder = Path(scratch)
         # named after its content, so that two versions can live in one process
         script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
         script.write_text(text, encoding="utf-8")
-        protection = folder / "rotor_fmu_wrapper.py"
-        shutil.copyfile(wrapper.__file__, protection)
-        wrap(script, [protection], folder / "raw.fmu")
+        beside = {"rotor_fmu_wrapper.py": wrapper, "rotor_fmu_slave.py": slave}
+        for name, module in beside.items():
+            shutil.copyfile(str(module.__file__), folder / name)
+        wrap(script, [folder / name for name in beside], folder / "raw.fmu")
         table = partner_table(source)
         return repack(folder / "raw.fmu", target, {}, lambda root: complete(root, table, RELEASED))
