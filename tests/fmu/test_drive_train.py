@@ -11,10 +11,8 @@ import subprocess
 import sys
 import time
 
-import fmpy
 import numpy as np
 import pytest
-from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -110,37 +108,6 @@ def test_the_controller_reaches_its_target_within_the_torque_limit(motor):
     assert train.w == pytest.approx(30.0, abs=0.01)
     assert train.tau_motor == pytest.approx(0.02, rel=0.01)
     assert highest < 31.0
-
-
-def test_the_drive_trains_description_is_valid(drive_fmu):
-    assert validate_fmu(str(drive_fmu)) == []
-    description = fmpy.read_model_description(str(drive_fmu))
-    for variable, listed in zip(description.modelVariables, drive_train_table(), strict=True):
-        assert (variable.name, variable.unit) == (listed.name, listed.unit)
-
-
-def test_building_the_drive_train_twice_gives_the_same_bytes(drive_fmu, tmp_path):
-    assert build_drive_train(tmp_path).read_bytes() == drive_fmu.read_bytes()
-
-
-def test_the_drive_train_goes_on_from_a_saved_state(drive_fmu):
-    with Member(drive_fmu, {"continuation": 1.0}, []) as drive:
-        drive.begin()
-        names = drive.references("w", "phi", "tau_motor", "work_out", "loss")
-
-        def march(t):
-            seen = []
-            for i in range(20):
-                drive.set(drive.references("tau_load"), [0.01 * math.cos(i)])
-                drive.step(t + i * 1e-3, 1e-3)
-                seen.append(drive.get(names))
-            return seen
-
-        march(0.0)
-        state = drive._fmu.serializeFMUstate(drive._fmu.getFMUState())
-        first = march(0.02)
-        drive._fmu.setFMUState(drive._fmu.deSerializeFMUstate(state))
-        assert march(0.02) == first
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,123 @@
+"""What holds for every FMU of the examples that the rotor is coupled with."""
+
+import math
+from dataclasses import dataclass
+
+import fmpy
+import pytest
+from fmpy.validation import validate_fmu
+
+from rotor_fmu.coupled.member import Member
+from rotor_fmu.drive_train import system as train
+from rotor_fmu.magnetic_bearing import system as magnets
+
+
+@dataclass(frozen=True)
+class Partner:
+    """How it is built and told, a parameter of it, an output, an input with what drives it, and
+    what is seen of it."""
+
+    build: object
+    table: object
+    parameter: str
+    output: str
+    inputs: tuple
+    size: float
+    seen: tuple
+    step: float
+
+
+PARTNERS = {
+    "drive train": Partner(
+        train.build_drive_train,
+        train.drive_train_table,
+        "kp",
+        "w_motor",
+        ("tau_load",),
+        0.01,
+        ("w", "phi", "tau_motor", "work_out", "loss"),
+        1e-3,
+    ),
+    "magnetic bearing": Partner(
+        magnets.build_control,
+        magnets.control_table,
+        "kp",
+        "left_fx",
+        ("left_x", "left_dx"),
+        1e-5,
+        ("left_fx", "left_ixa", "left_sx", "work", "w_ref"),
+        1e-4,
+    ),
+}
+
+
+@pytest.fixture(scope="module", params=PARTNERS)
+def partner(request):
+    return PARTNERS[request.param]
+
+
+@pytest.fixture(scope="module")
+def built(partner, tmp_path_factory):
+    return partner.build(tmp_path_factory.mktemp("partner"))
+
+
+def test_the_description_is_valid_and_says_what_the_table_does(partner, built):
+    assert validate_fmu(str(built)) == []
+    description = fmpy.read_model_description(str(built))
+    for variable, listed in zip(description.modelVariables, partner.table(), strict=True):
+        assert (variable.name, variable.unit) == (listed.name, listed.unit)
+
+
+def test_building_twice_gives_the_same_bytes(partner, built, tmp_path):
+    assert partner.build(tmp_path).read_bytes() == built.read_bytes()
+
+
+def test_it_goes_on_from_a_saved_state(partner, built):
+    with Member(built, {}, []) as member:
+        member.begin()
+        seen, inputs = member.references(*partner.seen), member.references(*partner.inputs)
+
+        def march(first):
+            rows = []
+            for i in range(first, first + 300):
+                member.set(inputs, [partner.size * math.cos(i)] * len(inputs))
+                member.step(i * partner.step, partner.step)
+                rows.append(member.get(seen))
+            return rows
+
+        before = march(0)
+        state = member._fmu.serializeFMUstate(member._fmu.getFMUState())
+        first = march(300)
+        assert first != before
+        member._fmu.setFMUState(member._fmu.deSerializeFMUstate(state))
+        assert march(300) == first
+
+
+def refused(messages, call, *arguments):
+    """What the FMU says when it refuses a call."""
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        call(*arguments)
+    return messages[-1]
+
+
+def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
+    messages = []
+    with Member(built, {}, messages) as member:
+        fmu = member._fmu
+        (gain,), (output,) = member.references(partner.parameter), member.references(partner.output)
+        (given,) = member.get([gain])
+        member.begin()
+        for _ in range(20):  # a reference too few and the host would be gone
+            assert "value reference 999: must be from 0" in refused(messages, fmu.getReal, [999])
+            told = refused(messages, fmu.setReal, [gain], [1.0])
+            assert f"{partner.parameter}: is fixed once" in told
+            told = refused(messages, fmu.setReal, [output], [1.0])
+            assert f"{partner.output}: is computed" in told
+            for call in (fmu.getInteger, fmu.getBoolean, fmu.getString):
+                assert "all variables are Real" in refused(messages, call, [gain])
+            assert "all variables are Real" in refused(messages, fmu.setInteger, [gain], [1])
+            assert "all variables are Real" in refused(messages, fmu.setBoolean, [gain], [True])
+            assert "all variables are Real" in refused(messages, fmu.setString, [gain], ["a"])
+        assert "the step must be > 0" in refused(messages, fmu.doStep, 0.0, 0.0)
+        member.step(0.0, partner.step)
+        assert member.get([gain]) == [given]
