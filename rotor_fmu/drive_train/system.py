@@ -1,8 +1,4 @@
-"""The example's drive train coupled with the rotor: two FMUs that exchange speed and torque.
-
-A Jacobi master in its plainest form, through FMPy's API: at each communication point either FMU
-gets the other's last output, then both step.
-"""
+"""The example's drive train coupled with the rotor: two FMUs that exchange speed and torque."""
 
 from __future__ import annotations
 
@@ -13,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..coupled.master import Side, march
 from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
 from ..files import unfinished
@@ -20,9 +17,12 @@ from ..fmu.variables import Variable
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
 SYSTEM_FILES = ("OspSystemStructure.xml", "SystemStructure.ssd", "cofmpy.json")
-# What is recorded of either FMU.
-OF_THE_DRIVE = ("w", "phi", "w_motor", "tau_motor", "tau_coupling", "work_motor", "work_out")
-OF_THE_ROTOR = ("tau", "tau_load", "energy.drive_work", "disc[3].x_amp", "disc[3].y_amp")
+# What one FMU tells the other: output, input.
+TO_ROTOR = (("w", "speed"),)
+TO_DRIVE = (("tau_load", "tau_load"),)
+# What is recorded besides.
+OF_THE_DRIVE = ("phi", "w_motor", "tau_motor", "tau_coupling", "work_motor", "work_out")
+OF_THE_ROTOR = ("tau", "energy.drive_work", "disc[3].x_amp", "disc[3].y_amp")
 
 
 def example() -> Path:
@@ -47,8 +47,8 @@ def build_drive_train(out: Path) -> Path:
 class Coupled:
     """A coupled run at its communication points.
 
-    t, shape (n,) [s]; drive, rotor: what `OF_THE_DRIVE` and `OF_THE_ROTOR` name, shape (n,);
-    J: the rotor's moment of inertia [kg.m2].
+    t, shape (n,) [s]; drive, rotor: what either FMU told, by name, shape (n,); J: the rotor's
+    moment of inertia [kg.m2].
     """
 
     t: np.ndarray
@@ -87,32 +87,18 @@ def couple(
         Member(drive_fmu, drive_parameters, messages) as drive,
         Member(rotor_fmu, rotor_parameters, messages) as rotor,
     ):
-        from_drive, from_rotor = drive.references(*OF_THE_DRIVE), rotor.references(*OF_THE_ROTOR)
-        load, speed = drive.references("tau_load"), rotor.references("speed")
-        at_load = OF_THE_ROTOR.index("tau_load")
         (inertia,) = rotor.get(rotor.references("J"))
         drive.set(drive.references("J_rotor"), [inertia])
-        rotor.set(speed, drive.get(drive.references("w_start")))
-        drive.set(load, rotor.get(rotor.references("tau_load")))
-        drive.begin()
-        rotor.begin()
-        rows = [drive.get(from_drive) + rotor.get(from_rotor)]
-        count = round(stop / step)
-        for n in range(count):
-            t, last = n * step, rows[-1]
-            drive.set(load, [last[len(OF_THE_DRIVE) + at_load]])
-            rotor.set(speed, [last[0]])
-            drive.step(t, step)
-            rotor.step(t, step)
-            rows.append(drive.get(from_drive) + rotor.get(from_rotor))
-            progress(t + step)
-    columns = np.array(rows).T
-    return Coupled(
-        np.arange(count + 1) * step,
-        dict(zip(OF_THE_DRIVE, columns, strict=False)),
-        dict(zip(OF_THE_ROTOR, columns[len(OF_THE_DRIVE) :], strict=True)),
-        inertia,
-    )
+        rotor.set(rotor.references("speed"), drive.get(drive.references("w_start")))
+        drive.set(drive.references("tau_load"), rotor.get(rotor.references("tau_load")))
+        t, of_drive, of_rotor = march(
+            Side(drive, TO_ROTOR, OF_THE_DRIVE),
+            Side(rotor, TO_DRIVE, OF_THE_ROTOR),
+            stop,
+            step,
+            progress,
+        )
+    return Coupled(t, of_drive, of_rotor, inertia)
 
 
 def save_coupled(run: Coupled, path: Path) -> None:

@@ -1,8 +1,7 @@
 """The example's magnetic bearings coupled with the rotor: displacements one way, forces the other.
 
-A Jacobi master in its plainest form: at each communication point either FMU gets the other's last
-output, then both step. With the controller's sample time as the communication step that is what a
-digital controller does: it reads, computes for a sample, and holds what it found over the next.
+With the controller's sample time as the communication step a Jacobi master does what a digital
+controller does: it reads, computes for a sample, and holds what it found over the next.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..coupled.master import Side, march
 from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
 from ..fmu.variables import Variable
@@ -21,13 +21,13 @@ from ..packing.bundle import FREE_FMU_NAME, build, is_current
 CONTROL_FMU, ROTOR_FMU = "MagneticBearing.fmu", FREE_FMU_NAME
 SYSTEM_FILES = ("OspSystemStructure.xml", "SystemStructure.ssd")
 SIDES, AXES = ("left", "right"), ("x", "y")
-# What one FMU tells the other: names at the rotor, names at the control.
+# What one FMU tells the other: output, input.
 SENSED = tuple((f"{side}_sensor.{axis}", f"{side}_{axis}") for side in SIDES for axis in AXES)
 IN_MAGNETS = tuple((f"{side}_magnet.{axis}", f"{side}_d{axis}") for side in SIDES for axis in AXES)
 TO_CONTROL = (*SENSED, *IN_MAGNETS, ("w", "w"))
 TO_ROTOR = (
-    *((f"{side}_magnet.f{axis}", f"{side}_f{axis}") for side in SIDES for axis in AXES),
-    ("tau_drive", "tau"),
+    *((f"{side}_f{axis}", f"{side}_magnet.f{axis}") for side in SIDES for axis in AXES),
+    ("tau", "tau_drive"),
 )
 # What is recorded besides.
 OF_THE_CONTROL = ("left_ixa", "left_ixb", "left_iya", "left_iyb", "work")
@@ -97,37 +97,18 @@ def couple(
     communication point; what it raises ends the run. Raises `RunFailed`.
     """
     messages: list[str] = []
-    told = tuple(name for name, _ in TO_CONTROL)
-    forces = tuple(name for _, name in TO_ROTOR)
     with (
         Member(control_fmu, control_parameters, messages) as control,
         Member(rotor_fmu, {"w_start": 0.0, **rotor_parameters}, messages) as rotor,
     ):
-        into_control = control.references(*(name for _, name in TO_CONTROL))
-        into_rotor = rotor.references(*(name for name, _ in TO_ROTOR))
-        of_control = control.references(*forces, *OF_THE_CONTROL)
-        of_rotor = rotor.references(*told, *OF_THE_ROTOR)
-
-        def exchange() -> None:
-            control.set(into_control, seen[: len(told)])
-            rotor.set(into_rotor, acting[: len(forces)])
-
-        seen, acting = rotor.get(of_rotor), control.get(of_control)
-        exchange()
-        control.begin()
-        rotor.begin()
-        rows = [control.get(of_control) + rotor.get(of_rotor)]
-        count = round(stop / step)
-        for n in range(count):
-            exchange()
-            control.step(n * step, step)
-            rotor.step(n * step, step)
-            seen, acting = rotor.get(of_rotor), control.get(of_control)
-            rows.append(acting + seen)
-            progress((n + 1) * step)
-    columns = np.array(rows).T
-    return Levitated(
-        np.arange(count + 1) * step,
-        dict(zip((*forces, *OF_THE_CONTROL), columns, strict=False)),
-        dict(zip((*told, *OF_THE_ROTOR), columns[len(of_control) :], strict=True)),
-    )
+        sensed = rotor.get(rotor.references(*(output for output, _ in TO_CONTROL)))
+        control.set(control.references(*(name for _, name in TO_CONTROL)), sensed)
+        return Levitated(
+            *march(
+                Side(control, TO_ROTOR, OF_THE_CONTROL),
+                Side(rotor, TO_CONTROL, OF_THE_ROTOR),
+                stop,
+                step,
+                progress,
+            )
+        )
