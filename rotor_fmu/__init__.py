@@ -17,19 +17,8 @@ from .about import __version__
 from .model.kernels.user_cache import keep_in as _keep_in
 
 if _TYPE_CHECKING:
-    from .api import (
-        InputError,
-        Machine,
-        Peak,
-        Result,
-        RunFailed,
-        build_fmu,
-        load,
-        parse,
-        read_run,
-        simulate,
-        simulate_fmu,
-    )
+    # ruff: noqa: F403, F405: `__all__` alone lists the names
+    from .api import *
 
 __all__ = [
     "InputError",

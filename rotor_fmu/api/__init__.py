@@ -1,21 +1,13 @@
 """The Python interface, whose names `rotor_fmu.__all__` lists: `import rotor_fmu as rf`."""
 
-from ..errors import InputError, RunFailed
-from .fmus import build_fmu, simulate_fmu
-from .machine import Machine, load, parse
-from .result import Peak, Result, read_run
-from .simulate import simulate
-
-__all__ = [
-    "InputError",
-    "Machine",
-    "Peak",
-    "Result",
-    "RunFailed",
-    "build_fmu",
-    "load",
-    "parse",
-    "read_run",
-    "simulate",
-    "simulate_fmu",
-]
+from ..errors import InputError as InputError
+from ..errors import RunFailed as RunFailed
+from .fmus import build_fmu as build_fmu
+from .fmus import simulate_fmu as simulate_fmu
+from .machine import Machine as Machine
+from .machine import load as load
+from .machine import parse as parse
+from .result import Peak as Peak
+from .result import Result as Result
+from .result import read_run as read_run
+from .simulate import simulate as simulate

@@ -23,6 +23,16 @@ def example_folder(name: str) -> Path:
     return Path(str(files("rotor_fmu.examples") / name))
 
 
+def lay_out(folder: Path, out: Path) -> None:
+    """Copy into the folder `out` what other masters need to run the system of an example's folder:
+    its system files and the scripts that run them."""
+    systems = [
+        file for file in folder.iterdir() if file.suffix in (".xml", ".ssd", ".json", ".toml")
+    ]
+    for file in (*systems, *folder.glob("with_*.py"), *folder.parent.glob("with_*.py")):
+        shutil.copyfile(file, out / file.name)
+
+
 def partner_table(source: Path) -> tuple[Variable, ...]:
     """Variables of a partner's FMU, as its source lists them."""
     return tuple(

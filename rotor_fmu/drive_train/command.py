@@ -4,7 +4,6 @@ and how well the two FMUs agree on the power that crosses from one to the other.
 from __future__ import annotations
 
 import math
-import shutil
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -16,6 +15,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
 
+from ..coupled.partner import lay_out
 from ..errors import InputError, writable_folder
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
 from ..model.machine.toml import rig_toml
@@ -76,9 +76,7 @@ def drive_train(
         raise InputError(f"--step {step:g} s: must lie between 0.0001 and 0.02")
     clear(writable_folder(out), RESULTS)
     fmus = build_drive_train(out), fmu_in(out, rig_toml())
-    for file in example().iterdir():
-        if file.is_file() and file.name != "drive_train.py":
-            shutil.copyfile(file, out / file.name)
+    lay_out(example(), out)
     cases = {
         "ample": RunUp(f"{ample:g} N.m", AMPLE_STOP, step, {"tau_max": ample}, {}),
         "small": RunUp(f"{small:g} N.m", SMALL_STOP, step, {"tau_max": small}, {}),

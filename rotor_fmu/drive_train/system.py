@@ -16,7 +16,6 @@ from ..files import unfinished
 from ..fmu.variables import Variable
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
-SYSTEM_FILES = ("OspSystemStructure.xml", "SystemStructure.ssd", "cofmpy.json")
 # What one FMU tells the other: output, input.
 TO_ROTOR = (("w", "speed"),)
 TO_DRIVE = (("tau_load", "tau_load"),)

@@ -3,7 +3,6 @@ off and caught by its touchdown bearings."""
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -36,6 +35,7 @@ def magnetic_bearing(
 
     Leaves both FMUs, the system files of the example and pictures in the folder.
     """
+    from ..coupled.partner import lay_out
     from ..runs.job import clear, write_json
     from .figures import write_pictures
     from .system import build_control, couple, example, rotor_in
@@ -51,9 +51,7 @@ def magnetic_bearing(
         raise InputError(f"--volts {volts:g} V: must be > 0 and at most 1000")
     clear(writable_folder(out), RESULTS)
     fmus = build_control(out), rotor_in(out)
-    for file in example().iterdir():
-        if file.suffix in (".xml", ".ssd", ".toml") or file.name.startswith("with_"):
-            shutil.copyfile(file, out / file.name)
+    lay_out(example(), out)
     off = RUN + speed / RAMP + SETTLED
     parameters = {
         "t_lift": LIFT, "t_run": RUN, "t_off": off, "w_target": speed, "ramp": RAMP, "u_max": volts

@@ -19,7 +19,6 @@ from ..fmu.variables import Variable
 from ..packing.bundle import FREE_FMU_NAME, build, is_current
 
 CONTROL_FMU, ROTOR_FMU = "MagneticBearing.fmu", FREE_FMU_NAME
-SYSTEM_FILES = ("OspSystemStructure.xml", "SystemStructure.ssd")
 SIDES, AXES = ("left", "right"), ("x", "y")
 # What one FMU tells the other: output, input.
 SENSED = tuple((f"{side}_sensor.{axis}", f"{side}_{axis}") for side in SIDES for axis in AXES)

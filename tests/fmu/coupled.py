@@ -1,5 +1,9 @@
 """The rotor and a motor, coupled by a master of our own: what other masters must give as well."""
 
+import csv
+import io
+import subprocess
+import sys
 from itertools import accumulate, pairwise
 
 import fmpy
@@ -93,3 +97,20 @@ def march(
 def transfer(parts, name, value):
     _, target, variable = TRANSFER[name]
     parts[target].inputs[variable] = value
+
+
+def last_row(script, *arguments):
+    """What a script of the examples prints last, by name."""
+    done = subprocess.run(
+        [sys.executable, str(script), *arguments], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    row = list(csv.DictReader(io.StringIO(done.stdout)))[-1]
+    return {name: float(value) for name, value in row.items()}
+
+
+def through_libcosim(folder, system, stop, shown):
+    """What libcosim tells at `stop` [s] of the variables `shown` of a system laid out in a folder,
+    from the file `system`."""
+    script = folder / "with_libcosim.py"
+    return last_row(script, str(folder / system), str(stop), str(stop), *shown)

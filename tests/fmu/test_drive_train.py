@@ -1,7 +1,5 @@
 """A motor on a flexible coupling drives the rotor, each an FMU of its own."""
 
-import csv
-import io
 import json
 import math
 import runpy
@@ -16,6 +14,7 @@ import pytest
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.structure.assembly import assemble
 
+from rotor_fmu.coupled.partner import lay_out
 from rotor_fmu.drive_train.command import (
     CONTINUATIONS,
     SMALL,
@@ -36,6 +35,7 @@ from rotor_fmu.drive_train.system import (
 from rotor_fmu.errors import RunFailed
 
 from ..test_command_line import refusal  # noqa: F401, a fixture
+from .coupled import last_row, through_libcosim
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def drive_fmu(tmp_path_factory):
 def system(tmp_path_factory, drive_fmu, fmu):
     """The example's folder with both FMUs in it, as the command leaves it."""
     folder = tmp_path_factory.mktemp("system")
-    shutil.copytree(example(), folder, dirs_exist_ok=True)
+    lay_out(example(), folder)
     shutil.copy(drive_fmu, folder)
     shutil.copy(fmu, folder)
     return folder
@@ -139,29 +139,20 @@ def test_the_system_files_start_what_the_models_are(fmu, drive_fmu):
     assert at_rest == pytest.approx(lever, rel=1e-3)
 
 
-def last_row(script, *arguments):
-    """What one of the example's scripts prints last, by name."""
-    done = subprocess.run(
-        [sys.executable, str(script), *arguments], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    row = list(csv.DictReader(io.StringIO(done.stdout)))[-1]
-    return {name: float(value) for name, value in row.items()}
-
-
 @pytest.fixture(scope="module")
 def through_fmpy(drive_fmu, fmu):
     return couple(drive_fmu, fmu, 1.0, 0.002, {}, {})
 
 
-@pytest.mark.parametrize("kind", ["osp", "ssp"])
-def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, kind):
-    row = last_row(system / "with_libcosim.py", kind, "1")
+@pytest.mark.parametrize("file", ["OspSystemStructure.xml", "SystemStructure.ssd"])
+def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, file):
+    shown = ("drive.w", "drive.tau_motor", "rotor.tau_load", "rotor.disc[3].x_amp")
+    row = through_libcosim(system, file, 1.0, shown)
     assert row["time"] == 1.0
-    for side in ("drive", "rotor"):
-        for name, column in getattr(through_fmpy, side).items():
-            if f"{side}.{name}" in row:
-                assert row[f"{side}.{name}"] == pytest.approx(column[-1], rel=1e-9), name
+    for name in shown:
+        side, _, variable = name.partition(".")
+        told = getattr(through_fmpy, side)[variable][-1]
+        assert row[name] == pytest.approx(told, rel=1e-9), name
 
 
 def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):

@@ -1,12 +1,9 @@
 """A compressor on magnetic bearings: rotor and control, each an FMU of its own."""
 
-import csv
-import io
 import json
 import math
 import runpy
 import shutil
-import subprocess
 import sys
 
 import numpy as np
@@ -16,6 +13,7 @@ from rotor_fmu.model.linear.machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.coupled.member import Member
+from rotor_fmu.coupled.partner import lay_out
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.magnetic_bearing.system import (
     build_control,
@@ -27,6 +25,7 @@ from rotor_fmu.magnetic_bearing.system import (
 from rotor_fmu.packing.bundle import build
 
 from ..test_command_line import refusal  # noqa: F401, a fixture
+from .coupled import through_libcosim
 
 STEP = 1e-4
 TOML = (example() / "compressor.toml").read_text(encoding="utf-8")
@@ -227,31 +226,22 @@ def test_a_controller_too_slow_drives_the_third_bending_mode():
 # --- other hosts, and the command ---
 
 
-def last_row(script, *arguments):
-    """What the example's script prints last, by name."""
-    done = subprocess.run(
-        [sys.executable, str(script), *arguments], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    row = list(csv.DictReader(io.StringIO(done.stdout)))[-1]
-    return {name: float(value) for name, value in row.items()}
-
-
 @pytest.fixture(scope="module")
 def through_fmpy(control, compressor):
     return couple(control, compressor, 0.3, STEP, {}, {})
 
 
-@pytest.mark.parametrize("kind", ["osp", "ssp"])
+@pytest.mark.parametrize("file", ["OspSystemStructure.xml", "SystemStructure.ssd"])
 def test_libcosim_gives_the_same_from_the_system_files(
-    tmp_path, control, compressor, through_fmpy, kind
+    tmp_path, control, compressor, through_fmpy, file
 ):
-    shutil.copytree(example(), tmp_path, dirs_exist_ok=True)
-    for file in (control, compressor):
-        shutil.copy(file, tmp_path)
-    row = last_row(tmp_path / "with_libcosim.py", kind, "0.3")
+    lay_out(example(), tmp_path)
+    for fmu in (control, compressor):
+        shutil.copy(fmu, tmp_path)
+    shown = ("control.left_fy", "control.tau", "rotor.w", "rotor.left_sensor.y")
+    row = through_libcosim(tmp_path, file, 0.3, shown)
     assert row["rotor.w"] > 30.0
-    for name in ("control.left_fy", "control.tau", "rotor.w", "rotor.left_sensor.y"):
+    for name in shown:
         side, _, variable = name.partition(".")
         told = getattr(through_fmpy, side)[variable][-1]
         assert row[name] == pytest.approx(told, rel=1e-7, abs=1e-12), name

@@ -1,0 +1,39 @@
+"""A coupled system of FMUs through libcosim, from OspSystemStructure.xml or SystemStructure.ssd;
+prints CSV. Needs libcosimpy.
+
+    python with_libcosim.py FILE STOP EVERY SLAVE.VARIABLE...       # times in seconds
+"""
+
+import sys
+from pathlib import Path
+
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+from libcosimpy.CosimObserver import CosimObserver
+
+
+def main(file: str, stop: str, every: str, *shown: str) -> None:
+    """Run to `stop` [s] and print what is `shown` at every multiple of `every` [s]."""
+    log_output_level(CosimLogLevel.WARNING)
+    if Path(file).suffix == ".ssd":
+        execution = CosimExecution.from_ssp_file(str(Path(file).resolve().parent))
+    else:
+        execution = CosimExecution.from_osp_config_file(file)
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    places = []
+    for name in shown:
+        slave, _, variable = name.partition(".")
+        index = execution.slave_index_from_instance_name(slave)
+        known = {v.name.decode(): v.reference for v in execution.slave_variables(index)}
+        places.append((index, [known[variable]]))
+    print("time", *shown, sep=",")
+    for n in range(1, round(float(stop) / float(every)) + 1):
+        if not execution.simulate_until(round(n * float(every) * 1e9)):  # ns
+            sys.exit(f"stopped: {execution.status()}")
+        row = [observer.last_real_values(*place)[0] for place in places]
+        print(n * float(every), *map(repr, row), sep=",")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
