@@ -17,8 +17,7 @@ from .about import __version__
 from .model.kernels.user_cache import keep_in as _keep_in
 
 if _TYPE_CHECKING:
-    # ruff: noqa: F403, F405: `__all__` alone lists the names
-    from .api import *
+    from .api import *  # noqa: F403
 
 __all__ = [
     "InputError",
