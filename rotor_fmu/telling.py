@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack, redirect_stderr, redirect_stdout
 from functools import wraps
 from json import dumps
+from numbers import Integral
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
@@ -67,4 +68,6 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if isinstance(value, Path):
         return str(value)
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        return int(value)
     return None if isinstance(value, float) and not math.isfinite(value) else value

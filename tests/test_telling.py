@@ -8,12 +8,12 @@ from types import SimpleNamespace
 
 import pytest
 import typer
+from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
-from rotor_fmu.cli import main
-from rotor_fmu.drive_train import command as drive_train
-from rotor_fmu.magnetic_bearing import command as magnetic_bearing
+from rotor_fmu.cli import app, main
+from rotor_fmu.fmu.interface import interface
 from rotor_fmu.runs import command, run_down
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.telling import json_text, tells
@@ -126,12 +126,32 @@ def test_a_study_tells_its_counts_its_worst_runs_and_what_it_says(told, tmp_path
     assert selected["values"] == {"bearing[1].mu": 0.1}
 
 
-@pytest.mark.parametrize("coupled", [drive_train.drive_train, magnetic_bearing.magnetic_bearing])
-def test_coupled_commands_tell_by_the_same_options(coupled):
-    app = typer.Typer()
-    app.command()(coupled)
-    names = {name for option in typer.main.get_command(app).params for name in option.opts}
-    assert {"--json", "--quiet", "--out"} <= names
+def commands():
+    """Every command by name; those of a group as `group command`."""
+    context = typer.Context(typer.main.get_command(app))
+    for name in context.command.list_commands(context):
+        _, command, _ = context.command.resolve_command(context, [name])
+        yield from getattr(command, "commands", {name: command}).items()
+
+
+# what they print is a text for another program: TOML, JSON, lines for a shell
+TEXTS = {"example", "schema", "host-env"}
+
+
+def test_every_command_with_figures_tells_by_the_same_options():
+    options = {
+        name: {option for parameter in command.params for option in parameter.opts}
+        for name, command in commands()
+    }
+    assert len(options) > 20
+    assert {name for name, of_it in options.items() if not {"--json", "--quiet"} <= of_it} == TEXTS
+
+
+def test_the_variables_as_json_are_the_table(told):
+    listed = json.loads(told("variables", "--free", "--json")[0])
+    table = {v.name: v for v in interface(rig(), is_free=True)}
+    assert listed.keys() == table.keys()
+    assert {n: v["unit"] for n, v in listed.items()} == {n: v.unit for n, v in table.items()}
 
 
 def test_what_a_command_prints_on_the_way_is_not_among_its_json(capsys):

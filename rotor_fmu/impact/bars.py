@@ -39,11 +39,10 @@ def present(
     stop: float,
     wants_figure_8: bool,
     out: Path,
-) -> None:
-    """Run every case at every step and opening; write and print what came out.
+) -> dict[str, Any]:
+    """Run every case at every step and opening; write, print and return what came out.
 
-    Raises `ImpactError` for bars that cannot be, before anything is written, and `RunFailed` if a
-    run diverged.
+    Raises `ImpactError` for bars that cannot be, before anything is written.
     """
     plan = [(c, Bars(opening=g, **options), dt) for g in openings for c in chosen for dt in steps]
     if wants_figure_8:
@@ -81,7 +80,7 @@ def present(
         for case, dt, run in runs
         if not run.run.is_done
     ]
-    finish(reports, chosen, failures, out)
+    return finish(reports, chosen, failures, out)
 
 
 def _row(case: ImpactCase, dt: float, found: BarsRun, wall: float) -> dict[str, Any]:

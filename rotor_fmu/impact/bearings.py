@@ -51,7 +51,7 @@ def present(
     stop: float,
     cap: int,
     out: Path,
-) -> None:
+) -> dict[str, Any]:
     """Run every scheme with every impact option, with and without the shaft's damping.
 
     speed: at the start [rad/s] and its rate [rad/s2]. Raises `ImpactError` for a rotor that cannot
@@ -96,7 +96,7 @@ def present(
     report = Report(COLUMNS, rows, title)
     report.write(out / "bearings.csv", out / "bearings.md")
     write_text(_outcomes(trials, rows, fine, stop), out / "outcomes.md")
-    finish([report], chosen, [], out)
+    return finish([report], chosen, [], out)
 
 
 def _row(trial: Trial, found: JournalRun, right: JournalRun, wall: float) -> dict[str, Any]:

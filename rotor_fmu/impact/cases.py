@@ -7,12 +7,12 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from ..errors import InputError, RunFailed
+from ..errors import InputError
 from ..model.impact.stepping.march import IMPACTS
 from ..model.schemes import family, spectral
 from ..model.schemes.family import Scheme
@@ -108,16 +108,21 @@ def carried_out(
 
 def finish(
     reports: Sequence[Report], chosen: Sequence[ImpactCase], failures: Sequence[str], out: Path
-) -> None:
+) -> dict[str, Any]:
     """Print the tables, what is to be said of the parameters, and where things are.
 
-    Raises `RunFailed` with what ended early and was not meant to.
+    Returns the tables' rows, the remarks by case, and a status: `failed: ` and what ended early and
+    was not meant to.
     """
+    remarked = {case.label: found for case in chosen if (found := flags(case))}
     for report in reports:
         report.print(console)
-    for case in chosen:
-        if found := flags(case):
-            console.print(f"{case.label}: {'; '.join(found)}.")
+    for label, found in remarked.items():
+        console.print(f"{label}: {'; '.join(found)}.")
     console.print(f"written to {out}")
-    if failures:
-        raise RunFailed("; ".join(failures))
+    return {
+        "rows": [row for report in reports for row in report.rows],
+        "remarks": remarked,
+        "status": f"failed: {'; '.join(failures)}" if failures else "ok",
+        "out": str(out),
+    }

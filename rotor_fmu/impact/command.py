@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..errors import InputError, read_text
+from ..telling import tells
 from .cases import IMPACTS, PAPER_BARS, PAPER_RATCHET, cases, positive
 
 # The experiments themselves are imported where they run: finite elements and pictures load slowly,
@@ -41,6 +42,7 @@ Cap = Annotated[int, typer.Option(help="Increments after which a run is given up
 
 
 @app.command("bars")
+@tells
 def bars(
     scheme: Schemes = None,
     dt: Steps = None,
@@ -60,7 +62,7 @@ def bars(
     density: Annotated[float, typer.Option(help="Of the bars in kg/m3.")] = 0.001,
     stop: Annotated[float, typer.Option(help="End of the run in seconds.")] = 0.04,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/bars"),
-) -> None:
+) -> dict[str, Any]:
     """Two elastic bars meet (paper B, 3.1): Figures 3 to 8 and the table of errors."""
     from .bars import present
 
@@ -76,10 +78,11 @@ def bars(
     options = {"is_lumped": mass == "lumped", "penalty": penalty, "density": density}
     options |= {"nx": elements[0], "ny": elements[1]}
     wants_figure_8 = scheme is None and dt is None and opening is None and penalty is None
-    present(chosen, steps, opening or BARS_OPENING, options, stop, wants_figure_8, out)
+    return present(chosen, steps, opening or BARS_OPENING, options, stop, wants_figure_8, out)
 
 
 @app.command("ratchet")
+@tells
 def ratchet(
     scheme: Schemes = None,
     dt: Annotated[float, typer.Option(help="Time increment in seconds.")] = 1e-5,
@@ -90,7 +93,7 @@ def ratchet(
     stop: Annotated[float, typer.Option(help="End of the run in seconds.")] = 0.03,
     cap: Cap = 10_000,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/ratchet"),
-) -> None:
+) -> dict[str, Any]:
     """A pawl in a ratchet wheel (paper B, 3.2): Figures 10 to 12, a drawing and an animation."""
     from .ratchet import present
 
@@ -99,10 +102,11 @@ def ratchet(
     positive("--stop", [stop])
     positive("--cap", [cap], "increments")
     text = None if geometry is None else read_text("--geometry", geometry)
-    present(chosen, dt, text, stop, cap, out)
+    return present(chosen, dt, text, stop, cap, out)
 
 
 @app.command("bearings")
+@tells
 def bearings(
     scheme: Schemes = None,
     dt: Steps = None,
@@ -114,7 +118,7 @@ def bearings(
     stop: Annotated[float, typer.Option(help="End of the run in seconds.")] = 0.3,
     cap: Cap = 10_000,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/bearings"),
-) -> None:
+) -> dict[str, Any]:
     """Paper B's impact option on a rotor whose bearings are hard stops."""
     from ..runs.job import load_rotor
     from .bearings import present
@@ -126,4 +130,4 @@ def bearings(
     for option, value in (("--speed", speed), ("--rate", rate)):
         if not math.isfinite(value):
             raise InputError(f"{option} {value:g}: must be finite")
-    present(chosen, steps, load_rotor(rotor)[1], (speed, rate), stop, cap, out)
+    return present(chosen, steps, load_rotor(rotor)[1], (speed, rate), stop, cap, out)

@@ -38,11 +38,11 @@ _ONE_TOOTH = 1.75  # of the time to the locking face: there and back
 
 def present(
     chosen: Sequence[ImpactCase], dt: float, geometry: str | None, stop: float, cap: int, out: Path
-) -> None:
-    """Run every case; write and print what came out.
+) -> dict[str, Any]:
+    """Run every case; write, print and return what came out.
 
     geometry: TOML text, None for the ratchet that comes with the package. Raises `ImpactError` for
-    a ratchet that cannot be, before anything is written, and `RunFailed` if a run diverged.
+    a ratchet that cannot be, before anything is written.
     """
     ratchet = parse_ratchet(ratchet_toml() if geometry is None else geometry)
     ratchet.plate  # noqa: B018 the mesh is checked before anything is written
@@ -83,7 +83,7 @@ def present(
         for case, found in runs.items()
         if not found.run.is_done and not found.run.is_capped
     ]
-    finish([report], chosen, failures, out)
+    return finish([report], chosen, failures, out)
 
 
 def _row(case: ImpactCase, dt: float, found: RatchetRun, wall: float) -> dict[str, Any]:

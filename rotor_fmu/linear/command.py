@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 
 from ..errors import InputError, writable_folder
 from ..runs.job import load_rotor, write_json, write_text
+from ..telling import tells
 from ..units import units_for
 
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ Contacts = Annotated[
         help="Clearance contacts open or pinned; default: open where the machine is held without."
     ),
 ]
-Json = Annotated[bool, typer.Option("--json", help="All numbers in SI units, in place of a table.")]
 One = Annotated[str, typer.Option("--speed", help="Speed: 300, 3000rpm, 50Hz; rad/s by itself.")]
 Range = Annotated[
     str | None,
@@ -46,32 +45,32 @@ Range = Annotated[
 Count = Annotated[int, typer.Option(help="How many modes.")]
 
 
+@tells
 def modes(
     rotor: RotorFile = None,
     speed: One = "0",
     count: Count = 8,
     contacts: Contacts = None,
-    as_json: Json = False,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
-) -> None:
+) -> dict[str, Any]:
     """Natural frequencies, damping, logarithmic decrements, whirl and shapes at a speed."""
     at, (_, machine) = one_speed(speed), load_rotor(rotor)
     from . import answers
 
     _check_count(count)
     found = answers.modes(machine, at, count=count, contacts=contacts)
-    _tell(found, found.table(), found.figure(), as_json, out, "modes")
+    return _tell(found, found.table(), found.figure(), out, "modes")
 
 
+@tells
 def campbell(
     rotor: RotorFile = None,
     speed: Range = None,
     count: Count = 8,
     contacts: Contacts = None,
     harmonic: Annotated[float, typer.Option(help="Multiple of the speed that excites.")] = 1.0,
-    as_json: Json = False,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
-) -> None:
+) -> dict[str, Any]:
     """Modes over the speed, critical speeds, and where the machine loses its stability."""
     speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
     from . import answers
@@ -82,9 +81,10 @@ def campbell(
     if len(speeds) == 0:
         speeds = np.linspace(0.0, _highest(machine, contacts), 41)
     found = answers.campbell(machine, speeds, count=count, contacts=contacts, harmonic=harmonic)
-    _tell(found, found.table(), found.figure(), as_json, out, "campbell")
+    return _tell(found, found.table(), found.figure(), out, "campbell")
 
 
+@tells
 def unbalance(
     rotor: RotorFile = None,
     speed: Range = None,
@@ -99,9 +99,8 @@ def unbalance(
         ),
     ] = None,
     contacts: Contacts = None,
-    as_json: Json = False,
     out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
-) -> None:
+) -> dict[str, Any]:
     """Steady response to unbalance: x, y, largest semi-axis and phase at any node."""
     speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
     given = [_unbalance(text) for text in at] if at else None
@@ -114,42 +113,43 @@ def unbalance(
         speeds = np.linspace(0.0, _highest(machine, contacts), 401)
     found = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
     nodes = node or found.nodes()
-    _tell(found, found.table(nodes), found.figure(nodes), as_json, out, "unbalance")
+    return _tell(found, found.table(nodes), found.figure(nodes), out, "unbalance")
 
 
+@tells
 def static(
     rotor: RotorFile = None,
     speed: One = "0",
     contacts: Contacts = None,
-    as_json: Json = False,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
-) -> None:
+) -> dict[str, Any]:
     """Deflection under gravity, and what each bearing bears."""
     at, (_, machine) = one_speed(speed), load_rotor(rotor)
     from . import answers
 
     found = answers.static(machine, at, contacts=contacts)
-    _tell(found, found.table(), found.figure(), as_json, out, "static")
+    return _tell(found, found.table(), found.figure(), out, "static")
 
 
+@tells
 def show(
     rotor: RotorFile = None,
-    as_json: Json = False,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
-) -> None:
+) -> dict[str, Any]:
     """A picture of the machine to scale, and what it is made of."""
     _, machine = load_rotor(rotor)
     from . import answers
     from .inventory import inventory
 
     listed = inventory(machine)
-    _tell(listed, listed.table(), answers.show(machine), as_json, out, "show")
+    return _tell(listed, listed.table(), answers.show(machine), out, "show")
 
 
+@tells
 def import_ross(
     file: Annotated[Path, typer.Argument(help="A rotor that ROSS saved, TOML or JSON.")],
     out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
-) -> None:
+) -> dict[str, Any]:
     """Turn a rotor that ROSS saved into a machine file."""
     from ..model.machine.writing import toml_text
     from ..runs.machine_file import import_ross as read
@@ -162,13 +162,11 @@ def import_ross(
     for note in found.notes:
         typer.echo(note)
     typer.echo(f"written to {out}")
+    return {"notes": found.notes, "out": str(out)}
 
 
-COMMANDS = (modes, campbell, unbalance, static, show, import_ross)
-
-
-def _tell(found: Any, table: Table, figure: Figure, as_json: bool, out: Path, name: str) -> None:
-    """Print the table or the numbers, and write numbers and picture."""
+def _tell(found: Any, table: Table, figure: Figure, out: Path, name: str) -> dict[str, Any]:
+    """Print the table, write numbers and picture, and return the numbers."""
     from ..figures import save
     from .tables import numbers
 
@@ -176,9 +174,9 @@ def _tell(found: Any, table: Table, figure: Figure, as_json: bool, out: Path, na
     writable_folder(out)
     save(figure, out / f"{name}.png")
     write_json(data, out / f"{name}.json")
-    typer.echo(json.dumps(data) if as_json else table.text())
-    if not as_json:
-        typer.echo(f"written to {out}")
+    typer.echo(table.text())
+    typer.echo(f"written to {out}")
+    return data
 
 
 def one_speed(text: str) -> float:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import difflib
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..errors import InputError, writable_folder
 from ..runs import PLOTS
+from ..telling import tells
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
 
+@tells
 def plot(
     kind: Annotated[str, typer.Argument(help=f"One of {', '.join(PLOTS)}.")],
     run: Annotated[Path, typer.Argument(help="Folder of a run, with its recording.npz.")],
@@ -27,7 +29,7 @@ def plot(
     ] = None,
     pp: Annotated[bool, typer.Option("--pp", help="Peak-to-peak, instead of 0-p.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder; default: the run's.")] = None,
-) -> None:
+) -> dict[str, Any]:
     """Draw a recorded run as vibration engineers do."""
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
@@ -46,9 +48,12 @@ def plot(
         figure = KINDS[kind](view)
     except TooFewTurns as error:
         raise InputError(f"{run}: {error}") from error
-    typer.echo(save(figure, folder / f"{kind}.png"))
+    picture = save(figure, folder / f"{kind}.png")
+    typer.echo(picture)
+    return {"out": picture}
 
 
+@tells
 def report(
     paths: Annotated[
         list[Path],
@@ -58,7 +63,7 @@ def report(
         ),
     ],
     out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
-) -> None:
+) -> dict[str, Any]:
     """Write the page of a run, of two runs laid over each other, or of a study."""
     from .reading import is_study, read_run, read_study, read_summary, told_apart
 
@@ -88,3 +93,4 @@ def report(
 
     write_page(page, out)
     typer.echo(out)
+    return {"out": out}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,6 +13,7 @@ from ..model.kernels.library import here
 from ..packing.bundle import build as pack
 from ..runs.command import Free, RotorFile
 from ..runs.job import load_rotor
+from ..telling import tells
 from .core import PLATFORMS, CoreError, library
 from .pack import build_native
 
@@ -29,6 +30,7 @@ Native = Annotated[
 Fmi = Annotated[int, typer.Option("--fmi", help="With --native: the version of FMI, 2 or 3.")]
 
 
+@tells
 def build(
     rotor: RotorFile = None,
     is_free: Free = False,
@@ -36,27 +38,32 @@ def build(
     fmi: Fmi = 2,
     platforms: Platforms = None,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
-) -> None:
+) -> dict[str, Any]:
     """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
     toml, machine = load_rotor(rotor)
-    folder = writable_folder(out)
-    for doubt in doubts(machine):
+    if not is_native and (fmi != 2 or platforms):
+        raise InputError("--fmi and --platform: only with --native")
+    folder, found = writable_folder(out), doubts(machine)
+    for doubt in found:
         typer.echo(f"warning: {doubt}", err=True)
     if is_native:
-        typer.echo(build_without_python(toml, is_free, fmi, platforms, folder))
-    elif fmi != 2 or platforms:
-        raise InputError("--fmi and --platform: only with --native")
+        fmu = build_without_python(toml, is_free, fmi, platforms, folder)
     else:
-        typer.echo(pack(folder, toml, is_free))
+        fmu = pack(folder, toml, is_free)
+    typer.echo(fmu)
+    return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": found}
 
 
-def core(platforms: Platforms = None) -> None:
+@tells
+def core(platforms: Platforms = None) -> dict[str, Any]:
     """Make the libraries of the solver, with which nothing has to be compiled to run or to build.
 
     Where they are missing a run compiles the solver, and a build of a native FMU makes them.
     """
-    for name in _known(platforms):
-        typer.echo(_made(name))
+    made = {name: _made(name) for name in _known(platforms)}
+    for library_file in made.values():
+        typer.echo(library_file)
+    return made
 
 
 def build_without_python(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,6 +30,7 @@ from .job import (
     write_csv,
     write_json,
 )
+from .reproduce import figures_of
 from .reproduce import reproduce as run_again
 from .run_down import summary
 from .signals import RUN_DOWN_STOP
@@ -101,20 +103,25 @@ def _shown(value: object) -> str:
     return "-" if value is None else str(value)
 
 
+@tells
 def reproduce(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/reproduce"),
-) -> None:
+) -> dict[str, Any]:
     """Run what paper A ran, through the FMU: figures 3 to 6 and 9 to 15 and a table.
 
     Runs that an earlier, stopped call finished are taken from the folder.
     """
-    run_again(writable_folder(out), typer.echo)
+    results = run_again(writable_folder(out), typer.echo)
     typer.echo((out / "table.md").read_text(encoding="utf-8"))
+    return {**figures_of(results), "out": str(out)}
 
 
-def variables(rotor: RotorFile = None, is_free: Free = False) -> None:
+@tells
+def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
     """Print the FMU's variables as a Markdown table."""
-    typer.echo(markdown(interface(load_rotor(rotor)[1], is_free)), nl=False)
+    table = interface(load_rotor(rotor)[1], is_free)
+    typer.echo(markdown(table), nl=False)
+    return {variable.name: asdict(variable) for variable in table}
 
 
 def host_env() -> None:
@@ -123,13 +130,16 @@ def host_env() -> None:
         typer.echo(f'export {name}="{value}"')
 
 
+@tells
 def warm(
     fmus: Annotated[
         list[Path] | None, typer.Argument(help="FMUs; default: one built from this version.")
     ] = None,
-) -> None:
+) -> dict[str, Any]:
     """Compile the FMU's solver ahead of its first use on this machine."""
+    took = {}
     with tempfile.TemporaryDirectory() as folder:
         for fmu in fmus or [build(Path(folder))]:
-            seconds = make_ready(fmu)
+            took[str(fmu) if fmus else fmu.name] = seconds = make_ready(fmu)
             typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
+    return {"seconds_to_first_step": took}

@@ -31,7 +31,7 @@ class Report:
     def __init__(
         self, columns: Sequence[Column], rows: Sequence[Mapping[str, object]], title: str = ""
     ) -> None:
-        self._columns, self._rows, self._title = columns, rows, title
+        self._columns, self.rows, self._title = columns, rows, title
 
     def print(self, console: Console) -> None:
         """To the screen."""
@@ -49,7 +49,7 @@ class Report:
                 table.add_column(column.head, overflow="fold", min_width=_FIRST)
             else:
                 table.add_column(column.head, justify="right", no_wrap=True)
-        for row in self._rows:
+        for row in self.rows:
             table.add_row(*self._cells(row, shown))
         console.print(table, soft_wrap=False)
 
@@ -59,12 +59,12 @@ class Report:
             writer = csv.DictWriter(file, [column.name for column in self._columns])
             writer.writeheader()
             names = set(writer.fieldnames)
-            writer.writerows({k: v for k, v in row.items() if k in names} for row in self._rows)
+            writer.writerows({k: v for k, v in row.items() if k in names} for row in self.rows)
         heads = [column.head.replace("\n", " ") for column in self._columns]
         lines = [
             heads,
             ["---"] * len(heads),
-            *(self._cells(row, self._columns) for row in self._rows),
+            *(self._cells(row, self._columns) for row in self.rows),
         ]
         text = "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
         markdown_path.write_text(text, encoding="utf-8")

@@ -298,8 +298,10 @@ def reproduce(out: Path, announce: Callable[[str], None]) -> list[Result]:
     write_figures(results, out)
     text = table(results)
     (out / "table.md").write_text(text, encoding="utf-8")
-    write_json(
-        {r.case.name: {**r.figures, "repeated": list(r.repeated)} for r in results},
-        out / "table.json",
-    )
+    write_json(figures_of(results), out / "table.json")
     return results
+
+
+def figures_of(results: list[Result]) -> dict[str, Any]:
+    """The figures of every run and of its repetitions, by the run's name."""
+    return {r.case.name: {**r.figures, "repeated": list(r.repeated)} for r in results}

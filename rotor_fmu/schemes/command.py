@@ -18,6 +18,7 @@ from ..errors import InputError, writable_folder
 from ..model.schemes import classical, family, spectral
 from ..model.schemes.family import Scheme, SchemeError
 from ..model.schemes.spectral import Method, Survey
+from ..telling import tells
 
 # dt/T at which the spectral radius is tabled.
 RATIOS = (0.1, 0.3, 1.0, 10.0)
@@ -281,8 +282,9 @@ def write_csv(rows: Sequence[Row], ratio: float | None, path: Path) -> None:
 
 def present(
     names: Sequence[str], frequency: float | None, step: float | None, damping: float, out: Path
-) -> None:
-    """Check everything, print the tables and the answers, write the pictures and the CSV file.
+) -> dict[str, Any]:
+    """Check everything, print the tables and the answers, write the pictures and the CSV file, of
+    which the rows are returned.
 
     Raises `InputError` for what cannot be, before anything is written.
     """
@@ -319,8 +321,10 @@ def present(
     write_csv(rows, ratio, out / "schemes.csv")
     write_figures(methods, damping, ratio, out)
     console.print(f"written to {out}", soft_wrap=True)
+    return {"rows": [_record(row, ratio) for row in rows], "out": str(out)}
 
 
+@tells
 def schemes(
     scheme: Annotated[
         list[str] | None,
@@ -337,9 +341,9 @@ def schemes(
     ] = None,
     damping: Annotated[float, typer.Option(help="Physical damping ratio.")] = 0.0,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/schemes"),
-) -> None:
+) -> dict[str, Any]:
     """What each time integrator does to an oscillation: tables and paper B's Figure 1."""
     try:
-        present(scheme or FIGURE_1, frequency, step, damping, out)
+        return present(scheme or FIGURE_1, frequency, step, damping, out)
     except InputError as error:
         raise typer.BadParameter(str(error)) from error

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..errors import InputError, writable_folder
 from ..model.schemes.family import Scheme
 from ..schemes.command import parse_scheme
+from ..telling import tells
 from . import bounces, impact, planted, rotor
 from .grid import TABLE, Experiment, Row, read_table, run_grid
 
@@ -90,6 +91,7 @@ def _is_near(h: float, asked: float) -> bool:
     return abs(h - asked) < 0.01 * h
 
 
+@tells
 def survey(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/survey"),
     scheme: Annotated[
@@ -108,7 +110,7 @@ def survey(
     table: Annotated[
         Path | None, typer.Option(help="Make the page of this table's rows, without any run.")
     ] = None,
-) -> None:
+) -> dict[str, Any]:
     """Run every integrator over the step lengths, on rotor, bars and ratchet; table and page.
 
     Stopped and started again it goes on where it was; runs of other code or settings are not used.
@@ -125,6 +127,7 @@ def survey(
         typer.echo(f"{len(rows)} rows in {out / TABLE}")
     is_whole = table is not None or not (scheme or step or experiment or quick)
     report(rows, out, is_whole)
+    return {"rows": rows, "out": str(out)}
 
 
 def report(rows: Sequence[Row], out: Path, is_whole: bool) -> None:

@@ -1,6 +1,7 @@
 """`rotor-fmu impact`: tables, logs, pictures, and what it refuses."""
 
 import csv
+import json
 import re
 
 import pytest
@@ -79,6 +80,16 @@ def test_a_users_own_bars(tmp_path):
     assert row["cutbacks"] == "0"
     pictures = sorted(path.name for path in tmp_path.glob("tip_velocity*.png"))
     assert pictures == ["tip_velocity_hht_alpha_-0.3_current-time_opening_0.005.png"]
+
+
+def test_json_has_the_tables_rows_and_what_is_to_be_said_of_the_schemes(tmp_path):
+    arguments = ["--scheme", "newmark", "--dt", 8e-4, "--opening", 0.01, "--out", tmp_path]
+    status, text = call("bars", *arguments, "--json", "--quiet")
+    told = json.loads(text)
+    (row,) = rows_of(tmp_path / "bars.csv")
+    assert (status, told["status"], told["out"]) == (0, "ok", str(tmp_path))
+    assert {name: str(value) for name, value in told["rows"][0].items()} == row
+    assert "does not damp the fastest oscillations" in told["remarks"]["newmark"]
 
 
 def test_a_penalty_takes_the_place_of_the_hard_contact(tmp_path):
