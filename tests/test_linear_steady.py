@@ -48,3 +48,7 @@ def test_amplitude_and_phase_are_reached_within_ten_tolerances(tolerance):
     for plane, part in (("x", moved.real), ("y", moved.imag)):
         amplitude = 2 * (part * mark[:, None]).mean(axis=0)
         assert np.abs(amplitude - getattr(found, plane)[0]).max() < 10 * tolerance * scale
+        for place, node in (("disc[1]", 2), ("disc[2]", 3)):
+            size, phase = (sim.read(f"{place}.{plane}_1x{of}") for of in ("", "_phase"))
+            right = getattr(found, plane)[0, node - 1]
+            assert abs(size * np.exp(1j * phase) - right) < 10 * tolerance * scale

@@ -72,6 +72,33 @@ def test_friction_is_positive_where_it_brakes_a_shaft_that_turns_forwards():
         assert sim.read("bearing[1].ft") * omega > 0
 
 
+@pytest.mark.parametrize("speed", [190.0, -190.0])
+def test_once_a_turn_is_what_order_tracking_finds_in_a_rub(speed):
+    """Against the revolution-synchronous resampling of the recorded motion, with its window."""
+    names = ("disc[3].x", "disc[3].y")
+    sim = Simulation(rig(), speed=speed, record=names)
+    assert sim.read("disc[3].x_1x") == 0.0  # before the first whole revolution
+    turn = 2 * math.pi / abs(speed)
+    shown = []
+    for k in range(1, 41):
+        sim.advance((k + 0.01) * turn, speed)
+        shown.append(
+            [
+                sim.read(f"disc[3].{axis}_1x") * np.exp(1j * sim.read(f"disc[3].{axis}_1x_phase"))
+                for axis in "xy"
+            ]
+        )
+    assert sim.read("bearing[2].fn") > 0.0
+    rows = sim.drain()
+    t, z = rows[:, 0], rows[:, 1] + 1j * rows[:, 2]
+    for k in range(36, 40):
+        at = np.linspace(k * turn, (k + 1) * turn, 2000, endpoint=False)
+        moved = np.interp(at, t, z.real), np.interp(at, t, z.imag)
+        for axis, part in enumerate(moved):
+            right = 2 * (part * np.exp(-1j * speed * at)).mean()
+            assert abs(shown[k][axis] - right) < 1e-3 * abs(right), (k, axis)
+
+
 def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolutions():
     omega = 130.0
     h = 2 * math.pi / omega / 200
@@ -84,7 +111,8 @@ def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolution
         # at least the last revolution, at most the two last
         for k in (1, 2):
             so_far = np.array(away)[:, k - 1]
-            for axis, distance in (("x", np.abs(so_far.real)), ("y", np.abs(so_far.imag))):
+            sizes = {"x": np.abs(so_far.real), "y": np.abs(so_far.imag), "r": np.abs(so_far)}
+            for axis, distance in sizes.items():
                 shown = sim.read(f"disc[{k}].{axis}_amp")
                 assert distance[-200:].max() <= shown * (1 + 1e-12)
                 assert shown <= distance[-402:].max() * (1 + 1e-12)

@@ -16,7 +16,7 @@ from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_lengt
 from .energy import powers, total_energy
 from .memory import spin_at, spin_now
 from .tape import is_due, write
-from .watch import open_window, watch_amplitudes, watch_bounces, watch_losses, watch_work
+from .watch import open_window, watch_bounces, watch_losses, watch_revolution, watch_work
 
 DONE, NOT_CONVERGED, NOT_FINITE, STALLED = 0, 1, 2, 3
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
@@ -49,7 +49,7 @@ def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
         memory.power[i] = work.powers[i]
-    watch_amplitudes(structure, motion, memory)
+    watch_revolution(structure, spin, motion, memory)
     watch_bounces(structure, motion, memory)
     watch_losses(structure, control, motion, memory, work)
 

@@ -32,6 +32,7 @@ RECORD = np.dtype(
             "torque",  # that the motion needs at t [N.m]
             "drive",  # torque on a free rotor [N.m]
             "turn",  # angle at which the present revolution began [rad]
+            "swept",  # of the present revolution [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
             "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
             "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
@@ -62,17 +63,20 @@ RECORD = np.dtype(
 class Memory(NamedTuple):
     """What a run remembers besides the motion; every array changes in place.
 
-    record: of dtype `RECORD`; work, power: of `laws.FLOWS` [J], [W]; peaks: largest |x| and |y|
-    from rest [m] of the probes in the present revolution, in the one before, and since the last
-    communication point; bounce: of each interface the direction of the last contact (cos, sin),
-    steps since then, score of crossings; rest: the probes under the loads at the start [m]; loads:
-    on the ports [N].
+    record: of dtype `RECORD`; work, power: of `laws.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
+    and squared distance [m2] from rest of the probes in the present revolution, in the one before,
+    and since the last communication point; once: of their z from rest, z exp(-i theta) and
+    z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
+    one before [m]; bounce: of each interface the direction of the last contact (cos, sin), steps
+    since then, score of crossings; rest: the probes under the loads at the start [m]; loads: on the
+    ports [N].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]
     work: Annotated[np.ndarray, float, "flows"]
     power: Annotated[np.ndarray, float, "flows"]
-    peaks: Annotated[np.ndarray, float, "3", "2", "probes"]
+    peaks: Annotated[np.ndarray, float, "3", "3", "probes"]
+    once: Annotated[np.ndarray, complex, "3", "2", "probes"]
     bounce: Annotated[np.ndarray, float, "interfaces", "4"]
     rest: Annotated[np.ndarray, complex, "probes"]
     loads: Annotated[np.ndarray, complex, "loads"]

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled, inlined
+from ..kernels.functions import angle, modulus
 from ..machine.rotor import Name, Rotor, spelled
 from ..parts import LAWS
 from ..protocol.law import losses_of, stores_of
@@ -166,16 +167,21 @@ def observe(structure, motion, memory, work, out):
 
 @inlined
 def _observe_parts(structure, motion, memory, out):
-    peaks = memory.peaks
+    peaks, once = memory.peaks, memory.once
     n = structure.M.shape[0]
     for i in range(len(structure.probes)):
         at = structure.probes[i].out
         q = motion.q[structure.probes[i].dof]
         out[at] = q.real
         out[at + 1] = q.imag
-        for axis in range(2):
+        for axis in range(3):
             largest = max(peaks[0, axis, i], peaks[1, axis, i], peaks[2, axis, i])
-            out[at + 2 + axis] = largest
+            out[at + 2 + axis] = largest if axis < 2 else math.sqrt(largest)
+        forward, backward = once[2, 0, i], once[2, 1, i].conjugate()
+        components = (forward + backward, -1j * (forward - backward))
+        for axis in range(2):
+            out[at + 5 + axis] = modulus(components[axis])
+            out[at + 7 + axis] = angle(components[axis])
     for i in range(len(structure.velocities)):
         at = structure.velocities[i].out
         v = motion.v[structure.velocities[i].dof]

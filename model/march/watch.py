@@ -1,5 +1,6 @@
-"""What is looked at after every step: the probes' amplitudes, the false wall-to-wall state, whether
-the integrator damps the machine more than the machine itself, and the work that a cycle takes."""
+"""What is looked at after every step: the probes' amplitudes and 1x components, the false
+wall-to-wall state, whether the integrator damps the machine more than the machine itself, and the
+work that a cycle takes."""
 
 from __future__ import annotations
 
@@ -28,29 +29,49 @@ COARSE = 0.5
 # Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
 # tolerance some hundreds; a run that takes more than SLOW says so, and at MOST it is given up.
 SLOW, MOST = 300_000, 10_000_000
+TURN = 2.0 * math.pi
 _FRICTION = FLOWS.index("friction")
 _LOSSES = OWN_FLOWS.index("external") + 1
 
 
 @compiled
-def watch_amplitudes(structure, motion, memory):
-    """Largest displacements of the probes, over the last whole revolution and what has passed of
-    the present one."""
+def watch_revolution(structure, spin, motion, memory):
+    """Of the probes: largest displacements, over the last whole revolution and what has passed of
+    the present one; forward and backward 1x components, over the last whole revolution."""
     r = memory.record[0]
-    peaks = memory.peaks
-    if abs(r.theta - r.turn) >= 2.0 * math.pi:
-        r.turn = r.theta
-        for axis in range(2):
-            for i in range(len(structure.probes)):
-                peaks[1, axis, i] = peaks[0, axis, i]
-                peaks[0, axis, i] = 0.0
+    peaks, once = memory.peaks, memory.once
+    swept = abs(spin.theta - r.turn)
+    by_step = swept - r.swept
+    is_whole = swept >= TURN
+    before = (TURN - r.swept) / by_step if is_whole else 1.0
+    r.swept = swept
+    if is_whole:
+        r.turn += math.copysign(TURN, spin.theta - r.turn)
+        r.swept = swept - TURN
+        if r.swept >= TURN:  # of steps longer than a revolution nothing can be said
+            r.turn = spin.theta
+            r.swept = 0.0
+            before = 0.0
     for i in range(len(structure.probes)):
         moved = motion.q[structure.probes[i].dof] - memory.rest[i]
-        x = abs(moved.real)
-        y = abs(moved.imag)
-        for window in (0, 2):
-            peaks[window, 0, i] = max(peaks[window, 0, i], x)
-            peaks[window, 1, i] = max(peaks[window, 1, i], y)
+        turned = (moved * spin.direction.conjugate(), moved * spin.direction)
+        for way in range(2):
+            last, now = once[0, way, i], turned[way]
+            # at the end of the revolution, as if it were linear over the step
+            end = last + before * (now - last)
+            once[1, way, i] += 0.5 * before * by_step * (last + end)
+            if is_whole:
+                once[2, way, i] = once[1, way, i] * (1.0 / TURN)
+                once[1, way, i] = 0.5 * r.swept * (end + now)
+            once[0, way, i] = now
+        x, y = abs(moved.real), abs(moved.imag)
+        size = (x, y, x * x + y * y)
+        for axis in range(3):
+            if is_whole:
+                peaks[1, axis, i] = peaks[0, axis, i]
+                peaks[0, axis, i] = 0.0
+            peaks[0, axis, i] = max(peaks[0, axis, i], size[axis])
+            peaks[2, axis, i] = max(peaks[2, axis, i], size[axis])
 
 
 @compiled

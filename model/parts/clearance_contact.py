@@ -309,7 +309,7 @@ OUTPUTS = (
     Output("ft", "N", "friction force that brakes the rotor", nominal=1.0, reached_by=SPEED),
     Output("x", "m", "journal relative to the housing, to the right", nominal=1e-4),
     Output("y", "m", "journal relative to the housing, upwards", nominal=1e-4),
-    Output("contact", "1", "whether journal and housing touch", True, kind="Boolean"),
+    Output("contact", "1", "whether journal and housing touch", kind="Boolean"),
 )
 STORES = (Output("compression", "J", "elastic energy of the contacts", nominal=1e-6),)
 LOSSES = (

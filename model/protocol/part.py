@@ -122,6 +122,27 @@ PROBE_OUTPUTS = (
         "largest abs(y - y at rest) over the last revolution, at rest under the loads at the start",
         nominal=1e-4,
     ),
+    Output(
+        "r_amp",
+        "m",
+        "largest distance from rest over the last revolution, in any direction",
+        True,
+        1e-4,
+    ),
+    Output(
+        "x_1x",
+        "m",
+        "amplitude of the 1x component of x, 0-p, over the last whole revolution",
+        nominal=1e-4,
+    ),
+    Output(
+        "y_1x",
+        "m",
+        "amplitude of the 1x component of y, 0-p, over the last whole revolution",
+        nominal=1e-4,
+    ),
+    Output("x_1x_phase", "rad", "angle by which the 1x component of x leads phi", nominal=1.0),
+    Output("y_1x_phase", "rad", "angle by which the 1x component of y leads phi", nominal=1.0),
 )
 VELOCITY_OUTPUTS = (
     Output("vx", "m/s", "velocity to the right", True, 1e-2),

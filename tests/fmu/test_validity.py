@@ -226,7 +226,7 @@ def test_the_outputs_fit_fmpys_plot(fmu):
     outputs = [
         v for v in fmpy.read_model_description(str(fmu)).modelVariables if v.causality == "output"
     ]
-    assert len(outputs) <= 19
+    assert len(outputs) <= 17
 
 
 def test_it_runs_where_nothing_of_this_project_can_be_imported(fmu, tmp_path):
