@@ -11,8 +11,8 @@ from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.driving import Drive, Samples, Window
-from rotor_fmu.studies.keeping import Keep, cells
+from rotor_fmu.studies.machine.driving import Drive, Samples, Window
+from rotor_fmu.studies.machine.keeping import Keep, cells
 from rotor_fmu.studies.reading import read_study
 
 from .functions import here, quiet

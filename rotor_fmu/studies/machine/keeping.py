@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..study import Cell, Column
 from .driving import Drive, Samples, Window
-from .study import Cell, Column
 
 Options = Mapping[str, Any]
 
@@ -201,7 +201,7 @@ def _order(keep: Keep, window: Window, options: Options) -> float:
 def _passing(keep: Keep, window: Window, options: Options) -> float:
     """By revolution-synchronous resampling, of the block of turns nearest to the speed; nan where
     the speed is not reached."""
-    from ..vibration import TooFewTurns, order_track
+    from ...vibration import TooFewTurns, order_track
 
     phi = window.steps.columns["phi"]
     try:

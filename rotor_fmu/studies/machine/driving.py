@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..model.simulation import Simulation
-from ..runs.signals import Signals
+from ...errors import InputError
+from ...model.simulation import Simulation
+from ...runs.signals import Signals
 
 
 class Number(NamedTuple):

@@ -10,20 +10,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..fmu.binding import build_simulation
-from ..fmu.interface import interface
-from ..fmu.variables import Variable
-from ..model.machine.rotor import Rotor
-from ..model.machine.toml import parse_rotor
-from ..model.march.tape import Record, recordable
-from ..model.quantities import QuantityError
-from ..model.settings import SettingsError
-from ..model.simulation import EquilibriumError, Simulation, StepFailure
-from ..runs.recording import Recording
+from ...errors import InputError
+from ...fmu.binding import build_simulation
+from ...fmu.interface import interface
+from ...fmu.variables import Variable
+from ...model.machine.rotor import Rotor
+from ...model.machine.toml import parse_rotor
+from ...model.march.tape import Record, recordable
+from ...model.quantities import QuantityError
+from ...model.settings import SettingsError
+from ...model.simulation import EquilibriumError, Simulation, StepFailure
+from ...runs.recording import Recording
+from ..study import FAILED, OK, Column, Result
 from .driving import FREE, Drive, Samples, drive
 from .keeping import TAPED, Keep, cells
-from .study import FAILED, OK, Column, Result
 
 RUN = "run."
 TAPE_ROWS = 16384  # between two samples; beyond it every second step is dropped
@@ -97,7 +97,7 @@ class MachineRuns:
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """One run at its own steps, as far as it comes; the same run as its row's."""
-        from ..runs.run_down import usual  # with FMPy, which no worker needs
+        from ...runs.run_down import usual  # with FMPy, which no worker needs
 
         machine = machine_of(self.toml, self.is_free)
         names = tuple(dict.fromkeys(("phi", "w", *usual(machine.rotor), *self._needs(True))))
