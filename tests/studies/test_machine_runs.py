@@ -167,6 +167,7 @@ KINDS = {
     # free fall for 5 ms: g t^2 / 2
     "drop": (COMPRESSOR, "speed = 100\nstop = 5e-3", "touchdown_bearing[1].y", -1.226e-4),
     "motor": ("", "torque = 5\ntarget = 20\nramp = 100\nstop = 1\nfrom = 10", "w", 20.0),
+    "drive-train": ("", "torque = 5\ntarget = 20\nramp = 20\nstop = 3\nfrom = 10", "w", 20.0),
 }
 
 

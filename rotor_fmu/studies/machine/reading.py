@@ -16,9 +16,10 @@ from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole
 from ..tables import Tables, known_name, nearest, table_of
-from .driving import FREE, KINDS, LEVELS, WHOLE, Drive, Kick, check_numbers
+from .coupled import CoupledRuns
+from .driving import COUPLED, FREE, KINDS, LEVELS, WHOLE, Drive, Kick, check_numbers
 from .keeping import KINDS as KEPT
-from .keeping import WAYS, Keep, column
+from .keeping import TAPED, WAYS, Keep, column
 from .runs import RUN, Machine, MachineRuns, machine_of
 
 
@@ -38,7 +39,8 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, list[str]]:
     for name, value in table_of(tables, "set").items():
         variable = _settable(machine, known_name("set", name, _settable_names(machine)))
         values[name] = _value(f"set {name}", variable, value)
-    runs = MachineRuns(toml, values, how, ())
+    make = CoupledRuns if kind == COUPLED else MachineRuns
+    runs = make(toml, values, how, ())
     own = [f"{RUN}{name}" for name in how.numbers]
     return runs, [*_settable_names(machine), *own]
 
@@ -121,7 +123,7 @@ def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
 def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> MachineRuns:
     """The runs with what the table [keep] says and its columns."""
     machine = machine_of(runs.toml, runs.is_free)
-    units = {v.name: v.unit for v in machine.table if v.is_observed}
+    units = runs.units
     varied = {target for axis in axes for target in axis.targets}
     keeps, columns = [], []
     table = table_of(tables, "keep")
@@ -168,6 +170,8 @@ def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, 
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
     checked = {key: _option(where, key, value) for key, value in options.items()}
     held = LEVELS if kind == "order" else ("constant",)
+    if how.kind == COUPLED and kind in TAPED:
+        raise InputError(f"{where}: {kind} looks at the solver's own steps, which no FMU shows")
     if told.in_turns and (how.kind not in held or how.numbers["measure"]):
         raise InputError(f"{where}: {kind} is kept of runs at a constant speed in whole turns")
     if kind == "jump" and how.kind != "steps":
