@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +17,9 @@ from .study import Column, Model, Study
 from .tables import Tables, known_name, nearest, table_of
 
 TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits", "quick")
-# Tables of a study and its folder -> the model, without columns, and the names that can be varied.
-ReadModel = Callable[[Tables, Path], tuple[Model, Iterable[str]]]
+# Tables of a study and its folder -> the model, without columns, and the unit of all that can be
+# varied, by its name.
+ReadModel = Callable[[Tables, Path], tuple[Model, Mapping[str, str]]]
 
 
 def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: bool = False) -> Study:
@@ -42,8 +43,8 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
             if not quick:
                 raise InputError("--quick: the study has no table [quick]")
             tables = _merged(tables, quick)
-        model, names = (read_model or read_machine)(tables, path.parent)
-        axes = tuple(_axes(table_of(tables, "vary"), tuple(names)))
+        model, units = (read_model or read_machine)(tables, path.parent)
+        axes = tuple(_axes(table_of(tables, "vary"), units))
         design = _design(table_of(tables, "design"), axes)
         if isinstance(model, MachineRuns):
             model = with_keeps(model, tables, axes)
@@ -69,7 +70,7 @@ def _merged(base: Tables, over: Tables) -> dict[str, Any]:
     return merged
 
 
-def _axes(table: dict[str, Any], names: tuple[str, ...]) -> Iterable[Axis]:
+def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
     if not table:
         raise InputError("[vary] is empty; a study varies something")
     taken: dict[str, str] = {}
@@ -78,15 +79,19 @@ def _axes(table: dict[str, Any], names: tuple[str, ...]) -> Iterable[Axis]:
             raise InputError(f"vary {name} = {given!r}: must be a table with values, grid or ...")
         targets = given.get("names", [name])
         patterns = targets if isinstance(targets, list) else [targets]
-        found = [target for pattern in patterns for target in _matching(name, pattern, names)]
+        found = [target for pattern in patterns for target in _matching(name, pattern, units)]
         for target in found:
             if target in taken:
                 raise InputError(f"vary {name}: {target} is varied by {taken[target]} too")
             taken[target] = name
-        yield axis_of(name, found, given)
+        of = {units[target]: target for target in found}
+        if len(of) > 1:
+            (unit, one), (another, other) = list(of.items())[:2]
+            raise InputError(f"vary {name}: {one} is in {unit}, {other} in {another}")
+        yield axis_of(name, found, given, next(iter(of), ""))
 
 
-def _matching(where: str, pattern: object, names: tuple[str, ...]) -> list[str]:
+def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
     """The names that a pattern stands for, whose [*] is any number."""
     if not isinstance(pattern, str):
         raise InputError(f"vary {where}: names = {pattern!r}: must be names")

@@ -51,7 +51,7 @@ class StudyMap {
 
   label(name) {
     const { unit } = this.columns.get(name);
-    return unit && unit !== "1" ? `${name} [${unit}]` : name;
+    return unit ? `${name} [${unit}]` : name;
   }
 
   draw() {

@@ -23,8 +23,8 @@ from .keeping import TAPED, WAYS, Keep, column
 from .runs import RUN, Machine, MachineRuns, machine_of
 
 
-def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, list[str]]:
-    """The runs of a machine, without what is kept, and the names that can be varied."""
+def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, str]]:
+    """The runs of a machine, without what is kept, and what can be varied: the unit by the name."""
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
@@ -41,8 +41,8 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, list[str]]:
         values[name] = _value(f"set {name}", variable, value)
     make = CoupledRuns if kind == COUPLED else MachineRuns
     runs = make(toml, values, how, ())
-    own = [f"{RUN}{name}" for name in how.numbers]
-    return runs, [*_settable_names(machine), *own]
+    units = {name: _settable(machine, name).unit or "1" for name in _settable_names(machine)}
+    return runs, units | {f"{RUN}{name}": KINDS[kind][name].unit for name in how.numbers}
 
 
 def _machine_path(name: str | None, folder: Path) -> Path | None:
