@@ -303,6 +303,8 @@ def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
     row = 17
     page.click_at("map.chart", columns["mu"][row], 1e6 * columns["clearance"][row])
     assert page.text("reading").startswith(f"Run {row}, id017: mu ")
+    assert f", clearance {1e6 * columns['clearance'][row]:.2f}"[:-1] in page.text("reading")
+    assert " µm, peak " in page.text("reading")
     cells = page.run(
         "return [...document.querySelectorAll('#picked td')].map((c) => c.textContent)"
     )

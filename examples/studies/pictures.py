@@ -172,17 +172,28 @@ def on_the_wrong_side(data: xarray.Dataset) -> int:
 
 
 def motor(data: xarray.Dataset, path: Path) -> None:
-    """Speed reached over torque and unbalance."""
-    figure, axes = new_figure()
+    """Speed reached over torque and unbalance, and the smallest torque that passes."""
+    figure, first = new_figure(9.0, 4.0)
+    first.remove()
+    left, right = figure.subplots(1, 2, width_ratios=(1.7, 1))
     values = np.unique(data.unbalance)
     for colour, value in zip((GREY, BLUE, GREEN, ORANGE, "black"), values, strict=True):
         chosen = data.where(data.unbalance == value, drop=True)
         label = f"unbalance {1e6 * value:.0f} µm"
         hz = chosen.w / (2 * math.pi)
-        axes.plot(1e3 * chosen["run.torque"], hz, "o-", color=colour, label=label, ms=4, lw=1)
-    axes.set(xlabel="Largest torque of the motor [N mm]", ylabel="Speed after 80 s [Hz]")
-    axes.set_title("Too small a motor hangs at a resonance", loc="left", fontsize=10)
-    axes.legend(frameon=False, fontsize=8)
+        left.plot(1e3 * chosen["run.torque"], hz, "o-", color=colour, label=label, ms=4, lw=1)
+    left.set(xlabel="Largest torque of the motor [N mm]", ylabel="Speed after 80 s [Hz]")
+    left.set_title("Too small a motor hangs at a resonance", loc="left", fontsize=10)
+    left.legend(frameon=False, fontsize=8)
+    torques = np.array(list(smallest_torques(data).values()))
+    tried = np.diff(np.unique(data["run.torque"]))[0]
+    below = np.array([np.full(len(torques), tried), np.zeros(len(torques))])
+    right.errorbar(1e6 * values, 1e3 * torques, 1e3 * below, fmt="o-", color=BLUE, capsize=3)
+    right.set(xlabel="Unbalance [µm]", ylabel="Smallest torque above 38 Hz [N mm]", ylim=(0, None))
+    right.set_title("What passes; down to the next tried", loc="left", fontsize=10)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
     save(figure, path)
 
 
@@ -216,7 +227,7 @@ def main(rows: str, out: str = "") -> None:
     data = studies.open(source / "motor")
     motor(data, target / "study_motor.png")
     for value, torque in smallest_torques(data).items():
-        print(f"unbalance {1e6 * value:.0f} um: {1e3 * torque:.0f} N mm pass")
+        print(f"unbalance {1e6 * value:.0f} um: {1e3 * torque:.1f} N mm pass")
 
 
 if __name__ == "__main__":

@@ -62,6 +62,15 @@ def test_kept_amplitudes_agree_with_one_another(rig):
     assert (data.touching.values <= 2.0).all()
 
 
+def test_columns_say_what_they_are_with_the_options_they_have(rig):
+    _, _, data = rig
+    assert data.at_190.long_name == (
+        "value when the speed first passes 190 rad/s, of disc[3].x_amp"
+    )
+    assert data["1x at 190"].long_name.startswith("amplitude of order 1 where 190 rad/s is passed")
+    assert (data.at_190.units, data.loss_1.units, data.clearance.units) == ("m", "J", "m")
+
+
 def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypatch):
     path, out, data = rig
     run_id = str(data.id.values[1])
