@@ -53,7 +53,12 @@ def write_study(folder, runs=60, planned=80):
     about = {
         "name": "tolerances",
         "runs": planned,
-        "design": {"axes": [{"name": name, "targets": [name]} for name in ("mu", "clearance")]},
+        "design": {
+            "axes": [
+                {"name": name, "targets": [name], "unit": unit}
+                for name, unit in (("mu", "1"), ("clearance", "m"))
+            ]
+        },
         "columns": [
             {"name": "peak", "coordinate_unit": "1", **kept},
             {"name": "amplitude", "coordinate_unit": "rad/s", **curve},

@@ -301,14 +301,21 @@ def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
     columns = write_study(tmp_path / "study")
     page = Page(silent, pages / "study.html")
     row = 17
-    page.click_at("map.chart", columns["mu"][row], columns["clearance"][row])
+    page.click_at("map.chart", columns["mu"][row], 1e6 * columns["clearance"][row])
     assert page.text("reading").startswith(f"Run {row}, id017: mu ")
+    assert f", clearance {1e6 * columns['clearance'][row]:.2f}"[:-1] in page.text("reading")
+    assert " µm, peak " in page.text("reading")
     cells = page.run(
         "return [...document.querySelectorAll('#picked td')].map((c) => c.textContent)"
     )
     told = dict(zip(cells[::2], cells[1::2], strict=True))
     assert told["id"] == "id017"
-    assert float(told["mu"]) == pytest.approx(columns["mu"][row], rel=1e-4)
+    assert float(told["mu [-]"]) == pytest.approx(columns["mu"][row], rel=1e-4)
+    assert float(told["clearance [µm]"]) == pytest.approx(1e6 * columns["clearance"][row], rel=1e-4)
+    axes = "return [map.chart.plot, map.curve.plot].flatMap((p) => [p.below[0], p.left[0]])"
+    labels = page.run(f"{axes}.map((a) => a.axis_label)")
+    assert labels == ["mu [-]", "clearance [µm]", "speed [Hz]", "amplitude [µm]"]
+    assert page.run("return map.bar.title") == "peak [µm]"
     assert float(told["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
     assert told["with its signals"] == "rotor-fmu study ... --select id017"
     hertz = page.run("return map.line.data.x")

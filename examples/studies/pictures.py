@@ -61,7 +61,7 @@ def bifurcation(data: xarray.Dataset, varied: str, path: Path) -> None:
         hz = chosen["run.speed"].values / (2 * math.pi)
         points = 1e6 * chosen.y.values
         axes.plot(np.repeat(hz, points.shape[1]), points.ravel(), ".", color=BLUE, ms=2.0, mew=0)
-        axes.set_ylabel("y at the mark [µm]")
+        axes.set_ylabel("Disc 3, $y$ at\nthe mark [µm]")
         axes.set_title(f"{varied} {1e6 * value:.0f} µm", loc="left", fontsize=9)
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(color="#dddddd", linewidth=0.6)
@@ -76,10 +76,10 @@ def full_spectrum(data: xarray.Dataset, varied: str, value: float, path: Path) -
     hz, orders = chosen["run.speed"].values / (2 * math.pi), chosen["spectrum order"].values
     shown = np.maximum(1e6 * chosen.spectrum.values, 1e-2)
     mesh = axes.pcolormesh(orders, hz, shown, norm=LogNorm(1e-1, 500), cmap="cividis")
-    axes.set(xlabel="Order of the speed, backward below 0 [1]", ylabel="Rotational speed $n$ [Hz]")
+    axes.set(xlabel="Order of the speed, backward below 0 [-]", ylabel="Rotational speed $n$ [Hz]")
     axes.set_title(f"{varied} {1e6 * value:.0f} µm", loc="left", fontsize=9)
     axes.grid(visible=False)
-    figure.colorbar(mesh, label="amplitude [µm]", extend="min")
+    figure.colorbar(mesh, label="Amplitude [µm]", extend="min")
     save(figure, path)
 
 
@@ -99,7 +99,7 @@ def hysteresis(data: xarray.Dataset, path: Path) -> None:
         axes.plot(chosen["contact[1].mu"], chosen.rise / OMEGA, "<", color=colour, mfc="none")
     axes.plot([], [], color=GREY, label="closed form of the fold")
     axes.plot([], [], "<", color=GREY, mfc="none", label="stepped down: jump up")
-    axes.set(xlabel="Coefficient of friction [1]", ylabel="Jump speed / natural frequency [1]")
+    axes.set(xlabel="Coefficient of friction [-]", ylabel="Jump speed / natural frequency [-]")
     axes.set_title("Stepped up, the rub falls off the wall at its fold", loc="left", fontsize=10)
     axes.legend(frameon=False, fontsize=8)
     save(figure, path)
@@ -123,7 +123,7 @@ def tolerances(data: xarray.Dataset, design: Design, report: dict, path: Path) -
     left.hist(1e6 * data.X.values[is_drawn(design, data.run.values)], bins=30, color=BLUE)
     left.axvline(1e6 * found["limit"], color=ORANGE)
     left.set_title(f"{found['share']:.1%} of the rigs pass the limit", loc="left", fontsize=10)
-    left.set(xlabel="Horizontal peak X of disc 3 [µm]", ylabel="runs")
+    left.set(xlabel="Horizontal peak X of disc 3 [µm]", ylabel="Rigs [-]")
     indices = report["sensitivity"]["X"]["indices"]
     at = np.arange(len(indices))
     for shift, key, colour, label in (
@@ -135,7 +135,7 @@ def tolerances(data: xarray.Dataset, design: Design, report: dict, path: Path) -
         right.barh(at + shift, height, 0.34, xerr=width, color=colour, label=label, ecolor=GREY)
     right.set_yticks(at, list(indices))
     right.invert_yaxis()
-    right.set_xlabel("Sobol index of X, with its 95 % interval [1]")
+    right.set_xlabel("Sobol index of X, with its 95 % interval [-]")
     right.legend(frameon=False, fontsize=8)
     for axes in (left, right):
         axes.spines[["top", "right"]].set_visible(False)
@@ -155,12 +155,12 @@ def dry_whip(data: xarray.Dataset, path: Path) -> None:
     least = 2 * ZETA * math.sqrt(1 + BETA) / BETA
     axes.axhline(least, color=BLUE, ls="--", label=f"$\\mu_c$ = {least:.4f}")
     axes.set(
-        xlabel="Surface speed / (clearance x natural frequency), $V$ [1]",
-        ylabel="Coefficient of friction [1]",
+        xlabel="Surface speed / (clearance x natural frequency), $V$ [-]",
+        ylabel="Coefficient of friction [-]",
         ylim=(mu.min() - 0.002, mu.max() + 0.002),
     )
     axes.legend(frameon=False, fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
-    figure.colorbar(dots, label="radius of the whirl / clearance [1]")
+    figure.colorbar(dots, label="Radius of the whirl / clearance [-]")
     save(figure, path)
 
 
@@ -172,17 +172,28 @@ def on_the_wrong_side(data: xarray.Dataset) -> int:
 
 
 def motor(data: xarray.Dataset, path: Path) -> None:
-    """Speed reached over torque and unbalance."""
-    figure, axes = new_figure()
+    """Speed reached over torque and unbalance, and the smallest torque that passes."""
+    figure, first = new_figure(9.0, 4.0)
+    first.remove()
+    left, right = figure.subplots(1, 2, width_ratios=(1.7, 1))
     values = np.unique(data.unbalance)
     for colour, value in zip((GREY, BLUE, GREEN, ORANGE, "black"), values, strict=True):
         chosen = data.where(data.unbalance == value, drop=True)
         label = f"unbalance {1e6 * value:.0f} µm"
         hz = chosen.w / (2 * math.pi)
-        axes.plot(1e3 * chosen["run.torque"], hz, "o-", color=colour, label=label, ms=4, lw=1)
-    axes.set(xlabel="Largest torque of the motor [N mm]", ylabel="Speed after 80 s [Hz]")
-    axes.set_title("Too small a motor hangs at a resonance", loc="left", fontsize=10)
-    axes.legend(frameon=False, fontsize=8)
+        left.plot(1e3 * chosen["run.torque"], hz, "o-", color=colour, label=label, ms=4, lw=1)
+    left.set(xlabel="Largest torque of the motor [N mm]", ylabel="Speed after 80 s [Hz]")
+    left.set_title("Too small a motor hangs at a resonance", loc="left", fontsize=10)
+    left.legend(frameon=False, fontsize=8)
+    torques = np.array(list(smallest_torques(data).values()))
+    tried = np.diff(np.unique(data["run.torque"]))[0]
+    below = np.array([np.full(len(torques), tried), np.zeros(len(torques))])
+    right.errorbar(1e6 * values, 1e3 * torques, 1e3 * below, fmt="o-", color=BLUE, capsize=3)
+    right.set(xlabel="Unbalance [µm]", ylabel="Smallest torque above 38 Hz [N mm]", ylim=(0, None))
+    right.set_title("What passes; down to the next tried", loc="left", fontsize=10)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
     save(figure, path)
 
 
@@ -216,7 +227,7 @@ def main(rows: str, out: str = "") -> None:
     data = studies.open(source / "motor")
     motor(data, target / "study_motor.png")
     for value, torque in smallest_torques(data).items():
-        print(f"unbalance {1e6 * value:.0f} um: {1e3 * torque:.0f} N mm pass")
+        print(f"unbalance {1e6 * value:.0f} um: {1e3 * torque:.1f} N mm pass")
 
 
 if __name__ == "__main__":

@@ -3,8 +3,9 @@ other's last outputs, then both step."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,41 @@ class Side:
         return (*(output for output, _ in self.tells), *self.recorded)
 
 
+class Point(NamedTuple):
+    """A communication point [s], and what was read of either FMU there, in the order of its
+    `outputs`."""
+
+    t: float
+    one: list[float]
+    other: list[float]
+
+
+def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
+    """Take two initialized FMUs to `stop` [s] with the communication step `step` [s], point by
+    point; both leave the initialization mode at the first. Raises `RunFailed`."""
+    sides = (one, other)
+    read = [side.member.references(*side.outputs) for side in sides]
+    inputs = [
+        hearer.member.references(*(name for _, name in teller.tells))
+        for teller, hearer in ((one, other), (other, one))
+    ]
+
+    def look(t: float) -> Point:
+        return Point(t, one.member.get(read[0]), other.member.get(read[1]))
+
+    for side in sides:
+        side.member.begin()
+    point = look(0.0)
+    yield point
+    for n in range(round(stop / step)):
+        other.member.set(inputs[0], point.one[: len(one.tells)])
+        one.member.set(inputs[1], point.other[: len(other.tells)])
+        for side in sides:
+            side.member.step(n * step, step)
+        point = look((n + 1) * step)
+        yield point
+
+
 def march(
     one: Side, other: Side, stop: float, step: float, progress: Callable[[float], None]
 ) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
@@ -37,31 +73,20 @@ def march(
     (n,). Both leave the initialization mode here. `progress` gets the time at each communication
     point; what it raises ends the run. Raises `RunFailed`.
     """
-    sides = (one, other)
-    read = [side.member.references(*side.outputs) for side in sides]
-    inputs = [
-        hearer.member.references(*(name for _, name in teller.tells))
-        for teller, hearer in ((one, other), (other, one))
-    ]
+    seen = []
+    for point in points(one, other, stop, step):
+        seen.append(point)
+        progress(point.t)
+    return columns(seen, one, other)
 
-    def look() -> list[list[float]]:
-        return [side.member.get(references) for side, references in zip(sides, read, strict=True)]
 
-    for side in sides:
-        side.member.begin()
-    rows = [look()]
-    count = round(stop / step)
-    for n in range(count):
-        of_one, of_other = rows[-1]
-        other.member.set(inputs[0], of_one[: len(one.tells)])
-        one.member.set(inputs[1], of_other[: len(other.tells)])
-        for side in sides:
-            side.member.step(n * step, step)
-        rows.append(look())
-        progress((n + 1) * step)
-    columns = [np.array(values).T for values in zip(*rows, strict=True)]
+def columns(
+    seen: Sequence[Point], one: Side, other: Side
+) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Communication points as times, shape (n,) [s], and as what was read of either FMU, by name,
+    shape (n,)."""
     told = [
-        dict(zip(side.outputs, values, strict=True))
-        for side, values in zip(sides, columns, strict=True)
+        dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
+        for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))
     ]
-    return np.arange(count + 1) * step, told[0], told[1]
+    return np.array([point.t for point in seen]), told[0], told[1]

@@ -55,6 +55,11 @@ class Member:
         """Values of Reals."""
         return self._call(self._fmu.getReal, references)
 
+    def read(self, name: str) -> float:
+        """Value of a variable, whatever its type."""
+        getter = getattr(self._fmu, f"get{self._variables[name].type}")
+        return float(self._call(getter, self.references(name))[0])
+
     def set(self, references: list[int], values: list[float]) -> None:
         """Set Reals."""
         self._call(self._fmu.setReal, references, values)

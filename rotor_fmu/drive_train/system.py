@@ -86,10 +86,7 @@ def couple(
         Member(drive_fmu, drive_parameters, messages) as drive,
         Member(rotor_fmu, rotor_parameters, messages) as rotor,
     ):
-        (inertia,) = rotor.get(rotor.references("J"))
-        drive.set(drive.references("J_rotor"), [inertia])
-        rotor.set(rotor.references("speed"), drive.get(drive.references("w_start")))
-        drive.set(drive.references("tau_load"), rotor.get(rotor.references("tau_load")))
+        acquaint(drive, rotor)
         t, of_drive, of_rotor = march(
             Side(drive, TO_ROTOR, OF_THE_DRIVE),
             Side(rotor, TO_DRIVE, OF_THE_ROTOR),
@@ -97,7 +94,16 @@ def couple(
             step,
             progress,
         )
+        inertia = rotor.read("J")
     return Coupled(t, of_drive, of_rotor, inertia)
+
+
+def acquaint(drive: Member, rotor: Member) -> None:
+    """Give the drive train the rotor's moment of inertia, and each the other's output at the
+    start; both in the initialization mode."""
+    drive.set(drive.references("J_rotor"), [rotor.read("J")])
+    rotor.set(rotor.references("speed"), drive.get(drive.references("w_start")))
+    drive.set(drive.references("tau_load"), rotor.get(rotor.references("tau_load")))
 
 
 def save_coupled(run: Coupled, path: Path) -> None:

@@ -34,11 +34,13 @@ def study_page(
     shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_RUNS)).astype(int))
     axes = [axis["name"] for axis in about["design"]["axes"]]
     kept = [column for column in about["columns"] if not column["dimension"]]
-    units = {axis["name"]: axis.get("unit", "") for axis in about["design"]["axes"]}
-    columns = [{"name": name, "unit": units[name], "text": "varied"} for name in axes]
-    columns += [_head(column) for column in kept]
-    scales = {column["name"]: _shown_in(column["unit"])[0] for column in kept}
-    values = {c["name"]: scales.get(c["name"], 1.0) * _numbers(rows, c["name"]) for c in columns}
+    varied = [
+        {"name": axis["name"], "unit": axis.get("unit", ""), "text": "varied"}
+        for axis in about["design"]["axes"]
+    ]
+    columns = [_head(column) for column in (*varied, *kept)]
+    scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *kept)}
+    values = {name: scale * _numbers(rows, name) for name, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
         "axes": axes,
@@ -67,7 +69,8 @@ def study_page(
 
 def _shown_in(unit: str) -> tuple[float, str]:
     """What a number in a unit is multiplied by to be read, and in which unit that is."""
-    return {"m": (1e6, "µm"), "rad/s": (0.5 / np.pi, "Hz")}.get(unit, (1.0, unit))
+    shown = {"m": (1e6, "µm"), "rad/s": (0.5 / np.pi, "Hz"), "1": (1.0, "-")}
+    return shown.get(unit, (1.0, unit))
 
 
 def _head(column: Mapping[str, Any]) -> dict[str, str]:

@@ -72,6 +72,7 @@ def design_of(told: dict[str, Any]) -> Design:
             Distribution(axis["distribution"], axis["parameters"])
             if "distribution" in axis
             else None,
+            axis.get("unit", ""),
         )
         for axis in told["axes"]
     )

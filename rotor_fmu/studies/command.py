@@ -22,7 +22,7 @@ from ..errors import InputError, writable_folder
 from ..telling import tells
 from .conduct import Progress, conduct
 from .engines import Where, engine
-from .machine_runs import MachineRuns
+from .machine.runs import MachineRuns
 from .reading import read_study
 from .study import FAILED, Study
 

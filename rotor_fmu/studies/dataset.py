@@ -21,7 +21,7 @@ def open_dataset(folder: Path) -> xarray.Dataset:
 
     Coordinates: `run`, the number; `id`; what is varied, each along `run`. Variables: `status`, and
     each column that is kept, lists along a dimension of their own; nan where a run failed.
-    Attributes of a variable: `units` and `long_name`; of the whole: name, version, and the study's
+    Attributes of these: `units` and `long_name`; of the whole: name, version, and the study's
     file. Raises `InputError` for a folder without a study.
     """
     import xarray
@@ -33,7 +33,7 @@ def open_dataset(folder: Path) -> xarray.Dataset:
         "id": ("run", table["id"].to_numpy(zero_copy_only=False).astype(str)),
     }
     for axis in about["design"]["axes"]:
-        told = {"long_name": ", ".join(axis["targets"])}
+        told = {"units": axis.get("unit", ""), "long_name": ", ".join(axis["targets"])}
         coordinates[axis["name"]] = ("run", table[axis["name"]].to_numpy(), told)
     status = table["status"].to_numpy(zero_copy_only=False).astype(str)
     variables: dict[str, Any] = {"status": ("run", status)}

@@ -64,17 +64,18 @@ class Distribution:
 
 @dataclass(frozen=True)
 class Axis:
-    """Something that is varied: its name, the names of what it sets, and its values, listed or
-    distributed."""
+    """Something that is varied: its name, the names of what it sets, its values, listed or
+    distributed, and their unit ("1" where they have none, empty where it is not known)."""
 
     name: str
     targets: tuple[str, ...]
     values: tuple[float, ...] = ()
     distribution: Distribution | None = None
+    unit: str = ""
 
     @property
-    def told(self) -> dict[str, Any]:
-        """What it is, as JSON can say it."""
+    def decides(self) -> dict[str, Any]:
+        """What decides the values, as JSON can say it."""
         about: dict[str, Any] = {"name": self.name, "targets": list(self.targets)}
         if self.distribution is None:
             return about | {"values": list(self.values)}
@@ -193,27 +194,33 @@ class Design:
         return {target: point[axis.name] for axis in self.axes for target in axis.targets}
 
     @property
-    def told(self) -> dict[str, Any]:
-        """What it is, as JSON can say it."""
+    def _decides(self) -> dict[str, Any]:
         return {
             "kind": self.kind,
             "size": self.size,
             "seed": self.seed,
             "levels": self.levels,
-            "axes": [axis.told for axis in self.axes],
+            "axes": [axis.decides for axis in self.axes],
         }
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """What it is, as JSON can say it."""
+        axes = [axis.decides | {"unit": axis.unit} for axis in self.axes]
+        return self._decides | {"axes": axes}
 
     @property
     def identity(self) -> str:
         """Hash of the axes, the kind, the seed and, since samplers change, of the sample."""
-        digest = sha256(repr(self.told).encode())
+        digest = sha256(repr(self._decides).encode())
         if self.drawn:
             digest.update(self._drawn_values.tobytes())
         return digest.hexdigest()
 
 
-def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any]) -> Axis:
-    """What a table of [vary] describes: `values`, `grid` or `distribution`; `InputError`."""
+def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: str = "") -> Axis:
+    """What a table of [vary] describes: `values`, `grid` or `distribution`; unit: of what is set.
+    `InputError`."""
     where = f"vary {name}"
     given = [key for key in ("values", "grid", "distribution") if key in table]
     if len(given) != 1:
@@ -229,8 +236,8 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any]) -> Axis
         if key not in allowed:
             raise InputError(f"{where}: {key} is unknown beside {given[0]}")
     if given[0] != "distribution":
-        return Axis(name, tuple(targets), values)
-    return Axis(name, tuple(targets), distribution=_distribution(where, table))
+        return Axis(name, tuple(targets), values, unit=unit)
+    return Axis(name, tuple(targets), distribution=_distribution(where, table), unit=unit)
 
 
 def _distribution(where: str, table: Mapping[str, Any]) -> Distribution:

@@ -62,7 +62,7 @@ def ishigami_study(folder, model=None, text=None):
 
     path = folder / "study.toml"
     path.write_text(text or study_text())
-    return read_study(path, lambda tables, beside: (model or Ishigami(), NAMES))
+    return read_study(path, lambda tables, beside: (model or Ishigami(), dict.fromkeys(NAMES, "1")))
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.machine_runs import machine_of
+from rotor_fmu.studies.machine.runs import machine_of
 from rotor_fmu.studies.reading import read_study
 
 from .functions import here, quiet

@@ -11,8 +11,8 @@ from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.driving import Drive, Samples, Window
-from rotor_fmu.studies.keeping import Keep, cells
+from rotor_fmu.studies.machine.driving import Drive, Samples, Window
+from rotor_fmu.studies.machine.keeping import Keep, cells
 from rotor_fmu.studies.reading import read_study
 
 from .functions import here, quiet
@@ -60,6 +60,15 @@ def test_kept_amplitudes_agree_with_one_another(rig):
     assert data["1x at 190"].values == pytest.approx(data.at_190.values, rel=0.1)
     assert (data.touching.values > 0).all()
     assert (data.touching.values <= 2.0).all()
+
+
+def test_columns_say_what_they_are_with_the_options_they_have(rig):
+    _, _, data = rig
+    assert data.at_190.long_name == (
+        "value when the speed first passes 190 rad/s, of disc[3].x_amp"
+    )
+    assert data["1x at 190"].long_name.startswith("amplitude of order 1 where 190 rad/s is passed")
+    assert (data.at_190.units, data.loss_1.units, data.clearance.units) == ("m", "J", "m")
 
 
 def test_a_selected_run_is_the_run_of_its_row_with_all_its_signals(rig, monkeypatch):
@@ -167,6 +176,7 @@ KINDS = {
     # free fall for 5 ms: g t^2 / 2
     "drop": (COMPRESSOR, "speed = 100\nstop = 5e-3", "touchdown_bearing[1].y", -1.226e-4),
     "motor": ("", "torque = 5\ntarget = 20\nramp = 100\nstop = 1\nfrom = 10", "w", 20.0),
+    "drive-train": ("", "torque = 5\ntarget = 20\nramp = 20\nstop = 3\nfrom = 10", "w", 20.0),
 }
 
 

@@ -48,6 +48,18 @@ def test_a_study_is_the_product_of_its_lists_with_names_told_together(tmp_path):
     }
 
 
+def test_what_is_varied_has_the_unit_of_its_quantity_in_the_rows(tmp_path):
+    run = '"run.rate" = { values = [40] }\n"bearing[1].mu" = { values = [0.1] }\n[keep]'
+    axes = read(tmp_path, STUDY.replace("[keep]", run)).design.axes
+    assert [axis.unit for axis in axes] == ["m", "m", "rad/s2", "1"]
+
+
+def test_quantities_in_different_units_are_not_varied_as_one(tmp_path):
+    text = STUDY.replace('"bearing[*].clearance"', '["bearing[1].clearance", "bearing[1].mu"]')
+    with pytest.raises(InputError, match=r"clearance is in m, bearing\[1\].mu in 1"):
+        read(tmp_path, text)
+
+
 def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
     point = {"bearing[1].clearance": 4e-5, "bearing[2].clearance": 4e-5, "disc[2].e": 1e-5}
     first = read(tmp_path, STUDY)

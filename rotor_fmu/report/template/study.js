@@ -51,7 +51,7 @@ class StudyMap {
 
   label(name) {
     const { unit } = this.columns.get(name);
-    return unit && unit !== "1" ? `${name} [${unit}]` : name;
+    return unit ? `${name} [${unit}]` : name;
   }
 
   draw() {
@@ -128,7 +128,11 @@ class StudyMap {
     }
     field("picked").tBodies[0].replaceChildren(...lines);
     const told = ["across", "up", "shade"].map((id) => field(id).value);
-    const values = told.map((name) => `${name} ${shown(study.values[name][row])}`).join(", ");
+    const value = (name) => {
+      const { unit } = this.columns.get(name);
+      return `${name} ${shown(study.values[name][row])}${unit && unit !== "-" ? ` ${unit}` : ""}`;
+    };
+    const values = told.map(value).join(", ");
     const text = `Run ${study.runs[row]}, ${study.ids[row]}: ${values}; ${study.status[row]}`;
     field("reading").textContent = text;
     this.chart.tell(`${study.ids.length} runs. ${text}`);

@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..fmu.binding import build_simulation
-from ..fmu.interface import interface
-from ..fmu.variables import Variable
-from ..model.machine.rotor import Rotor
-from ..model.machine.toml import parse_rotor
-from ..model.march.tape import Record, recordable
-from ..model.quantities import QuantityError
-from ..model.settings import SettingsError
-from ..model.simulation import EquilibriumError, Simulation, StepFailure
-from ..runs.recording import Recording
+from ...errors import InputError
+from ...fmu.binding import build_simulation
+from ...fmu.interface import interface
+from ...fmu.variables import Variable
+from ...model.machine.rotor import Rotor
+from ...model.machine.toml import parse_rotor
+from ...model.march.tape import Record, recordable
+from ...model.quantities import QuantityError
+from ...model.settings import SettingsError
+from ...model.simulation import EquilibriumError, Simulation, StepFailure
+from ...runs.recording import Recording
+from ..study import FAILED, OK, Column, Result
 from .driving import FREE, Drive, Samples, drive
 from .keeping import TAPED, Keep, cells
-from .study import FAILED, OK, Column, Result
 
 RUN = "run."
 TAPE_ROWS = 16384  # between two samples; beyond it every second step is dropped
@@ -61,6 +61,12 @@ class MachineRuns:
         """Whether the rotor's speed is a state."""
         return self.how.kind in FREE
 
+    @property
+    def units(self) -> dict[str, str]:
+        """What can be kept of a run, by name, and its unit."""
+        table = machine_of(self.toml, self.is_free).table
+        return {v.name: v.unit for v in table if v.is_observed}
+
     @cached_property
     def identity(self) -> str:
         """The machine, the run and what is kept, as text."""
@@ -93,11 +99,11 @@ class MachineRuns:
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
             return Result(f"{FAILED}{error}", {})
         kept = {keep.name: cells(keep, windows, how) for keep in self.keeps}
-        return Result(status_of(simulation), kept)
+        return Result(status_of(simulation.read), kept)
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """One run at its own steps, as far as it comes; the same run as its row's."""
-        from ..runs.run_down import usual  # with FMPy, which no worker needs
+        from ...runs.run_down import usual  # with FMPy, which no worker needs
 
         machine = machine_of(self.toml, self.is_free)
         names = tuple(dict.fromkeys(("phi", "w", *usual(machine.rotor), *self._needs(True))))
@@ -115,7 +121,7 @@ class MachineRuns:
             "toml": self.toml,
             "parameters": {**self.values, **values},
             "run": {"kind": how.kind, **how.numbers},
-            "status": failure or status_of(simulation),
+            "status": failure or status_of(simulation.read),
             "messages": messages,
         }
         t = np.concatenate([np.zeros(0), *(tape.t for tape in tapes)])
@@ -144,9 +150,9 @@ class MachineRuns:
         )
 
 
-def status_of(simulation: Simulation) -> str:
-    """How much a run that came to its end is to be trusted."""
-    if simulation.read("solver.trapped") > 0:
+def status_of(read: Callable[[str], float]) -> str:
+    """How much a run that came to its end is to be trusted; read: gives an output by its name."""
+    if read("solver.trapped") > 0:
         return "false state"
-    since = simulation.read("solver.overdamped_at")
+    since = read("solver.overdamped_at")
     return f"overdamped since {since:.4g} s" if since >= 0 else OK

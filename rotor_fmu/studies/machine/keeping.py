@@ -12,15 +12,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..study import Cell, Column
 from .driving import Drive, Samples, Window
-from .study import Cell, Column
 
 Options = Mapping[str, Any]
 
 
 class Kind(NamedTuple):
     """A way to make a cell of a window: what it needs beside the quantity, what it may have with
-    its default, whether only at constant speed in whole turns, and what it is."""
+    its default, whether only at constant speed in whole turns, and what it is, to be filled in
+    with the options."""
 
     needed: tuple[str, ...]
     optional: Mapping[str, float]
@@ -33,16 +34,21 @@ KINDS: Mapping[str, Kind] = {
     "rms": Kind((), {"after": 0.0}, False, "root of the mean square over time"),
     "mean": Kind((), {"after": 0.0}, False, "mean over time"),
     "last": Kind((), {}, False, "value at the end"),
-    "value": Kind(("speed",), {}, False, "value when the speed first passes `speed` [rad/s]"),
+    "value": Kind(("speed",), {}, False, "value when the speed first passes {speed:g} rad/s,"),
     "amplitude": Kind(("bins",), {}, False, "largest absolute value in each bin of the speed"),
     "poincare": Kind((), {}, True, "value once a turn, at the keyphasor's mark"),
-    "order": Kind(("order",), {}, True, "amplitude of an order of the speed"),
-    "passing": Kind(("order", "speed"), {}, False, "amplitude of an order where a speed is passed"),
-    "spectrum": Kind(("orders",), {}, True, "full spectrum: negative orders whirl backward"),
+    "order": Kind(("order",), {}, True, "amplitude of order {order:g} of the speed,"),
+    "passing": Kind(
+        ("order", "speed"),
+        {},
+        False,
+        "amplitude of order {order:g} where {speed:g} rad/s is passed,",
+    ),
+    "spectrum": Kind(("orders",), {}, True, "full spectrum, negative orders backward,"),
     "contact": Kind((), {"after": 0.0}, False, "time in contact"),
     "dissipated": Kind((), {}, False, "work of friction at a contact"),
     "whirl": Kind((), {}, False, "mean rate at which PART.x, PART.y turn about zero"),
-    "jump": Kind(("way",), {"least": 0.2}, False, "speed of the largest jump of a mean"),
+    "jump": Kind(("way",), {"least": 0.2}, False, "speed of the largest jump {way} of the mean"),
 }
 # Kinds that look at the solver's own steps.
 TAPED = ("contact", "dissipated", "passing")
@@ -86,7 +92,7 @@ def column(keep: Keep, unit: str, drive: Drive, is_varied: bool) -> Column:
     """The column of a keep; unit: the quantity's; is_varied: whether the held speeds differ from
     run to run."""
     options = dict(keep.options)
-    text = f"{KINDS[keep.kind].text} of {keep.of}"
+    text = f"{KINDS[keep.kind].text.format(**options)} of {keep.of}"
     own = {"contact": "s", "dissipated": "J", "whirl": "rad/s", "jump": "rad/s", "spectrum": "m"}
     unit = own.get(keep.kind, unit)
     if keep.kind == "jump":
@@ -201,7 +207,7 @@ def _order(keep: Keep, window: Window, options: Options) -> float:
 def _passing(keep: Keep, window: Window, options: Options) -> float:
     """By revolution-synchronous resampling, of the block of turns nearest to the speed; nan where
     the speed is not reached."""
-    from ..vibration import TooFewTurns, order_track
+    from ...vibration import TooFewTurns, order_track
 
     phi = window.steps.columns["phi"]
     try:

@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
-from ..model.simulation import Simulation
-from ..runs.signals import Signals
+from ...errors import InputError
+from ...model.simulation import Simulation
+from ...runs.signals import Signals
 
 
 class Number(NamedTuple):
@@ -77,10 +77,25 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
         "stop": _STOP,
         "step": Number("s", 2e-3, True, "interval between two commands to the motor"),
     },
+    "drive-train": {
+        "torque": Number("N.m", None, True, "largest torque of the motor"),
+        "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
+        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it is told to follow"),
+        "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
+        "integral": Number("N.m/rad", 0.2, False, "torque of an angle that is missing"),
+        "inertia": Number("kg.m2", 1e-3, True, "moment of inertia of the motor"),
+        "stiffness": Number("N.m/rad", 400.0, True, "of the coupling between motor and rotor"),
+        "damping": Number("N.m.s/rad", 0.03, False, "of the coupling between motor and rotor"),
+        "from": Number("rad/s", 1.0, False, "speed at the start"),
+        "stop": _STOP,
+        "step": Number("s", 2e-3, True, "communication step of the two FMUs"),
+    },
 }
 FREE = ("drop", "motor")  # the rotor's speed is a state
 WHOLE = ("turns", "per_turn", "count", "back")
+_NOT_NEGATIVE = ("settle", "measure", "back", "integral", "damping")
 LEVELS = ("constant", "steps")
+COUPLED = "drive-train"  # the kind of which a run is two FMUs
 
 
 @dataclass(frozen=True)
@@ -143,7 +158,7 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
         value, unit = numbers[name], "" if told.unit == "1" else f" {told.unit}"
         if told.is_positive and not value > 0:
             raise InputError(f"run.{name} = {value:g}{unit}: must be > 0")
-        if value < 0 and name in ("settle", "measure", "back"):
+        if value < 0 and name in _NOT_NEGATIVE:
             raise InputError(f"run.{name} = {value:g}{unit}: must be >= 0")
         if name in WHOLE and value != int(value):
             raise InputError(f"run.{name} = {value:g}: must be an integer")

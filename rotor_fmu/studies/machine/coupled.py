@@ -1,0 +1,180 @@
+"""The rotor's FMU, turned by a drive train's, as what a study runs.
+
+What is kept is seen at the communication points: of the rotor by its variables' names, of the drive
+train as `drive.NAME`.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+from ...errors import InputError, RunFailed
+from ...model.kernels.process_lock import ProcessLock
+from ...model.kernels.sealed_folder import make_private
+from ...model.kernels.user_cache import user_cache
+from ...packing.bundle import package_name
+from ...runs.recording import Recording
+from ..study import FAILED, Result
+from .driving import Drive, Samples, Window
+from .keeping import cells
+from .runs import RUN, MachineRuns, machine_of, status_of
+
+DRIVE = "drive."
+# The numbers of a run by the names of the drive train's FMU.
+_OF_THE_DRIVE = {
+    "tau_max": "torque",
+    "w_target": "target",
+    "ramp": "ramp",
+    "kp": "gain",
+    "ki": "integral",
+    "J_motor": "inertia",
+    "k": "stiffness",
+    "c": "damping",
+    "w_start": "from",
+}
+_KEPT_MACHINES = 8  # whose FMUs are kept
+_WAIT = 0.1  # between two looks whether another process has built them [s]
+
+
+@dataclass(frozen=True)
+class CoupledRuns(MachineRuns):
+    """Runs of a machine's `RotorBearing.fmu` coupled with the example's `DriveTrain.fmu`."""
+
+    @property
+    def units(self) -> dict[str, str]:
+        """What can be kept of a run, by name, and its unit: the Reals of both FMUs."""
+        from ...drive_train.system import drive_train_table
+
+        table = machine_of(self.toml, False).table
+        rotor = {v.name: v.unit for v in table if v.is_observed and v.kind == "Real"}
+        outputs = [v for v in drive_train_table() if v.causality == "output"]
+        return rotor | {f"{DRIVE}{v.name}": v.unit for v in outputs}
+
+    @cached_property
+    def identity(self) -> str:
+        """The machine, the run, what is kept, and the drive train's source, as text."""
+        from ...drive_train.system import example
+
+        source = (example() / "drive_train.py").read_bytes().replace(b"\r\n", b"\n")
+        return json.dumps([super().identity, sha256(source).hexdigest()])
+
+    def warm(self) -> None:
+        """Build both FMUs and load them, by a start."""
+        with suppress(InputError, RunFailed), self._coupled({}, ()) as (points, *_):
+            next(points)
+
+    def run(self, values: Mapping[str, float]) -> Result:
+        """One run; what fails in it, impossible values included, is its status."""
+        try:
+            with self._coupled(values, self._needs(False)) as (points, how, status):
+                window = _window(list(points), self._needs(False))
+                kept = {keep.name: cells(keep, [window], how) for keep in self.keeps}
+                return Result(status(), kept)
+        except (InputError, RunFailed) as error:
+            return Result(f"{FAILED}{error}", {})
+
+    def record(self, values: Mapping[str, float]) -> Recording:
+        """One run at its communication points, as far as it comes; the same run as its row's."""
+        from ...runs.run_down import usual
+
+        machine, units = machine_of(self.toml, False), self.units
+        of_drive = (name for name in units if name.startswith(DRIVE))
+        wished = ("phi", "w", *usual(machine.rotor), *self._needs(False), *of_drive)
+        names = tuple(dict.fromkeys(name for name in wished if name in units))
+        seen: list[tuple[float, ...]] = []
+        try:
+            with self._coupled(values, names) as (points, _, status):
+                seen.extend(points)
+                state = status()
+        except (InputError, RunFailed) as error:
+            state = f"{FAILED}{error}"
+        about = {
+            "machine": machine.rotor.name,
+            "toml": self.toml,
+            "parameters": {**self.values, **values},
+            "run": {"kind": self.how.kind, **self.how.numbers},
+            "status": state,
+            "messages": [],
+        }
+        sampled = _window(seen, names).sampled
+        return Recording(sampled.t, sampled.columns, {n: units[n] for n in names}, about)
+
+    @contextmanager
+    def _coupled(
+        self, values: Mapping[str, float], names: Sequence[str]
+    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Drive, Callable[[], str]]]:
+        """Two FMUs that are ready to run: the points of the run, each its time and what is named;
+        how it is driven; and what tells its status when it has ended."""
+        from ...coupled.master import Side, points
+        from ...coupled.member import Member
+        from ...drive_train.system import TO_DRIVE, TO_ROTOR, acquaint
+
+        own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
+        of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
+        how = self.how.changed(own)
+        drive_fmu, rotor_fmu = fmus(self.toml)
+        of_drive = {name: how.numbers[number] for name, number in _OF_THE_DRIVE.items()}
+        messages: list[str] = []
+        with (
+            Member(drive_fmu, {"continuation": 1.0, **of_drive}, messages) as drive,
+            Member(rotor_fmu, {**self.values, **of_machine}, messages) as rotor,
+        ):
+            acquaint(drive, rotor)
+            told = [name.removeprefix(DRIVE) for name in names if name.startswith(DRIVE)]
+            one = Side(drive, TO_ROTOR, told)
+            other = Side(rotor, TO_DRIVE, [name for name in names if not name.startswith(DRIVE)])
+            outputs = [*(f"{DRIVE}{name}" for name in one.outputs), *other.outputs]
+            at = [outputs.index(name) for name in names]
+
+            def rows() -> Iterator[tuple[float, ...]]:
+                for point in points(one, other, how.numbers["stop"], how.numbers["step"]):
+                    seen = (*point.one, *point.other)
+                    yield point.t, *(seen[i] for i in at)
+
+            yield rows(), how, lambda: status_of(rotor.read)
+
+
+def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:
+    columns = np.array(points, dtype=float).reshape(len(points), 1 + len(names)).T
+    sampled = Samples(columns[0], dict(zip(names, columns[1:], strict=True)))
+    return Window(sampled, Samples(np.zeros(0), {}), math.nan, 0)
+
+
+@lru_cache(maxsize=_KEPT_MACHINES)
+def fmus(toml: str) -> tuple[Path, Path]:
+    """The drive train's FMU and that of a machine, built once for all processes of this user.
+
+    They lie in the user's cache, so that workers on another machine build their own. Raises
+    `OSError` where there is no such folder.
+    """
+    from ...drive_train.system import build_drive_train
+    from ...runs.job import fmu_in
+
+    key = sha256(f"{package_name()} {toml}".encode()).hexdigest()[:16]
+    kept = user_cache() / "coupled"
+    for folder in (user_cache(), kept, kept / key):
+        make_private(folder)
+    lock = ProcessLock(kept / key / "lock")
+    while not lock.take():
+        time.sleep(_WAIT)
+    try:
+        built = build_drive_train(kept / key), fmu_in(kept / key, toml)
+        os.utime(kept / key)
+    finally:
+        lock.release()
+    by_age = sorted(kept.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
+    for old in by_age[_KEPT_MACHINES:]:
+        shutil.rmtree(old, ignore_errors=True)
+    return built

@@ -1,0 +1,231 @@
+"""A machine's runs from the tables of a study's file: what is run, set, and kept."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from ...errors import InputError
+from ...fmu.binding import load_names
+from ...fmu.variables import Variable
+from ...runs.job import load_rotor
+from ...runs.signals import read_signals
+from ..design import Axis, number, whole
+from ..tables import Tables, known_name, nearest, table_of
+from .coupled import CoupledRuns
+from .driving import COUPLED, FREE, KINDS, LEVELS, WHOLE, Drive, Kick, check_numbers
+from .keeping import KINDS as KEPT
+from .keeping import TAPED, WAYS, Keep, column
+from .runs import RUN, Machine, MachineRuns, machine_of
+
+
+def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, str]]:
+    """The runs of a machine, without what is kept, and what can be varied: the unit by the name."""
+    machine_file = tables.get("machine")
+    if machine_file is not None and not isinstance(machine_file, str):
+        raise InputError(f"machine = {machine_file!r}: must be the name of a file")
+    toml, _ = load_rotor(_machine_path(machine_file, folder))
+    run = dict(table_of(tables, "run"))
+    kind = run.pop("kind", None)
+    if kind not in KINDS:
+        raise InputError(f"run kind = {kind!r}: must be one of {', '.join(KINDS)}")
+    machine = machine_of(toml, kind in FREE)
+    how = _drive(kind, run, machine, folder)
+    values = {}
+    for name, value in table_of(tables, "set").items():
+        variable = _settable(machine, known_name("set", name, _settable_names(machine)))
+        values[name] = _value(f"set {name}", variable, value)
+    make = CoupledRuns if kind == COUPLED else MachineRuns
+    runs = make(toml, values, how, ())
+    units = {name: _settable(machine, name).unit or "1" for name in _settable_names(machine)}
+    return runs, units | {f"{RUN}{name}": KINDS[kind][name].unit for name in how.numbers}
+
+
+def _machine_path(name: str | None, folder: Path) -> Path | None:
+    """Beside the study, or among the examples that come with the package; None: the rig."""
+    if name in (None, "rig"):
+        return None
+    path = folder / str(name)
+    packaged = Path(str(files("rotor_fmu.examples"))) / str(name)
+    return packaged if packaged.is_file() and not path.is_file() else path
+
+
+# What the kind of run decides itself.
+_DRIVEN = ("speed", "speed_rate", "speed_continuation", "w_start", "tau_drive")
+
+
+def _settable_names(machine: Machine) -> list[str]:
+    return [v.name for v in machine.table if v.causality == "parameter" and v.name not in _DRIVEN]
+
+
+def _settable(machine: Machine, name: str) -> Variable:
+    return next(v for v in machine.table if v.name == name)
+
+
+def _value(where: str, variable: Variable, value: object) -> float:
+    if variable.kind == "Boolean" and isinstance(value, bool):
+        return float(value)
+    if variable.choices and isinstance(value, str):
+        if value not in variable.choices:
+            raise InputError(f"{where} = {value}: must be one of {', '.join(variable.choices)}")
+        return variable.choices.index(value)
+    given = number(where, value)
+    low = -math.inf if variable.low is None else variable.low
+    high = math.inf if variable.high is None else variable.high
+    if not low <= given <= high:
+        bound = f">= {low:g}" if high == math.inf else f"from {low:g} to {high:g}"
+        raise InputError(f"{where} = {given:g}: must be {bound}")
+    return given
+
+
+def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Drive:
+    kick, file = run.pop("kick", None), run.pop("file", None)
+    numbers = {name: told.default for name, told in KINDS[kind].items()}
+    for name, value in run.items():
+        known_name(f"run {kind}:", name, numbers)
+        numbers[name] = number(f"run.{name}", value)
+    for name, value in numbers.items():
+        if value is None:
+            raise InputError(f"run {kind}: needs {name} [{KINDS[kind][name].unit}]")
+    given = {name: float(value) for name, value in numbers.items() if value is not None}
+    check_numbers(kind, given)
+    if (kind == "signals") != isinstance(file, str):
+        raise InputError(f"run {kind}: file: only of signals, which need it")
+    signals = read_signals(folder / file, machine.table) if isinstance(file, str) else None
+    if signals is not None and "speed" not in signals.values:
+        raise InputError(f"run signals: {file}: has no column speed")
+    loads = load_names(machine.rotor)
+    if signals is not None:
+        zeros = 0.0 * signals.t
+        named = {name: zeros for pair in loads for name in pair}
+        signals = type(signals)(signals.t, named | dict(signals.values))
+    return Drive(kind, given, signals, _kick(kick, loads), loads)
+
+
+def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
+    if table is None:
+        return None
+    names = ("port", "force", "rate", "duration")
+    if not isinstance(table, dict) or set(table) != set(names):
+        raise InputError(f"run kick: must be {{ {', '.join(names)} }}")
+    ports = [x.removesuffix(".fx") for x, _ in loads if x.endswith(".fx")]
+    port = known_name("run kick: port", str(table["port"]), ports)
+    force, rate, duration = (number(f"run kick {n}", table[n]) for n in names[1:])
+    if not duration > 0:
+        raise InputError(f"run kick duration = {duration:g} s: must be > 0")
+    return Kick(port, force, rate, duration)
+
+
+def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> MachineRuns:
+    """The runs with what the table [keep] says and its columns."""
+    machine = machine_of(runs.toml, runs.is_free)
+    units = runs.units
+    varied = {target for axis in axes for target in axis.targets}
+    keeps, columns = [], []
+    table = table_of(tables, "keep")
+    if not table:
+        raise InputError("[keep] is empty; a study keeps something")
+    for name, given in table.items():
+        keep = _keep(name, given, units, machine, runs.how)
+        moved = bool(varied & {f"{RUN}from", f"{RUN}to"})
+        if varied & {f"{RUN}turns", f"{RUN}count", f"{RUN}back", f"{RUN}measure"}:
+            raise InputError("vary: what decides the length of lists cannot be varied")
+        keeps.append(keep)
+        unit = units.get(keep.of, units.get(f"{keep.of.removesuffix('.r')}.x", "1"))
+        columns.append(column(keep, unit, runs.how, moved))
+    return replace(runs, keeps=tuple(keeps), columns=tuple(columns))
+
+
+def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, how: Drive) -> Keep:
+    where = f"keep {name}"
+    if not isinstance(given, dict):
+        raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
+    kinds = [key for key in given if key in KEPT and key != "passing"]
+    if not kinds and given:
+        known_name(where + ":", next(iter(given)), KEPT)
+    kind = kinds[0] if kinds else ""
+    # `order = 1, of = OUTPUT`, and likewise of others whose own word is a number or a list
+    if "of" in given:
+        of = given["of"]
+    elif kind:
+        of = given[kind]
+    else:
+        raise InputError(f"{where}: must have one of {', '.join(KEPT)}")
+    told = KEPT[kind]
+    options = {key: value for key, value in given.items() if key not in (kind, "of")}
+    if kind == "order":  # the order itself, unless a speed is to be passed
+        kind = "passing" if "speed" in given else kind
+        told = KEPT[kind]
+        options["order"] = given["order"]
+    for key in options:
+        known_name(where + ":", key, (*told.needed, *told.optional))
+    for key in told.needed:
+        if key not in options:
+            raise InputError(f"{where}: {kind} needs {key}")
+    if not isinstance(of, str):
+        raise InputError(f"{where}: of = {of!r}: must be the name of an output")
+    checked = {key: _option(where, key, value) for key, value in options.items()}
+    held = LEVELS if kind == "order" else ("constant",)
+    if how.kind == COUPLED and kind in TAPED:
+        raise InputError(f"{where}: {kind} looks at the solver's own steps, which no FMU shows")
+    if told.in_turns and (how.kind not in held or how.numbers["measure"]):
+        raise InputError(f"{where}: {kind} is kept of runs at a constant speed in whole turns")
+    if kind == "jump" and how.kind != "steps":
+        raise InputError(f"{where}: jump is kept of runs in steps")
+    if kind in ("value", "amplitude", "passing") and how.kind in LEVELS:
+        raise InputError(f"{where}: {kind} is kept of runs whose speed goes on")
+    if kind == "order" and (checked["order"] * how.numbers["turns"]) % 1:
+        raise InputError(f"{where}: order = {checked['order']:g}: must make whole periods in turns")
+    if kind == "spectrum" and checked["orders"] > how.numbers["per_turn"] / 2:
+        raise InputError(f"{where}: orders = {checked['orders']:g}: at most half of run.per_turn")
+    scale = _radius(machine, of) if kind == "dissipated" else 0.0
+    keep = Keep(name, kind, of, tuple(checked.items()), scale)
+    for need in keep.needs:
+        if need not in units:
+            parts = {n.rpartition(".")[0] for n in units if "." in n}
+            choice = parts if need.startswith(f"{of}.") else {*units, *(f"{p}.r" for p in parts)}
+            raise InputError(f"{where}: {of}: unknown name; {nearest(of, choice)}")
+    return keep
+
+
+def _option(where: str, key: str, value: object) -> Any:
+    if key == "way":
+        if value not in WAYS:
+            raise InputError(f"{where}: way = {value!r}: must be one of {', '.join(WAYS)}")
+        return value
+    if key == "bins":
+        if not isinstance(value, dict) or set(value) != {"from", "to", "count"}:
+            raise InputError(f"{where}: bins must be {{ from, to, count }}")
+        low, high = (number(f"{where}: bins {end}", value[end]) for end in ("from", "to"))
+        if not low < high:
+            raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
+        return {"from": low, "to": high, "count": whole(f"{where}: bins count", value["count"])}
+    return number(f"{where}: {key}", value)
+
+
+def _radius(machine: Machine, part: str) -> float:
+    for where, candidate in machine.rotor.named_parts():
+        if where == part and hasattr(candidate, "journal_radius"):
+            return float(candidate.journal_radius)
+    return 0.0
+
+
+def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
+    """Refuse listed values that no run could have; those of distributions fail run by run."""
+    machine = machine_of(runs.toml, runs.is_free)
+    for axis in axes:
+        for target in axis.targets:
+            if target in runs.values:
+                raise InputError(f"vary {axis.name}: {target} stands in [set] too")
+            for value in axis.values:
+                if target.startswith(RUN):
+                    runs.how.changed({target.removeprefix(RUN): value})
+                else:
+                    _value(f"vary {axis.name}", _settable(machine, target), value)
+            own = target.removeprefix(RUN)
+            if axis.distribution is not None and target.startswith(RUN) and own in WHOLE:
+                raise InputError(f"vary {axis.name}: is an integer; list its values")

@@ -1,0 +1,102 @@
+"""Rows that come through two FMUs: the rotor's and the drive train's."""
+
+import sys
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import rig_toml
+
+from rotor_fmu import studies
+from rotor_fmu.cli import main
+from rotor_fmu.drive_train.system import couple, drive_train_table
+from rotor_fmu.errors import InputError
+from rotor_fmu.runs.recording import load_recording
+from rotor_fmu.studies.conduct import conduct
+from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, fmus
+from rotor_fmu.studies.machine.driving import KINDS
+from rotor_fmu.studies.reading import read_study
+
+from .functions import here, quiet
+
+STUDY = """
+[run]
+kind = "drive-train"
+torque = 0.1
+from = 180
+target = 200
+stop = 1
+[set]
+"solver.tolerance" = 1e-2
+[vary]
+"run.torque" = { values = [0.05, 0.1] }
+[keep]
+w = { last = "w" }
+X = { peak = "disc[3].x_amp" }
+work = { last = "drive.work_out" }
+taken = { last = "energy.drive_work" }
+"""
+
+
+@pytest.fixture(scope="module")
+def coupled(tmp_path_factory):
+    """A study's file, its folder and its rows."""
+    folder = tmp_path_factory.mktemp("coupled")
+    path = folder / "study.toml"
+    path.write_text(STUDY)
+    conduct(read_study(path), folder / "out", here, quiet)
+    return path, folder / "out", studies.open(folder / "out")
+
+
+def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
+    _, _, data = coupled
+    assert (data.status.values == "ok").all()
+    for i, torque in enumerate((0.05, 0.1)):
+        parameters = {"w_start": 180.0, "w_target": 200.0, "tau_max": torque, "continuation": 1.0}
+        run = couple(*fmus(rig_toml()), 1.0, 2e-3, parameters, {"solver.tolerance": 1e-2})
+        # between two communication points the rotor goes on with the speed that it was told
+        assert data.w.values[i] == pytest.approx(run.drive["w"][-1], abs=0.01)
+        assert data.work.values[i] == run.drive["work_out"][-1]
+        assert data.X.values[i] == np.abs(run.rotor["disc[3].x_amp"]).max()
+        assert data.taken.values[i] == pytest.approx(data.work.values[i], rel=1e-3)
+
+
+def test_a_selected_coupled_run_ends_as_its_row_and_has_both_fmus_signals(coupled, monkeypatch):
+    path, out, data = coupled
+    arguments = ["study", str(path), "--out", str(out), "--select", "1"]
+    monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 0
+    recording = load_recording(out / "runs" / str(data.id.values[1]) / "recording.npz")
+    assert recording.columns["w"][-1] == data.w.values[1]
+    assert recording.columns["drive.work_out"][-1] == data.work.values[1]
+    assert {"phi", "disc[3].x", "bearing[1].fn", "drive.tau_motor"} <= set(recording.columns)
+    assert recording.units["drive.tau_motor"] == "N.m"
+
+
+def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path):
+    law = 'distribution = "uniform", low = -1e-6, high = -1e-7'
+    path = tmp_path / "study.toml"
+    path.write_text(
+        STUDY.replace('"run.torque" = { values = [0.05, 0.1] }', f'"bearing[1].mu" = {{ {law} }}')
+        + '[design]\nkind = "random"\nsize = 1\n'
+    )
+    conduct(read_study(path), tmp_path / "out", here, quiet)
+    (status,) = studies.open(tmp_path / "out").status.values
+    assert status.startswith("failed: RotorBearing.fmu: ")
+    assert "bearing[1].mu = " in status
+
+
+def test_what_lies_between_communication_points_is_not_kept(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY + 'loss = { dissipated = "bearing[1]" }\n')
+    with pytest.raises(InputError, match=r"keep loss: dissipated looks at the solver's own steps"):
+        read_study(path)
+
+
+def test_the_usual_drive_train_of_a_study_is_that_of_its_fmu():
+    usual = {v.name: v.start for v in drive_train_table()}
+    numbers = KINDS["drive-train"]
+    for name, number in _OF_THE_DRIVE.items():
+        if number not in ("torque", "from"):
+            assert numbers[number].default == usual[name], name
