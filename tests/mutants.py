@@ -8,7 +8,6 @@ or test.
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -16,7 +15,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).parents[1]
+from tests.checkout import lay_out
+
 _VALID, _PAGES = "tests/fmu/test_validity.py::test_", "tests/fmu/test_documents.py::test_"
 _DEPEND = f"{_VALID}outputs_depend_on_the_inputs_that_reach_them_within_an_instant"
 _BY_SPEED = f"{_VALID}the_speed_reaches_an_output_where_it_is_an_input"
@@ -103,18 +103,7 @@ MUTANTS = (
 
 def copied(folder: Path) -> None:
     """The project's files, laid out so that `folder` on the search path is the project."""
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    for name in listed.stdout.split("\0"):
-        if name and (ROOT / name).is_file():
-            target = folder / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(ROOT / name, target)
+    lay_out(folder)
     for name in ("model", "examples"):
         (folder / "rotor_fmu" / name).symlink_to(folder / name)
 

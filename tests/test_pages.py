@@ -9,11 +9,11 @@ import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from .checkout import ROOT, lay_out
+
 PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("examples/*/README.md")])
 RUN = {"sh": ["sh", "-e", "-c"], "python": ["python", "-c"]}
 # the tests are not run by the tests
@@ -35,18 +35,7 @@ def readable(page):
 def copy(tmp_path_factory):
     """The project as it is checked out, and its environment made by its own rule."""
     folder = tmp_path_factory.mktemp("newcomer") / "rotor-fmu"
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    for name in filter(None, listed.stdout.split("\0")):
-        if (ROOT / name).is_file():
-            target = folder / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(ROOT / name, target)
+    lay_out(folder)
     library = ROOT / "model" / "library"  # which would take a minute to make
     if library.is_dir():
         shutil.copytree(library, folder / "model" / "library")

@@ -13,7 +13,7 @@ import pytest
 
 from rotor_fmu.about import __version__
 
-ROOT = Path(__file__).parents[1]
+from .checkout import ROOT, lay_out
 
 
 def folders(root, name):
@@ -33,18 +33,7 @@ def wheel_file(tmp_path_factory):
     """The wheel, built of what belongs to the project."""
     folder = tmp_path_factory.mktemp("wheel")
     source = folder / "source"
-    listed = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    for name in listed.stdout.split("\0"):
-        if name and (ROOT / name).is_file() and not name.startswith(("docs/", "tests/")):
-            target = source / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes((ROOT / name).read_bytes())
+    lay_out(source, but=("docs/", "tests/"))
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
     done = subprocess.run(
         [*command, "--wheel-dir", folder, source], capture_output=True, text=True, check=False

@@ -9,6 +9,7 @@ from rotor_fmu.model.kernels.library import find
 from rotor_fmu.native.core import core_digest
 from rotor_fmu.native.pack import build_native
 
+from ..fmu.conftest import master  # noqa: F401, a fixture
 from ..fmu.masters import COMPILER, Master, compile_c_host
 
 HERE = "linux64"
@@ -43,17 +44,6 @@ def c_host(fmu, tmp_path_factory):
     """A plain C master, run without any environment."""
     if COMPILER is None:
         pytest.skip("no C compiler on this machine")
-    master = Master(fmu, compile_c_host(tmp_path_factory.mktemp("host")), is_alone=True)
-    yield master
-    master.close()
-
-
-@pytest.fixture(scope="session", params=["FMPy", "C"])
-def master(request, fmu):
-    """FMPy and the C master in turn."""
-    if request.param == "C":
-        yield request.getfixturevalue("c_host")
-        return
-    master = Master(fmu)
-    yield master
-    master.close()
+    host = Master(fmu, compile_c_host(tmp_path_factory.mktemp("host")), is_alone=True)
+    yield host
+    host.close()
