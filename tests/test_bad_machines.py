@@ -216,7 +216,7 @@ def hangs_end(compiled):
 
 @pytest.mark.parametrize("base", range(len(BASES)))
 def test_what_is_mutated_is_sound(base):
-    parse_rotor(BASES[base])
+    assert parse_rotor(BASES[base]).parts
 
 
 @pytest.mark.usefixtures("hangs_end")
@@ -229,8 +229,8 @@ def test_forty_mutated_machine_files_are_read_or_refused_in_one_line():
 @pytest.mark.usefixtures("hangs_end")
 @pytest.mark.parametrize("block", range(10))
 def test_five_hundred_mutated_machine_files_are_read_or_refused_in_one_line(block):
-    for seed in range(100 + 50 * block, 150 + 50 * block):
-        outcome(seed)
+    found = [outcome(seed) for seed in range(100 + 50 * block, 150 + 50 * block)]
+    assert 0 < sum(reason is None for reason in found) < 50
 
 
 @pytest.mark.parametrize("seed", [179, 583, 637])

@@ -273,6 +273,7 @@ def wrong_calls(fuzzer, name):
     component("ExitInitializationMode")
     assert component("DoStep", c_double(0.0), c_double(H), 1) == OK
     component.free()
+    print("refused 300 times, then stepped")
 
 
 if __name__ == "__main__":
