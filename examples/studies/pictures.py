@@ -164,11 +164,13 @@ def dry_whip(data: xarray.Dataset, path: Path) -> None:
     save(figure, path)
 
 
-def on_the_wrong_side(data: xarray.Dataset) -> int:
-    """Runs of the dry whip that end otherwise than the closed form says."""
+def on_the_wrong_side(data: xarray.Dataset) -> np.ndarray:
+    """Friction over what the closed form asks for, of the dry rotors that end otherwise than it
+    says."""
     v = data["run.speed"].values / OMEGA * RADIUS
-    is_enough = data["contact[1].mu"].values > np.nan_to_num(rolling_friction(v), nan=np.inf)
-    return int((is_enough != (data.radius.values > 0.5e-3)).sum())
+    needed = np.nan_to_num(rolling_friction(v), nan=np.inf)
+    share = data["contact[1].mu"].values / needed
+    return share[(share > 1) != (data.radius.values > 0.5e-3)]
 
 
 def motor(data: xarray.Dataset, path: Path) -> None:
@@ -223,7 +225,11 @@ def main(rows: str, out: str = "") -> None:
     tolerances(studies.open(folder), design, analyse(folder), picture)
     data = studies.open(source / "dry_whip")
     dry_whip(data, target / "study_dry_whip.png")
-    print(f"{on_the_wrong_side(data)} of {data.sizes['run']} dry rotors against the closed form")
+    wrong = on_the_wrong_side(data)
+    print(
+        f"{len(wrong)} of {data.sizes['run']} dry rotors against the closed form, with "
+        f"{wrong.min():.2f} to {wrong.max():.2f} of the friction that it asks for"
+    )
     data = studies.open(source / "motor")
     motor(data, target / "study_motor.png")
     for value, torque in smallest_torques(data).items():
