@@ -564,15 +564,17 @@ static Status check_value(Instance *m, uint32_t reference, double value)
 {
     const Variable *v = variables(m->table) + reference;
     const char *name = name_of(m, reference);
+    int is_outside = v->kind == AN_INTEGER && !(v->low <= value && value <= v->high);
     char shown[LONGEST] = "";
-    add_number(shown, value, 17);
+    if (!isfinite(value) || is_outside)
+        add_number(shown, value, 17);
     if (!isfinite(value))
         return refuse(m, "%s = %s: must be a finite number", name, shown);
     if (v->role >= READ)
         return refuse(m, "%s: is computed and cannot be set", name);
     if (v->role > LOAD && m->state->phase == STEPPING)
         return refuse(m, "%s: a fixed parameter cannot be set after initialization", name);
-    if (v->kind == AN_INTEGER && !(v->low <= value && value <= v->high))
+    if (is_outside)
         return refuse(m, "%s = %s: must be an integer from %d to %d", name, shown, (int)v->low,
                       (int)v->high);
     return OK;
@@ -581,14 +583,15 @@ static Status check_value(Instance *m, uint32_t reference, double value)
 Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *references,
                   size_t count, const void *values, Item item)
 {
-    char call[40];
     if (check_references(m, 1, kind, name, references, count, values))
         return ERROR;
     if (!count)
         return OK;
-    snprintf(call, sizeof call, "set%s", name);
-    if (allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING))
-        return ERROR;
+    if (m->state->phase > STEPPING) {
+        char call[40];
+        snprintf(call, sizeof call, "set%s", name);
+        return allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING);
+    }
     for (size_t i = 0; i < count; i++)
         if (check_value(m, references[i], item(values, i)))
             return ERROR;
