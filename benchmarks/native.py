@@ -117,7 +117,9 @@ def main() -> None:
                 ("run-down by the library for x86-64-v3, over the one for all", f"{gain:.3f}")
             )
     if asked.numba:
-        ratio = median_ratio(3, lambda: run_down_of("library"), lambda: run_down_of("numba"))
+        ratio = median_ratio(
+            REPETITIONS, lambda: run_down_of("library"), lambda: run_down_of("numba")
+        )
         found.append(("run-down by the library, over numba's code", f"{ratio:.3f}"))
     print("| the native FMU | |\n| --- | ---: |")
     for text, value in found:
