@@ -1,7 +1,8 @@
 """What FMI adds to a communication step: python -m benchmarks.fmi_overhead
 
-Through FMPy's API: set all inputs, a step of 0.1 ms, read all outputs; beside it the model's own
-call, and an FMU with as many variables that computes nothing. Medians, CPU time.
+Set all inputs, a step of 0.1 ms, read all outputs, through FMPy's API and, of the native FMU, from
+C; beside it the model's own call, and FMUs with as many variables that compute nothing. Medians of
+CPU time.
 """
 
 import statistics
@@ -18,6 +19,8 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.packing.bundle import build
+
+from .native_master import CMaster, medians
 
 H, STEPS, REPETITIONS = 1e-4, 5000, 7
 SPEED = 400.0
@@ -62,14 +65,14 @@ def median_cost(call):
 
 
 def variables(fmu, kind, causality):
-    """References of an FMU's variables."""
+    """References of the variables of an FMU, or of its folder."""
     described = fmpy.read_model_description(str(fmu)).modelVariables
     return [v.valueReference for v in described if v.type == kind and v.causality == causality]
 
 
 def through_fmpy(fmu):
     """Cost of a communication step [us]."""
-    folder = fmpy.extract(str(fmu))
+    folder = str(fmu) if fmu.is_dir() else fmpy.extract(str(fmu))
     instance = fmpy.instantiate_fmu(folder, fmpy.read_model_description(folder), "CoSimulation")
     inputs, outputs = variables(fmu, "Real", "input"), variables(fmu, "Real", "output")
     flags = variables(fmu, "Boolean", "output")
@@ -109,14 +112,47 @@ def model_alone():
     return median_cost(lambda t: sim.advance(t + H, SPEED, loads))
 
 
+def table(title, rows):
+    """Print rows of a text and us."""
+    print(f"| {title} | us of CPU |\n| --- | ---: |")
+    for text, cost in rows:
+        print(f"| {text} | {cost:.2f} |")
+    print()
+
+
 def main():
     with tempfile.TemporaryDirectory() as name:
-        fmu = build(Path(name))
+        fmu, master = build(Path(name)), CMaster(Path(name))
         hosted, model = through_fmpy(fmu), model_alone()
         idle = through_fmpy(idle_fmu(fmu, Path(name)))
-    print("| a communication step of 0.1 ms | us of CPU |\n| --- | ---: |")
-    print(f"| through FMPy | {hosted:.1f} |\n| the model's own call | {model:.1f} |")
-    print(f"| so FMI adds | {hosted - model:.1f} |\n| an FMU that computes nothing | {idle:.1f} |")
+        idle_native = master.idle_fmu()
+        native, nothing, from_c, kernels = medians(
+            REPETITIONS,
+            lambda: through_fmpy(master.fmu),
+            lambda: through_fmpy(idle_native),
+            lambda: master.run("steps"),
+            lambda: master.run("kernels"),
+        )
+    table(
+        "`RotorBearing.fmu`, a communication step of 0.1 ms",
+        (
+            ("through FMPy", hosted),
+            ("the model's own call", model),
+            ("so FMI adds", hosted - model),
+            ("an FMU of pythonfmu that computes nothing", idle),
+        ),
+    )
+    table(
+        "`RotorBearingNative.fmu`, a communication step of 0.1 ms",
+        (
+            ("the kernels alone, from C", kernels),
+            ("through FMI, from C", from_c),
+            ("so FMI adds from C", from_c - kernels),
+            ("through FMPy", native),
+            ("an FMU in C that computes nothing, through FMPy", nothing),
+            ("so FMI adds from FMPy, beyond FMPy's own", native - nothing - kernels),
+        ),
+    )
 
 
 if __name__ == "__main__":

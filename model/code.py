@@ -33,7 +33,7 @@ class Calls(NamedTuple):
 
     start: Callable[[float, float, float], int]
     advance: Callable[[float, float, float], int]
-    linearize: Callable[[float, float], object]
+    survey: Callable[[float, int], object]
     look: Callable[[], object]
 
 
@@ -76,7 +76,7 @@ def waits_for_compiler() -> bool:
 def calls(block: np.ndarray, code: Code | None = None) -> Calls:
     """The functions for a block, carried out by `code`, the one chosen if None."""
     code = code or chosen()
-    functions: tuple[Any, ...] = entries.start, entries.advance, entries.linearize, entries.look
+    functions: tuple[Any, ...] = entries.start, entries.advance, entries.survey, entries.look
     if code is Code.LIBRARY:
         made = library.loaded()
         assert made is not None
@@ -84,7 +84,7 @@ def calls(block: np.ndarray, code: Code | None = None) -> Calls:
         return Calls(
             partial(made.rotor_start, address),
             partial(made.rotor_advance, address),
-            partial(made.rotor_linearize, address),
+            partial(made.rotor_survey, address),
             partial(made.rotor_look, address),
         )
     if code is Code.NUMBA:

@@ -18,20 +18,13 @@ from .march.block import LAYOUT, RunData, new_block, set_method
 from .march.equilibrium import HELD, NOT_HELD
 from .march.observe import observed_names
 from .march.tape import Record, channels_of
-from .protocol.part import Interface
 from .refusal import Refusal
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.sentences import (
-    described,
-    grows_at_rest,
-    hidden_whirls,
-    longest_step,
-    nearest,
-)
-from .stability.whirls import Tangents, Whirl, coarse, growing_whirls, growth_at_rest
+from .stability.sentences import grows_at_rest, hidden_whirls, nearest, whirled_apart
+from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
-from .structure.assembly import Structure, assemble
+from .structure.assembly import Structure, assemble, interface_names
 from .structure.reduction import reduced
 
 
@@ -52,11 +45,6 @@ SMALLER_STEP = (
     "try a smaller solver.h; what diverges at every step length is the machine's own, with loads "
     "or a speed that it does not bear"
 )
-# Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
-# this factor is looked at anew.
-_SURVEYED, _PASSED = (1.0, 0.5), 1.25
-# Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
-_OVERDAMPING = 0.05
 _has_said_interpreted = False
 
 
@@ -139,17 +127,10 @@ class Simulation:
             raise EquilibriumError(self._no_rest(status))
         self._warn_beyond_tables(speed)
         self._speed = self._run.memory.record["omega"]
-        self._contacts = [
-            where
-            for where, part in rotor.named_parts()
-            for element in part.elements(where, rotor.material.density)
-            if isinstance(element, Interface)
-        ]
-        self._whirls: tuple[Whirl, ...] = ()
+        self._contacts = interface_names(rotor)
         self._has_warned_of_whirls = False
-        self._coarse = coarse(structure)
-        self._warn_of_growth_at_rest()
-        self._survey_whirls()
+        self._surveyed_to = self._run.memory.record["surveyed_to"]
+        self._survey(True)
 
     @property
     def structure(self) -> Structure:
@@ -204,8 +185,8 @@ class Simulation:
             raise StepFailure(self._failure(status))
         if self._tables:
             self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
-        if abs(self._speed[0]) > self._surveyed_to:
-            self._survey_whirls()
+        if abs(self._speed[0]) > self._surveyed_to[0]:
+            self._survey(False)
         for entry in tuple(self._doubts):
             since, words = entry
             if since[0] == since[0]:
@@ -241,46 +222,26 @@ class Simulation:
         head.covered = 0.0
         return rows
 
-    def _survey_whirls(self) -> None:
+    @property
+    def _whirls(self) -> tuple[Whirl, ...]:
+        """The growing whirls that were found last, the fastest first."""
+        return whirls_found(self.structure, self._run.survey)
+
+    def _survey(self, is_start: bool) -> None:
         """Look for growing whirls up to the present speed; warn of those that the steps hide."""
-        speed = float(self._speed[0])
-        self._surveyed_to = _PASSED * max(abs(speed), self.structure.numbers[0].lowest_omega)
-        speeds = [share * speed for share in _SURVEYED] if speed else [0.0]
-        self._whirls = growing_whirls(self._coarse, self._tangents(), speeds)
-        if self._whirls and is_unconditionally_stable(self._scheme):
-            self._mind_whirls()
-
-    def _warn_of_growth_at_rest(self) -> None:
-        speed = float(self._speed[0])
-        self._speed[0] = 0.0
-        root = growth_at_rest(self._coarse, self._tangents())
-        self._speed[0] = speed
-        if root is not None:
+        self._code.survey(float(self._speed[0]), is_start)
+        survey = self._run.survey
+        root = complex(survey.rest[0])
+        if root == root:
             self._warn(grows_at_rest(root))
-
-    def _tangents(self) -> Tangents:
-        problem = self._run.problem
-        self._code.linearize(1.0, 0.0)
-        p_d, q_d = problem.p.copy(), problem.q.copy()
-        self._code.linearize(0.0, 1.0)
-        # a journal that whirls along the wall, here at the right, is pushed as this wall pushes it
-        # all the way round, and does not move against its damping
-        is_free = self.structure.interfaces.has_wall == 0
-        p_d += np.where(is_free, 0.0, q_d)
-        return Tangents(p_d, is_free * q_d, is_free * problem.p, is_free * problem.q)
-
-    def _mind_whirls(self) -> None:
-        """Keep the steps that the tolerance chooses short enough to see the growing whirls; of
-        others say what they hide. What the integrator takes is judged more strictly now."""
-        settings, numbers = self.settings, self._run.method.numbers[0]
-        numbers.overdamping = _OVERDAMPING
-        if settings.mode == "controlled":
-            in_contact = [whirl for whirl in self._whirls if whirl.closed]
-            numbers.h_in_contact = longest_step(self._scheme, in_contact)
+        settings = self.settings
+        if survey.counted[0] == 0 or settings.mode == "controlled":
+            return
+        if self._has_warned_of_whirls or not is_unconditionally_stable(self._scheme):
             return
         h = settings.h if settings.mode == "fixed" else settings.h_max
         hidden = hidden_whirls(self._scheme, h, self._whirls, self._contacts)
-        if hidden and not self._has_warned_of_whirls:
+        if hidden:
             self._has_warned_of_whirls = True
             self._warn(hidden)
 
@@ -331,6 +292,7 @@ class Simulation:
             q = np.abs(self.motion.q[dofs])
             node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
             past = f"node {node} past {self.structure.numbers[0].bound:.3g} m or not finite"
+            apart = self._whirled_apart(dofs, int(node))
             if not is_unconditionally_stable(self._scheme):
                 reason = f"the solution diverged ({past})"
                 advice = (
@@ -338,26 +300,23 @@ class Simulation:
                     f"{self._scheme.rho_infinity:.4g} > 1): "
                     "take alpha_m <= alpha_f <= 0.5"
                 )
-            elif self._whirls:
-                reason = f"the machine whirled itself apart ({past}): {self._whirl_seen(dofs)}"
-                advice = (
-                    "that is the machine's own, no step length mends it: less friction or more "
-                    "damping does"
-                )
+            elif apart:
+                return f"{where}: {apart}"
             else:
                 reason = f"the solution diverged ({past})"
                 advice = SMALLER_STEP
         return f"{where}: {reason}; {advice}"
 
-    def _whirl_seen(self, dofs: np.ndarray) -> str:
-        """The growing whirl that is most like the motion reached, and that motion."""
+    def _whirled_apart(self, dofs: np.ndarray, node: int) -> str:
+        """What is said if there are growing whirls, of the one most like the motion reached."""
+        record = self._run.memory.record[0]
+        self._code.survey(float(record.surveyed_at), False)
+        if not self._whirls:
+            return ""
         q, v = self.motion.q[dofs], self.motion.v[dofs]
-        speed = float(self._speed[0])
+        speed = float(record.omega)
         largest = np.argmax(np.abs(q))
         rate = float((q[largest].conjugate() * v[largest]).imag / abs(q[largest]) ** 2)
         whirl = nearest(self._whirls, rate, speed)
-        way = "backward" if (rate < 0) == (speed >= 0) else "forward"
-        return (
-            f"{described(whirl, self._contacts)}, and it was seen to whirl {way} at "
-            f"{abs(rate) / (2 * math.pi):.4g} Hz"
-        )
+        bound = self.structure.numbers[0].bound
+        return whirled_apart(node, bound, whirl, self._contacts, rate, speed)

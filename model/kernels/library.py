@@ -93,7 +93,7 @@ def loaded() -> ctypes.CDLL | None:
         real, block = ctypes.c_double, ctypes.c_void_p
         library.rotor_start.argtypes = (block, real, real, real)
         library.rotor_advance.argtypes = (block, real, real, real)
-        library.rotor_linearize.argtypes = (block, real, real)
+        library.rotor_survey.argtypes = (block, real, ctypes.c_int64)
         library.rotor_look.argtypes = (block,)
     except (OSError, AttributeError) as error:
         say_once("library", f"the library of the solver cannot be loaded: {error}")

@@ -9,6 +9,7 @@ import numpy as np
 from ..kernels.block import Group, Layout
 from ..parts import LAWS
 from ..schemes.family import Scheme
+from ..stability.memory import Survey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
 from ..step.laws import FLOWS, MOST_LOSSES, STORES
 from ..step.step import Motion, Workspace
@@ -18,9 +19,10 @@ from .memory import Memory
 from .tape import Tape
 
 _INTEGERS = ("mode", "indicator", "norm", "is_fitted")
+# What is found out during a run stands in its memory instead.
+_CHOSEN = tuple(n for n in Control._fields if n not in Control._field_defaults)
 METHOD = np.dtype(
-    [(n, "f8") for n in Scheme._fields]
-    + [(n, "i8" if n in _INTEGERS else "f8") for n in Control._fields]
+    [(n, "f8") for n in Scheme._fields] + [(n, "i8" if n in _INTEGERS else "f8") for n in _CHOSEN]
 )
 
 
@@ -49,6 +51,7 @@ class RunData(NamedTuple):
     problem: InterfaceProblem
     reading: Reading
     tape: Tape
+    survey: Survey
 
 
 _SIZES = (
@@ -66,7 +69,7 @@ _SIZES = (
         "springs",
     ),
     *("interfaces", "own", "stores", "losses", "all_stores", "flows", "most_losses", "outputs"),
-    *("tables", "channels", "tape_rows"),
+    *("tables", "channels", "tape_rows", "basis", "coarse", "coarse_width"),
     *(f"rows_{law.name}" for law in LAWS),
 )
 _LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
@@ -82,6 +85,7 @@ LAYOUT = Layout(
         Group("problem", InterfaceProblem, {}),
         Group("reading", Reading, {}),
         Group("tape", Tape, {}),
+        Group("survey", Survey, {}),
     ],
     _SIZES,
 )
@@ -92,6 +96,7 @@ def new_block(
 ) -> np.ndarray:
     """A block for runs of a machine, its structure copied in; outputs: how many can be read;
     channels and an even number of rows: of the tape."""
+    basis, mass = coarse_shaft(structure)
     sizes = sizes_of(structure) | {
         "all_stores": len(STORES),
         "flows": len(FLOWS),
@@ -99,6 +104,9 @@ def new_block(
         "outputs": outputs,
         "channels": channels,
         "tape_rows": tape_rows,
+        "basis": basis.shape[1],
+        "coarse": len(mass),
+        "coarse_width": mass.shape[1],
     }
     block = LAYOUT.new(sizes)
     run = LAYOUT.look(block)
@@ -113,7 +121,8 @@ def new_block(
     for instant in ("overdamped_at", "slow_at", "coarse_at"):
         run.memory.record[0][instant] = np.nan
     for name, value in Control._field_defaults.items():
-        run.method.numbers[0][name] = value
+        run.memory.record[0][name] = value
+    run.survey.basis[:], run.survey.mass[:] = basis, mass
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
     return block
@@ -121,5 +130,6 @@ def new_block(
 
 def set_method(run: RunData, scheme: Scheme, control: Control) -> None:
     """Write the integrator and its step control into a run."""
-    for name, value in (*scheme._asdict().items(), *control._asdict().items()):
-        run.method.numbers[0][name] = value
+    values = scheme._asdict() | control._asdict()
+    for name in METHOD.names or ():
+        run.method.numbers[0][name] = values[name]

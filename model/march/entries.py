@@ -6,7 +6,7 @@ import math
 
 from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
-from ..step.laws import law_opening, law_tangent, relative
+from ..stability.whirls import look_for_growth_at_rest, look_for_whirls
 from ..structure.parameters import prepare
 from . import march, tape
 from .block import LAYOUT
@@ -15,9 +15,6 @@ from .equilibrium import HELD, find_equilibrium, release
 from .observe import observe
 
 _view = LAYOUT.view
-# Where a contact is called closed and slipping: penetration over the radius of its wall, and a spin
-# [rad/s] that leaves nothing of the smoothing of friction.
-_DEPTH, _SLIPPING = 0.1, 1e9
 
 
 @compiled
@@ -26,7 +23,7 @@ def _scheme(numbers):
 
 
 @compiled
-def _control(numbers):
+def _control(numbers, r):
     return Control(
         numbers.mode,
         numbers.h_min,
@@ -41,8 +38,8 @@ def _control(numbers):
         numbers.tolerance,
         numbers.error_constant,
         numbers.is_fitted != 0,
-        numbers.h_in_contact,
-        numbers.overdamping,
+        r.h_in_contact,
+        r.overdamping,
     )
 
 
@@ -82,7 +79,7 @@ def advance(block, t_end, drive, rate):
     status = march.advance(
         run.structure,
         _scheme(numbers),
-        _control(numbers),
+        _control(numbers, run.memory.record[0]),
         t_end,
         drive,
         march.continued_rate(run.memory.record, drive) if math.isnan(rate) else rate,
@@ -99,35 +96,14 @@ def advance(block, t_end, drive, rate):
 
 
 @compiled
-def linearize(block, by_d, by_v):
-    """Fill problem.p and problem.q with the laws' tangents, by_d times those by the displacement
-    and by_v times those by the velocity: at rest, but where there is a wall a little behind it, at
-    the right, its surfaces slipping in the sense of the rotation."""
+def survey(block, speed, is_start):
+    """Look for the whirls that grow up to a speed of rotation [rad/s] and, at the start, for what
+    grows at rest; see `stability.whirls`."""
     run = _view(block)
-    structure, problem = run.structure, run.problem
-    omega = run.memory.record[0].omega
-    for j in range(len(structure.interfaces)):
-        interface = structure.interfaces[j]
-        own = run.motion.own[interface.own :]
-        d = relative(interface, run.motion.q)
-        sliding = omega
-        if interface.has_wall == 1:
-            d = complex(interface.length, 0.0)
-            d += law_opening(structure.laws, interface, d) + _DEPTH * interface.length
-            sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
-        _force, problem.p[j], problem.q[j] = law_tangent(
-            structure.laws,
-            interface,
-            d,
-            0.0j,
-            omega,
-            sliding,
-            by_d,
-            by_v,
-            0.0,
-            own,
-            problem.own[interface.own :],
-        )
+    run.survey.rest[0] = complex(math.nan, math.nan)
+    if is_start != 0:
+        look_for_growth_at_rest(run)
+    look_for_whirls(run, speed)
 
 
 @compiled

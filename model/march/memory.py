@@ -48,6 +48,10 @@ RECORD = np.dtype(
             "leaky_vibration",
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
+            "h_in_contact",  # see `Control`
+            "overdamping",
+            "surveyed_at",  # speed up to which growing whirls were looked for [rad/s], and the one
+            "surveyed_to",  # past which they are looked for anew
         )
     ]
     + [

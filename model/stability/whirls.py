@@ -4,37 +4,45 @@ slipping.
 Far behind its wall a journal that whirls with its contact closed and slipping meets a force that
 depends on its displacement linearly, F = -k (1 + i mu) d, the limit of a large circle: normal force
 and, across it, friction, which feeds a backward whirl (Black 1968). A root with a positive real
-part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked. A
-wall with a state of its own, a race that turns, is taken along instead of slipping for long, and is
-left out.
+part there is dry whip. A smaller circle meets a softer wall; how it comes to touch is not asked.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.band import to_dense
+from ..kernels.compiled import called, compiled
+from ..kernels.functions import modulus
 from ..structure.assembly import Structure
-from ..structure.reduction import reduced
+from .eigenvalues import eigenvalues
+from .matrices import (
+    ALL,
+    OPEN,
+    is_closed,
+    is_wall,
+    take_machine,
+    take_matrices,
+    take_tangents,
+    take_vector,
+)
+from .memory import MOST_WHIRLS, Survey
+from .resolution import is_stable, resolving_step
 
-MOST_DOFS = 60  # of the shaft; a longer one is reduced first
-_MODES = 12
+# Less than this share of a growth left by the integrator is called hidden; what a step that
+# resolves it must leave.
+HIDDEN, RESOLVED = 0.5, 0.9
+# Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
+# this factor is looked at anew.
+_SHARES, _PASSED = (1.0, 0.5), 1.25
+# Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
+_OVERDAMPING = 0.05
 _GROWING = 1e-5  # least Re lambda / |lambda| of what is called growing: below it is rounding
 _SLOW = 1e-3  # of the machine's lowest frequency: a root below it is a motion as a rigid body
-
-
-class Tangents(NamedTuple):
-    """dF = p z + q conj(z) of m interfaces: by displacement [N/m], by velocity [N.s/m], complex of
-    shape (m,). Of interfaces with a wall: where they are closed and slip."""
-
-    p_d: np.ndarray
-    q_d: np.ndarray
-    p_v: np.ndarray
-    q_v: np.ndarray
+_ALIKE = 5e-10  # ratios that differ by less differ in rounding
+_DIGITS = 1e5  # of the bound on the step: six, so that rounding does not show
 
 
 @dataclass(frozen=True)
@@ -54,126 +62,142 @@ class Whirl:
         return self.root.imag / (2 * np.pi)
 
 
-def growing_whirls(
-    structure: Structure, tangents: Tangents, speeds: Sequence[float]
-) -> tuple[Whirl, ...]:
-    """The growing whirls with all contacts open, each alone closed, and all closed, at these speeds
-    of rotation [rad/s]; the fastest growing first."""
-    machine = _Machine(coarse(structure), tangents)
-    has_wall, states = structure.interfaces.has_wall, structure.interfaces.states
-    walls = np.flatnonzero((has_wall == 1) & (states == 0)).tolist()
-    cases = {(), *((j,) for j in walls), tuple(walls)}
-    found = [w for speed in speeds for case in sorted(cases) for w in machine.growing(speed, case)]
-    return tuple(sorted(found, key=lambda w: -w.root.real))
+def whirls_found(structure: Structure, survey: Survey) -> tuple[Whirl, ...]:
+    """What the last `look_for_whirls` found, the fastest growing first."""
+    interfaces = structure.interfaces
+    walls = ((interfaces.has_wall == 1) & (interfaces.states == 0)).nonzero()[0].tolist()
+    cases = {OPEN: (), ALL: tuple(walls)}
+    return tuple(
+        Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
+        for re, im, backward, case, speed in survey.found[: survey.counted[0]].tolist()
+    )
 
 
-def coarse(structure: Structure) -> Structure:
-    """The machine as whirls are looked for in it: a long shaft reduced."""
-    return reduced(structure, _MODES) if len(structure.weight) > MOST_DOFS else structure
+@compiled
+def rounded_down(x, least):
+    """x > 0, no larger than it was, with so many digits: `least` is the smallest integer that has
+    them, 10 of two."""
+    scale = 1.0
+    while x * scale < least:
+        scale *= 10.0
+    while x * scale >= 10.0 * least:
+        scale /= 10.0
+    return math.floor(x * scale) / scale
 
 
-def growth_at_rest(structure: Structure, tangents: Tangents) -> complex | None:
-    """Root of the growth with the least damping ratio where nothing turns and all contacts are open
-    [1/s], its imaginary part >= 0; None where nothing grows. tangents: at rest."""
-    machine = _Machine(coarse(structure), tangents)
-    roots = machine.roots(0.0, ())
-    grows = (roots.imag >= 0.0) & (np.abs(roots) > _SLOW * structure.numbers[0].lowest_omega)
-    grows &= roots.real > _GROWING * np.abs(roots)
+@called
+def look_for_whirls(run, speed):
+    """Find the whirls that grow up to this speed of rotation [rad/s], with all contacts open, each
+    alone closed, and all; keep the steps that a tolerance chooses short enough to see them, and
+    judge what the integrator takes more strictly."""
+    structure, survey, r = run.structure, run.survey, run.memory.record[0]
+    lowest = structure.numbers[0].lowest_omega
+    r.surveyed_at = speed
+    r.surveyed_to = _PASSED * max(abs(speed), lowest)
+    survey.counted[0] = 0
+    take_matrices(run)
+    take_tangents(run, speed)
+    walls = 0
+    for j in range(len(structure.interfaces)):
+        walls += 1 if is_wall(structure.interfaces[j]) else 0
+    shortest = math.inf
+    for share in _SHARES:
+        if share < 1.0 and speed == 0.0:
+            continue
+        for case in range(ALL, len(structure.interfaces)):
+            is_one = case >= 0 and is_wall(structure.interfaces[case])
+            if is_one or case == OPEN or (case == ALL and walls > 1):
+                shortest = min(shortest, _look_at(run, share * speed, case))
+    numbers = run.method.numbers[0]
+    if survey.counted[0] > 0 and is_stable(numbers):
+        r.overdamping = _OVERDAMPING
+        r.h_in_contact = rounded_down(shortest, _DIGITS) if shortest < math.inf else math.inf
 
-    def growth(root: complex) -> tuple[float, float]:
+
+@compiled
+def _look_at(run, speed, case):
+    """Take up what grows at one speed in one case; the longest step that resolves it if a contact
+    is closed [s]."""
+    structure, survey = run.structure, run.survey
+    scale = structure.numbers[0].lowest_omega
+    take_machine(run, speed, case)
+    eigenvalues(survey.A, survey.re, survey.im)
+    shortest = math.inf
+    is_whole = False
+    for i in range(len(survey.re)):
+        root = complex(survey.re[i], survey.im[i])
+        if not (root.imag > _SLOW and root.real > _GROWING * modulus(root)):
+            continue
+        if not is_whole:
+            take_machine(run, speed, case)
+            is_whole = True
+        take_vector(survey, root)
+        is_backward = _turns_back(structure, survey, case) == (speed >= 0.0)
+        root = root * scale
+        if case != OPEN:
+            shortest = min(shortest, resolving_step(run.method.numbers[0], root, RESOLVED))
+        _keep(survey, root, is_backward, case, speed)
+    return shortest
+
+
+@compiled
+def _turns_back(structure, survey, case):
+    """Whether the motion of `vector` turns from y to x: at the closed contacts, or as a whole."""
+    half = len(survey.K)
+    forward = backward = 0.0
+    rows = half if case == OPEN else len(structure.interfaces)
+    for row in range(rows):
+        if case == OPEN:
+            x, y = survey.vector[row], survey.vector[half + row]
+        elif is_closed(structure.interfaces, row, case):
+            x = y = 0.0j
+            for i in range(half):
+                x += survey.pick[row, i] * survey.vector[i]
+                y += survey.pick[row, i] * survey.vector[half + i]
+        else:
+            continue
+        along, against = x + 1j * y, x - 1j * y
+        forward += along.real * along.real + along.imag * along.imag
+        backward += against.real * against.real + against.imag * against.imag
+    return backward > forward
+
+
+@compiled
+def _keep(survey, root, is_backward, case, speed):
+    """Put a whirl among those found, the fastest first."""
+    found = survey.found
+    at = survey.counted[0]
+    while at > 0 and found[at - 1, 0] < root.real:
+        at -= 1
+    if at == MOST_WHIRLS:
+        return
+    survey.counted[0] = min(survey.counted[0] + 1, MOST_WHIRLS)
+    for row in range(survey.counted[0] - 1, at, -1):
+        for k in range(5):
+            found[row, k] = found[row - 1, k]
+    found[at, 0], found[at, 1] = root.real, root.imag
+    found[at, 2] = 1.0 if is_backward else 0.0
+    found[at, 3], found[at, 4] = case, speed
+
+
+@called
+def look_for_growth_at_rest(run):
+    """Fill in the root of the growth with the least damping ratio where nothing turns and all
+    contacts are open, its imaginary part >= 0; NaN where nothing grows."""
+    survey = run.survey
+    take_matrices(run)
+    take_tangents(run, 0.0)
+    take_machine(run, 0.0, OPEN)
+    eigenvalues(survey.A, survey.re, survey.im)
+    best, most = complex(math.nan, math.nan), 0.0
+    for i in range(len(survey.re)):
+        root = complex(survey.re[i], survey.im[i])
+        size = modulus(root)
+        if not (root.imag >= 0.0 and size > _SLOW and root.real > _GROWING * size):
+            continue
+        ratio = root.real / size
         # of those that do not oscillate, which differ in rounding alone, the fastest
-        return round(root.real / abs(root), 9), root.real
-
-    return complex(max(roots[grows], key=growth)) if grows.any() else None
-
-
-class _Machine:
-    """x' = A x in real coordinates, x = (q, v / scale), q the x of all dofs and housings, then
-    their y; matrices are multiplied by M^-1 from the left."""
-
-    def __init__(self, structure: Structure, tangents: Tangents) -> None:
-        n, housings = len(structure.weight), structure.housings
-        self._half = half = n + len(housings)
-        numbers = structure.numbers[0]
-        self._scale = numbers.lowest_omega
-        self._numbers = numbers
-        mass = np.zeros((half, half))
-        mass[:n, :n] = to_dense(structure.M)
-        mass[range(n, half), range(n, half)] = housings.mass
-        inverse = np.linalg.inv(mass)
-
-        def plane(band: np.ndarray, own: np.ndarray | float = 0.0) -> np.ndarray:
-            matrix = np.zeros((half, half))
-            matrix[:n, :n] = to_dense(band)
-            matrix[range(n, half), range(n, half)] = own
-            return inverse @ matrix
-
-        turned = np.array([[0.0, 1.0], [-1.0, 0.0]])  # -i z in (x, y)
-        self._C = _planes(plane(structure.C, housings.cx), plane(structure.C, housings.cy))
-        self._K = _planes(plane(structure.K, housings.kx), plane(structure.K, housings.ky))
-        self._G = np.kron(turned, plane(structure.G))
-        self._circulation = np.kron(turned, plane(structure.K_shaft))
-        pick = np.zeros((len(structure.interfaces), half + 1))  # ground is last
-        rows = np.arange(len(pick))
-        pick[rows, structure.interfaces.dof] = 1.0
-        pick[rows, structure.interfaces.end] = -1.0
-        self._pick = pick[:, :-1]
-        self._push = inverse @ self._pick.T
-        self._by_d = _matrices(tangents.p_d, tangents.q_d)
-        self._by_v = _matrices(tangents.p_v, tangents.q_v)
-        self._always = np.flatnonzero(structure.interfaces.has_wall == 0).tolist()
-
-    def roots(self, speed: float, closed: tuple[int, ...]) -> np.ndarray:
-        """All eigenvalues at one speed [rad/s] with these walls touched [1/s]."""
-        return self._scale * np.linalg.eigvals(self._matrix(speed, closed))
-
-    def growing(self, speed: float, closed: tuple[int, ...]) -> list[Whirl]:
-        """The growing whirls at one speed [rad/s] with these walls touched."""
-        A = self._matrix(speed, closed)
-        scale = self._scale
-        roots = scale * np.linalg.eigvals(A)
-        if not self._which(roots).any():
-            return []
-        values, vectors = np.linalg.eig(A)
-        roots = scale * values
-        return [
-            Whirl(complex(roots[i]), self._is_backward(vectors[:, i], closed, speed), closed, speed)
-            for i in np.flatnonzero(self._which(roots))
-        ]
-
-    def _which(self, roots: np.ndarray) -> np.ndarray:
-        is_whirl = roots.imag > _SLOW * self._scale
-        return is_whirl & (roots.real > _GROWING * np.abs(roots))
-
-    def _matrix(self, speed: float, closed: tuple[int, ...]) -> np.ndarray:
-        kappa = self._numbers.kappa_v * speed + self._numbers.kappa_h * np.sign(speed)
-        K = self._K + kappa * self._circulation
-        C = self._C + speed * self._G
-        for j in (*self._always, *closed):
-            at = np.outer(self._push[:, j], self._pick[j])
-            K = K - np.kron(self._by_d[j], at)
-            C = C - np.kron(self._by_v[j], at)
-        size = len(K)
-        A = np.zeros((2 * size, 2 * size))
-        A[range(size), range(size, 2 * size)] = 1.0
-        A[size:, :size] = -K / self._scale**2
-        A[size:, size:] = -C / self._scale
-        return A
-
-    def _is_backward(self, vector: np.ndarray, closed: tuple[int, ...], speed: float) -> bool:
-        x, y = vector[: self._half], vector[self._half : 2 * self._half]
-        if closed:
-            pick = self._pick[list(closed)]
-            x, y = pick @ x, pick @ y
-        forward, backward = (np.sum(np.abs(x + sign * 1j * y) ** 2) for sign in (1, -1))
-        return bool((backward > forward) == (speed >= 0))
-
-
-def _planes(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    none = np.zeros_like(x)
-    return np.block([[x, none], [none, y]])
-
-
-def _matrices(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """p z + q conj(z) as matrices of (x, y), shape (m, 2, 2)."""
-    return np.moveaxis(np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]]), 2, 0)
+        is_faster = abs(ratio - most) <= _ALIKE and root.real > best.real
+        if ratio > most + _ALIKE or is_faster:
+            best, most = root, ratio
+    survey.rest[0] = best * run.structure.numbers[0].lowest_omega

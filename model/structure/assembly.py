@@ -232,6 +232,17 @@ def machine_elements(rotor: Rotor) -> list[Element]:
     return [e for where, part in rotor.named_parts() for e in part.elements(where, density)]
 
 
+def interface_names(rotor: Rotor) -> list[str]:
+    """The parts that the interfaces belong to, in the interfaces' order."""
+    density = rotor.material.density
+    return [
+        where
+        for where, part in rotor.named_parts()
+        for element in part.elements(where, density)
+        if isinstance(element, Interface)
+    ]
+
+
 def _of(kind: type, elements: list[Element]) -> list[tuple[int, Any]]:
     """The elements of a kind, with their places among all."""
     return [(i, element) for i, element in enumerate(elements) if isinstance(element, kind)]

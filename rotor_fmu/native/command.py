@@ -28,6 +28,14 @@ Native = Annotated[
     bool, typer.Option("--native", help="The FMU that needs no Python, RotorBearingNative.fmu.")
 ]
 Fmi = Annotated[int, typer.Option("--fmi", help="With --native: the version of FMI, 2 or 3.")]
+Reduction = Annotated[
+    int,
+    typer.Option(
+        "--reduction",
+        min=0,
+        help="With --native: solver.reduction of the FMU, which a host cannot change.",
+    ),
+]
 
 
 @tells
@@ -37,17 +45,18 @@ def build(
     is_native: Native = False,
     fmi: Fmi = 2,
     platforms: Platforms = None,
+    reduction: Reduction = 0,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
     toml, machine = load_rotor(rotor)
-    if not is_native and (fmi != 2 or platforms):
-        raise InputError("--fmi and --platform: only with --native")
+    if not is_native and (fmi != 2 or platforms or reduction):
+        raise InputError("--fmi, --platform and --reduction: only with --native")
     folder, found = writable_folder(out), doubts(machine)
     for doubt in found:
         typer.echo(f"warning: {doubt}", err=True)
     if is_native:
-        fmu = build_without_python(toml, is_free, fmi, platforms, folder)
+        fmu = build_without_python(toml, is_free, fmi, platforms, folder, reduction)
     else:
         fmu = pack(folder, toml, is_free)
     typer.echo(fmu)
@@ -67,7 +76,12 @@ def core(platforms: Platforms = None) -> dict[str, Any]:
 
 
 def build_without_python(
-    toml: str, is_free: bool, fmi: int, platforms: list[str] | None, out: Path
+    toml: str,
+    is_free: bool,
+    fmi: int,
+    platforms: list[str] | None,
+    out: Path,
+    reduction: int = 0,
 ) -> Path:
     """`build_native`, with one line a library that has to be made first."""
     if fmi not in (2, 3):
@@ -75,7 +89,7 @@ def build_without_python(
     names = _known(platforms)
     for name in names:
         _made(name)
-    return build_native(out, toml, is_free, fmi, names)
+    return build_native(out, toml, is_free, fmi, names, reduction)
 
 
 def _known(platforms: list[str] | None) -> list[str]:

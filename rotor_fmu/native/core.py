@@ -35,7 +35,8 @@ class CoreError(RuntimeError):
 @dataclass(frozen=True)
 class Platform:
     """A platform: its folder among an FMU's binaries, of FMI 2.0 and of FMI 3.0; what LLVM and what
-    zig call it; the processor that every machine of the kind has; how its libraries end."""
+    zig call it; the processor that every machine of the kind has; how its libraries end; what else
+    LLVM may use of the processor."""
 
     fmi2: str
     fmi3: str
@@ -43,6 +44,7 @@ class Platform:
     processor: str
     zig: str
     suffix: str
+    features: str = ""
 
     @property
     def name(self) -> str:
@@ -138,7 +140,7 @@ def library(platform: Platform, say: Callable[[], object] = lambda: None) -> Pat
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
         work = Path(name)
         made = work / f"core{platform.suffix}"
-        _link(platform, _objects(platform, kernels(), work), made)
+        link(platform, objects(platform, kernels(), work), made)
         return _put(folder, platform, made.read_bytes())
 
 
@@ -208,7 +210,7 @@ def _forget_old(versions: Path) -> None:
         shutil.rmtree(old, ignore_errors=True)
 
 
-def _objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
+def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
     """The kernels for a platform as object files."""
     import llvmlite.binding as llvm
 
@@ -216,7 +218,7 @@ def _objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(platform.triple)
     machine = target.create_target_machine(
-        cpu=platform.processor, features="", opt=3, reloc="pic", codemodel="default"
+        cpu=platform.processor, features=platform.features, opt=3, reloc="pic", codemodel="default"
     )
     made = []
     for file in sorted(folder.glob("*.ll")):
@@ -232,12 +234,13 @@ def _objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
     return made
 
 
-def _link(platform: Platform, objects: list[Path], target: Path) -> None:
+def link(platform: Platform, parts: list[Path], target: Path) -> None:
+    """Link object files with the C skin. Raises `CoreError`."""
     command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig, *_FLAGS]
     command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
     if platform.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{target.name}")
-    command += [str(file) for file in (*sorted(SKIN.glob("*.c")), *objects)]
+    command += [str(file) for file in (*sorted(SKIN.glob("*.c")), *parts)]
     if platform.suffix == ".so":
         command.append("-lm")  # of it, what is exact on every system: sqrt, ceil
     _run(command, f"the library for {platform.name}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from xml.etree.ElementTree import indent, tostring
 
@@ -13,7 +14,7 @@ from ..packing.bundle import write_archive
 from ..packing.documents import documents
 from .core import PLATFORMS, Platform, core_digest, library
 from .describe import TIME, description
-from .table import FILE, Face, table_bytes
+from .table import FILE, REDUCTION_NAME, Face, table_bytes
 from .universal import universal
 
 NAME, FREE_NAME = "RotorBearingNative", "RotorBearingFreeNative"
@@ -28,18 +29,22 @@ def build_native(
     is_free: bool = False,
     fmi: int = 2,
     platforms: Sequence[str] = tuple(PLATFORMS),
+    reduction: int = 0,
 ) -> Path:
     """Build `RotorBearingNative.fmu`, or `RotorBearingFreeNative.fmu` where a torque is to drive
     the rotor, in the folder `out` and return its path.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
-    standard; platforms: of `core.PLATFORMS`. Raises `QuantityError` for an impossible rotor,
-    `CoreError` where a library is missing and cannot be made, and `OSError` if `out` cannot be
-    written.
+    standard; platforms: of `core.PLATFORMS`; reduction: component modes kept of the shaft, 0 for
+    all of it. Raises `QuantityError` for an impossible rotor, `CoreError` where a library is
+    missing and cannot be made, and `OSError` if `out` cannot be written.
     """
     toml = rig_toml() if rotor_toml is None else rotor_toml
     rotor = parse_rotor(toml)
-    table = interface(rotor, is_free)
+    table = tuple(
+        replace(variable, start=reduction) if variable.name == REDUCTION_NAME else variable
+        for variable in interface(rotor, is_free)
+    )
     name = FREE_NAME if is_free else NAME
     known = table if fmi == 2 else (*table, TIME)
     identifier = guid(table, f"native {fmi} {core_digest()} {toml}")

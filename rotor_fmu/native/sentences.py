@@ -1,15 +1,20 @@
 """What the kernels have to say: a code is the place of a sentence in `SENTENCES`.
 
-`{.4g}` and the like stand for the numbers that the kernel tells, in turn; `{d}` for an integer.
+`{.4g}` and the like stand for the numbers that the kernel tells, in turn; `{d}` for an integer;
+`{?this|that}` for the text that a number chooses, from 0; `{where}` for what the machine's table
+has in its place.
 """
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from typing import Any
 
 from ..model.doubts import DOUBTS, STALLED
 from ..model.settings import INDICATORS, METHODS, MODES, NORMS, Settings, without_effect
 from ..model.simulation import SMALLER_STEP
+from ..model.stability import sentences as whirls
 
 GOOD = 0
 # The parameters of the methods, and the settings that must be positive, in the order of the checks.
@@ -55,6 +60,36 @@ _IDLE = tuple(
 )
 IDLE_ROW = len(_IDLE) // len(_CONTEXTS)
 
+
+def _native(template: str, **texts: str) -> str:
+    """A template of the model with its places for numbers as they are here."""
+    for name, text in texts.items():
+        template = template.replace(f"{{{name}}}", text)
+    return re.sub(r"\{\w+:([^{}]*)\}", r"{\1}", template)
+
+
+def _choice(texts: Sequence[str]) -> str:
+    return f"{{?{'|'.join(texts)}}}"
+
+
+def _either(one: str, other: str, inside: str) -> str:
+    """Of two templates about one number that which a flag names, told before and behind it."""
+    parts = zip(one.split(inside), other.split(inside), strict=True)
+    return inside.join(_choice(pair) for pair in parts)
+
+
+def closed_at(contacts: Sequence[str], walls: Sequence[int]) -> str:
+    """What stands for `{where}`: all contacts open, all that are walls closed, each alone."""
+    together = whirls.AND.join(contacts[j] for j in walls)
+    alone = [f"{name}{whirls.SLIPPING}" for name in contacts]
+    return _choice((whirls.OPEN, f"{together}{whirls.SLIPPING}", *alone))
+
+
+_WAY = _choice(whirls.WAYS)
+_HIDES = _native(whirls.HIDES, way=_WAY, does=_either(*whirls.DOES, "{seen:.3g}"))
+_AT_REST = tuple(_native(whirls.AT_REST, how=how) for how in (whirls.OSCILLATES, whirls.MOVES_AWAY))
+_APART = _native(whirls.APART, way=_WAY, seen=_WAY)
+
 SENTENCES = (
     "",
     *(
@@ -88,7 +123,10 @@ SENTENCES = (
     f"{_DIVERGED}{SMALLER_STEP}",
     f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take alpha_m <= alpha_f <= "
     "0.5",
+    f"{_WHERE}{_APART}",
     f"{_WHERE}{STALLED}",
+    *_AT_REST,
+    _HIDES,
     *(doubt.words.replace("{:.4g}", "{.4g}") for doubt in DOUBTS),
 )
 
@@ -119,7 +157,11 @@ def _codes(*counts: int) -> tuple[int, ...]:
     NOT_CONVERGED,
     DIVERGED,
     DIVERGED_UNSTABLE,
+    WHIRLED_APART,
     TOO_SLOW,
+    OSCILLATES_AT_REST,
+    MOVES_AT_REST,
+    HIDES,
     DOUBTFUL,
     _END,
 ) = _codes(
@@ -129,7 +171,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     *(1,) * 6,
     len(METHODS),
     len(_IDLE),
-    *(1,) * 7,
+    *(1,) * 11,
     len(DOUBTS),
 )
 assert len(SENTENCES) == _END

@@ -13,6 +13,7 @@ from ..model.kernels.compiled import compiled
 from ..model.march.control import ADAPTIVE, CONTROLLED, FIXED
 from ..model.schemes.family import Scheme
 from ..model.settings import INDICATORS, METHODS, MODES, NORMS, PRESETS, Settings
+from ..model.stability.resolution import is_stable
 from . import sentences as say
 
 CHOICES = {
@@ -152,15 +153,6 @@ def _fill(run, given, mode, scheme):
     numbers.error_constant = scheme.beta + shift - 1 / 6
     numbers.is_fitted = int(given[1 + _FITTED])
     run.memory.record[0].h = given[1 + _H]
-
-
-@compiled
-def is_stable(numbers):
-    """`family.is_unconditionally_stable` of a method's record."""
-    m, f = 1 - 2 * numbers.alpha_m, 1 - 2 * numbers.alpha_f
-    g, b = 2 * numbers.gamma - 1, 4 * numbers.beta - 2 * numbers.gamma
-    least = min(m, f * b, b + f * g, f + g, f + g - m, g * (b + f * f + f * g))
-    return least >= -_STABLE
 
 
 @compiled

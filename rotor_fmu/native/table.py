@@ -20,21 +20,23 @@ from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
 from ..model.quantities import ANY, NOT_NEGATIVE, POSITIVE, Quantity
-from ..model.structure.assembly import assemble
+from ..model.structure.assembly import assemble, interface_names
 from ..model.structure.places import places
-from .sentences import SENTENCES
+from ..model.structure.reduction import reduced
+from .sentences import SENTENCES, closed_at
 from .settle import CHOICES, SLOTS
 
 MAGIC, FILE = b"ROTORFMU", "machine.table"
 KINDS = ("Real", "Integer", "Boolean")
 (DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCTION, READ, INSTANT, TIME) = range(11)
+REDUCTION_NAME = "solver.reduction"
 _ROLES = {
     "speed": DRIVE,
     "tau_drive": DRIVE,
     "speed_rate": RATE,
     "speed_continuation": HOLD,
     "w_start": START_SPEED,
-    "solver.reduction": REDUCTION,
+    REDUCTION_NAME: REDUCTION,
     "solver.trapped_at": INSTANT,
     "solver.overdamped_at": INSTANT,
     "time": TIME,
@@ -54,7 +56,7 @@ _NEEDS = (
     ),
 )
 # As in skin/instance.h.
-_HEAD = struct.Struct("<8s16s40s 5q 5q 2q 4q 2q 6q")
+_HEAD = struct.Struct("<8s16s40s 5q 5q 2q 4q 4q 6q")
 _VARIABLE = struct.Struct("<3q 4q 6d")
 _ROW = struct.Struct("<3q")
 _SPAN = struct.Struct("<q2d")
@@ -87,11 +89,11 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
 
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
-    block = _block(face.rotor)
+    index = {variable.name: i for i, variable in enumerate(face.table)}
+    block = _block(face.rotor, int(face.table[index[REDUCTION_NAME]].start or 0))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
     record = where["memory.record"]
     texts = _Texts()
-    index = {variable.name: i for i, variable in enumerate(face.table)}
     observed_at = next(i for i, v in enumerate(face.table) if v.is_observed)
     variables = b"".join(_rows(face, texts, observed_at))
     writes = b"".join(_writes(face.rotor, index, where))
@@ -102,7 +104,9 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     ]
     beyond = tables_of(face.rotor)
     warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
-    sentences = [_HEAD.size + texts.place(text) for text in (*SENTENCES, *warnings)]
+    where_closed = _closed_at(face.rotor, block)
+    own = [text.replace("{where}", where_closed) for text in SENTENCES]
+    sentences = [_HEAD.size + texts.place(text) for text in (*own, *warnings)]
     spans = b"".join(
         _SPAN.pack(code, table.low, table.high) for code, table in enumerate(beyond, len(SENTENCES))
     )
@@ -131,6 +135,7 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         *(record + _field(RECORD, "is_free")[1], record + _field(RECORD, "continues")[1]),
         *(where["memory.loads"], where["reading.observed"]),
         *(len(beyond), record + _field(RECORD, "omega")[1]),
+        *(record + _field(RECORD, name)[1] for name in ("surveyed_at", "surveyed_to")),
         *begins,
     )
     return head + body
@@ -147,8 +152,18 @@ def _padded(data: bytes) -> bytes:
     return data + bytes(-len(data) % 8)
 
 
-def _block(rotor: Rotor) -> np.ndarray:
-    return new_block(assemble(rotor), len(observed_names(rotor)))
+def _block(rotor: Rotor, modes: int) -> np.ndarray:
+    structure = assemble(rotor)
+    if modes:
+        structure = reduced(structure, modes)
+    return new_block(structure, len(observed_names(rotor)))
+
+
+def _closed_at(rotor: Rotor, block: np.ndarray) -> str:
+    """Which contacts are closed, in words."""
+    interfaces = LAYOUT.look(block).structure.interfaces
+    walls = np.flatnonzero((interfaces.has_wall == 1) & (interfaces.states == 0)).tolist()
+    return closed_at(interface_names(rotor), walls)
 
 
 def _offset(block: np.ndarray, i: int) -> int:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..model.kernels.compiled import plain
 from ..model.schemes.family import (
     MODERATE_DISSIPATION,
     Scheme,
     chung_hulbert,
     generalized_alpha,
 )
-from ..model.stability.resolution import COARSEST, resolving_step, seen_growth
-from ..model.stability.sentences import HIDDEN, RESOLVED
+from ..model.stability import resolution
+from ..model.stability.resolution import COARSEST
+from ..model.stability.whirls import HIDDEN, RESOLVED
 
 GROWTHS = (1e-4, 1e-3, 1e-2, 0.1)  # Re lambda over |lambda| [1]
 SCHEMES: tuple[tuple[str, Scheme], ...] = (
@@ -33,11 +35,13 @@ def root(growth: float) -> complex:
 
 def longest(scheme: Scheme, growth: float) -> Sequence[float]:
     """omega h [rad] up to which an integrator leaves the shares `SHARES` of a growth."""
+    resolving_step = plain(resolution.resolving_step)
     return [resolving_step(scheme, root(growth), share) for share in SHARES]
 
 
 def hidden_rows() -> list[list[str]]:
     """A row an integrator: omega h for each growth, and how it damps what is unresolved."""
+    seen_growth = plain(resolution.seen_growth)
     rows = []
     for name, scheme in SCHEMES:
         limits = [" / ".join(map(_limit, longest(scheme, growth))) for growth in GROWTHS]

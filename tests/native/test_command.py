@@ -28,7 +28,7 @@ def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is
     ("arguments", "sentence"),
     [
         (("build", "--native", "--fmi", 4), "--fmi 4: must be 2 or 3"),
-        (("build", "--fmi", 3), "--fmi and --platform: only with --native"),
+        (("build", "--fmi", 3), "--fmi, --platform and --reduction: only with --native"),
         (
             ("build", "--native", "--platform", "vax"),
             "--platform vax: must be one of linux64, win64",

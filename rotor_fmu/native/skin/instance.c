@@ -11,7 +11,7 @@
 #include "kernels.h"
 #include "table.h"
 
-enum { LONGEST = 704, TOLD = 8, MOST_SETTINGS = 64, ALIGNMENT = 64 };
+enum { LONGEST = 704, TOLD = 16, MOST_SETTINGS = 64, ALIGNMENT = 64 };
 /* What a master's time may be off by, in communication steps: its round-off, its idea of the end. */
 static const double SLACK = 1e-6, SLACK_AT_STOP = 1e-3;
 static const double RESOLVED = 100.0; /* spacings of the numbers near t that a step has to span */
@@ -81,14 +81,30 @@ static void add_number(char *out, double value, int digits)
     add(out, shown);
 }
 
-/* A sentence of the table with its numbers: {g}, {.4g}, and {d} for an integer. */
+/* Of texts between '?' or '|' and the next of these or '}' the one of this number, from 0. */
+static void add_choice(char *out, const char *texts, int number)
+{
+    char plain[2] = {0, 0};
+    for (; number > 0 && *texts != '}'; number--)
+        for (texts++; *texts != '|' && *texts != '}';)
+            texts++;
+    while (*texts != '}' && *++texts != '|' && *texts != '}') {
+        plain[0] = *texts;
+        add(out, plain);
+    }
+}
+
+/* A sentence of the table with its numbers: {g}, {.4g}, {d} for an integer, and {?one|other}. */
 static void spell(char *out, const char *pattern, const double *numbers)
 {
     out[0] = 0;
     for (const char *c = pattern; *c; c++) {
         const char *end = *c == '{' ? strchr(c, '}') : NULL;
         char plain[2] = {*c, 0};
-        if (end) {
+        if (end && c[1] == '?') {
+            add_choice(out, c + 1, (int)*numbers++);
+            c = end;
+        } else if (end) {
             add_number(out, *numbers++, c[1] == 'd' ? 17 : c[1] == '.' ? atoi(c + 2) : 6);
             c = end;
         } else {
@@ -114,14 +130,30 @@ static void warn(Instance *m, int code, const double *numbers)
     m->warned[code % WARNINGS] = 1;
 }
 
+static double in_block(const Instance *m, int64_t place)
+{
+    return *(const double *)(m->block + place);
+}
+
 static void warn_beyond_tables(Instance *m)
 {
     const Table *t = m->table;
     const Span *span = (const Span *)((const char *)t + t->first_span);
-    double speed = *(const double *)(m->block + t->omega_at);
+    double speed = in_block(m, t->omega_at);
     for (int64_t i = 0; i < t->spans; i++, span++)
         if (!(span->low <= speed && speed <= span->high))
             warn(m, (int)span->sentence, &speed);
+}
+
+/* Look for what grows up to the present speed, and warn of it. */
+static void survey(Instance *m, int is_start)
+{
+    double numbers[TOLD] = {0};
+    int code = rotor_survey(m->block, in_block(m, m->table->omega_at), is_start);
+    if (!code && is_start && (code = rotor_growth(m->block, numbers)) != 0)
+        warn(m, code, numbers);
+    if ((code = rotor_hidden(m->block, numbers)) != 0)
+        warn(m, code, numbers);
 }
 
 Status choose_categories(Instance *m, int is_on, size_t count, const char *const *names)
@@ -256,9 +288,8 @@ static Status check_machine(Instance *m)
         char shown[LONGEST] = "";
         if (v->role == REDUCTION && value != v->start)
             return refuse(m,
-                          "%s = %g: this FMU has %g; another one is to be built with that "
-                          "reduction",
-                          text(t, v->name), value, v->start);
+                          "%s = %g: this FMU has %g; build one with --reduction %g",
+                          text(t, v->name), value, v->start, value);
         if (v->role != MACHINE || value == v->start)
             continue;
         if (fabs(value) > HUGE_VALUE)
@@ -356,6 +387,7 @@ static Status build(Instance *m)
     if (code)
         return say(m, ERROR, sentence(t, code), numbers);
     warn_beyond_tables(m);
+    survey(m, 1);
     m->state->is_built = 1;
     return OK;
 }
@@ -431,6 +463,8 @@ Status march(Instance *m, double current, double size)
     take_loads(m);
     int code = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
                              s->has_slope ? s->slope : NAN);
+    if (code && code != BROKEN) /* for what it may have come to */
+        rotor_survey(m->block, in_block(m, t->surveyed_at), 0);
     if (code != BROKEN)
         code = rotor_outcome(m->block, code, numbers);
     s->has_slope = 0;
@@ -450,6 +484,8 @@ Status march(Instance *m, double current, double size)
     if (code < 0)
         warn(m, -code, numbers);
     warn_beyond_tables(m);
+    if (fabs(in_block(m, t->omega_at)) > in_block(m, t->surveyed_to))
+        survey(m, 0);
     s->now = current + size;
     return OK;
 }
@@ -528,15 +564,17 @@ static Status check_value(Instance *m, uint32_t reference, double value)
 {
     const Variable *v = variables(m->table) + reference;
     const char *name = name_of(m, reference);
+    int is_outside = v->kind == AN_INTEGER && !(v->low <= value && value <= v->high);
     char shown[LONGEST] = "";
-    add_number(shown, value, 17);
+    if (!isfinite(value) || is_outside)
+        add_number(shown, value, 17);
     if (!isfinite(value))
         return refuse(m, "%s = %s: must be a finite number", name, shown);
     if (v->role >= READ)
         return refuse(m, "%s: is computed and cannot be set", name);
     if (v->role > LOAD && m->state->phase == STEPPING)
         return refuse(m, "%s: a fixed parameter cannot be set after initialization", name);
-    if (v->kind == AN_INTEGER && !(v->low <= value && value <= v->high))
+    if (is_outside)
         return refuse(m, "%s = %s: must be an integer from %d to %d", name, shown, (int)v->low,
                       (int)v->high);
     return OK;
@@ -545,14 +583,15 @@ static Status check_value(Instance *m, uint32_t reference, double value)
 Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *references,
                   size_t count, const void *values, Item item)
 {
-    char call[40];
     if (check_references(m, 1, kind, name, references, count, values))
         return ERROR;
     if (!count)
         return OK;
-    snprintf(call, sizeof call, "set%s", name);
-    if (allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING))
-        return ERROR;
+    if (m->state->phase > STEPPING) {
+        char call[40];
+        snprintf(call, sizeof call, "set%s", name);
+        return allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING);
+    }
     for (size_t i = 0; i < count; i++)
         if (check_value(m, references[i], item(values, i)))
             return ERROR;

@@ -57,6 +57,7 @@ typedef struct {
     int64_t block, state_bytes;                       /* sizes of the block, and of the run in it */
     int64_t is_free_at, continues_at, loads_at, observed; /* places in the block */
     int64_t spans, omega_at; /* how many, and the place of the speed in the block */
+    int64_t surveyed_at, surveyed_to; /* places of speeds: see rotor_survey */
     int64_t first_variable, first_write, first_need, first_sentence, first_span, first_block;
     /* in the file */
 } Table;

@@ -10,9 +10,9 @@ EXPORT int rotor_advance(uint8_t *block, double t, double drive, double rate)
 {
     CALL(rotor_advance, block, t, drive, rate);
 }
-EXPORT int rotor_linearize(uint8_t *block, double by_d, double by_v)
+EXPORT int rotor_survey(uint8_t *block, double speed, int64_t is_start)
 {
-    CALL(rotor_linearize, block, by_d, by_v);
+    CALL(rotor_survey, block, speed, is_start);
 }
 EXPORT int rotor_look(uint8_t *block)
 {

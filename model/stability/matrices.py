@@ -1,0 +1,238 @@
+"""The machine as x' = A x, its contacts open, or closed and slipping."""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.band import add_product, solve
+from ..kernels.compiled import compiled
+from ..kernels.functions import inverse
+from ..step.laws import law_opening, law_tangent, relative
+
+# Which interfaces with a wall are closed: none, all, or the one of this number.
+OPEN, ALL = -1, -2
+# Where one is called closed and slipping: penetration over the radius of its wall, and a spin
+# [rad/s] that leaves nothing of the smoothing of friction.
+_DEPTH, _SLIPPING = 0.1, 1e9
+
+
+@compiled
+def is_wall(interface):
+    """Whether it may be closed and slip: a wall with a state of its own, a race that turns, is
+    taken along instead of slipping for long."""
+    return interface.has_wall == 1 and interface.states == 0
+
+
+@compiled
+def is_closed(interfaces, j, case):
+    """Whether interface j is closed in this case."""
+    return is_wall(interfaces[j]) and case in (ALL, j)
+
+
+@compiled
+def take_tangents(run, omega):
+    """Fill in the laws' tangents at this speed of rotation [rad/s]: at rest, but where there is a
+    wall a little behind it, at the right, its surfaces slipping in the sense of the rotation.
+
+    A journal that whirls along a wall is pushed as at the right all the way round, and does not
+    move against the wall's damping.
+    """
+    structure, survey, problem = run.structure, run.survey, run.problem
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        d = relative(interface, run.motion.q)
+        sliding = omega
+        has_wall = interface.has_wall == 1
+        if has_wall:
+            d = complex(interface.length, 0.0)
+            d += law_opening(structure.laws, interface, d) + _DEPTH * interface.length
+            sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
+        for by_d in (1.0, 0.0):
+            _force, p, q = law_tangent(
+                structure.laws,
+                interface,
+                d,
+                0.0j,
+                omega,
+                sliding,
+                by_d,
+                1.0 - by_d,
+                0.0,
+                run.motion.own[interface.own :],
+                problem.own[interface.own :],
+            )
+            if by_d == 1.0:
+                survey.p_d[j] = p + q if has_wall else p
+                survey.q_d[j] = 0.0 if has_wall else q
+            else:
+                survey.p_v[j] = 0.0 if has_wall else p
+                survey.q_v[j] = 0.0 if has_wall else q
+
+
+@compiled
+def _take_matrix(band, survey, into):
+    """A band matrix in the coarse dofs, times M^-1 from the left."""
+    coarse = len(survey.column)
+    is_whole = survey.basis.shape[1] == 0
+    for k in range(coarse):
+        for i in range(len(survey.along)):
+            survey.product[i] = 0.0
+            if is_whole:
+                survey.along[i] = 1.0 if i == k else 0.0
+            else:
+                survey.along[i] = survey.basis[i, k]
+        add_product(band, survey.along, survey.product)
+        _to_coarse(survey)
+        for i in range(coarse):
+            into[i, k] = survey.column[i]
+
+
+@compiled
+def _to_coarse(survey):
+    """column = M^-1 basis^T product."""
+    for i in range(len(survey.column)):
+        if survey.basis.shape[1] == 0:
+            survey.column[i] = survey.product[i]
+        else:
+            survey.column[i] = 0.0
+            for k in range(len(survey.product)):
+                survey.column[i] += survey.basis[k, i] * survey.product[k]
+    solve(survey.mass, survey.column)
+
+
+@compiled
+def take_matrices(run):
+    """Fill in what does not depend on the speed."""
+    structure, survey = run.structure, run.survey
+    _take_matrix(structure.K, survey, survey.K)
+    _take_matrix(structure.C, survey, survey.C)
+    _take_matrix(structure.G, survey, survey.G)
+    _take_matrix(structure.K_shaft, survey, survey.K_shaft)
+    n, coarse = len(structure.weight), len(survey.column)
+    for j in range(len(structure.interfaces)):
+        dof, housing = structure.interfaces[j].dof, structure.interfaces[j].end - n
+        for i in range(n):
+            survey.product[i] = 1.0 if i == dof else 0.0
+        _to_coarse(survey)
+        for i in range(coarse):
+            whole = 1.0 if i == dof else 0.0
+            survey.pick[j, i] = whole if survey.basis.shape[1] == 0 else survey.basis[dof, i]
+            survey.push[j, i] = survey.column[i]
+        for h in range(len(structure.housings)):
+            is_its = h == housing
+            survey.pick[j, coarse + h] = -1.0 if is_its else 0.0
+            survey.push[j, coarse + h] = -1.0 / structure.housings[h].mass if is_its else 0.0
+
+
+@compiled
+def take_machine(run, speed, case):
+    """A at one speed [rad/s] in one case, of x = (q, v / scale), q the x of all dofs and housings,
+    then their y; scale: the machine's lowest frequency [rad/s]."""
+    structure, survey = run.structure, run.survey
+    numbers = structure.numbers[0]
+    scale = numbers.lowest_omega
+    sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
+    kappa = numbers.kappa_v * speed + numbers.kappa_h * sign
+    half, coarse = len(survey.K), len(survey.column)
+    size = 2 * half
+    A = survey.A
+    A[:, :] = 0.0
+    for i in range(size):
+        A[i, size + i] = 1.0
+    for i in range(half):
+        for k in range(half):
+            for plane in (0, half):
+                A[size + plane + i, plane + k] = -survey.K[i, k]
+                A[size + plane + i, size + plane + k] = -survey.C[i, k]
+            # -i z is (y, -x)
+            A[size + i, half + k] = -kappa * survey.K_shaft[i, k]
+            A[size + half + i, k] = kappa * survey.K_shaft[i, k]
+            A[size + i, size + half + k] = -speed * survey.G[i, k]
+            A[size + half + i, size + k] = speed * survey.G[i, k]
+    for h in range(len(structure.housings)):
+        housing, i = structure.housings[h], coarse + h
+        A[size + i, i] -= housing.kx / housing.mass
+        A[size + half + i, half + i] -= housing.ky / housing.mass
+        A[size + i, size + i] -= housing.cx / housing.mass
+        A[size + half + i, size + half + i] -= housing.cy / housing.mass
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 0 or is_closed(structure.interfaces, j, case):
+            _add_force(survey, j, 0, survey.p_d[j], survey.q_d[j])
+            _add_force(survey, j, size, survey.p_v[j], survey.q_v[j])
+    for i in range(size, 2 * size):
+        for k in range(size):
+            A[i, k] /= scale * scale
+            A[i, size + k] /= scale
+
+
+@compiled
+def _add_force(survey, j, first, p, q):
+    """p z + q conj(z) of interface j as a matrix of (x, y), from column `first` on."""
+    half = len(survey.K)
+    size = 2 * half
+    xx, xy = (p + q).real, (q - p).imag
+    yx, yy = (p + q).imag, (p - q).real
+    for i in range(half):
+        push = survey.push[j, i]
+        for k in range(half):
+            at = push * survey.pick[j, k]
+            survey.A[size + i, first + k] += xx * at
+            survey.A[size + i, first + half + k] += xy * at
+            survey.A[size + half + i, first + k] += yx * at
+            survey.A[size + half + i, first + half + k] += yy * at
+
+
+@compiled
+def take_vector(survey, root):
+    """Displacements of the motion that belongs to a root of A, by inverse iteration."""
+    size = len(survey.vector)
+    for i in range(size):
+        survey.vector[i] = complex(1.0, 1.0 / (1.0 + i))
+    for _ in range(2):
+        for i in range(size):
+            for k in range(size):
+                survey.D[i, k] = -root * survey.A[size + i, size + k] - survey.A[size + i, k]
+            survey.D[i, i] += root * root
+        _solve_complex(survey.D, survey.vector)
+        largest = 0.0
+        for i in range(size):
+            largest = max(largest, abs(survey.vector[i].real), abs(survey.vector[i].imag))
+        for i in range(size):
+            survey.vector[i] = survey.vector[i] * (1.0 / largest)
+
+
+@compiled
+def _square(z):
+    return z.real * z.real + z.imag * z.imag
+
+
+@compiled
+def _solve_complex(a, x):
+    """Overwrite x by a^-1 x by elimination with pivots, one that vanishes taken as rounding."""
+    m = len(x)
+    size = 0.0
+    for i in range(m):
+        for k in range(m):
+            size = max(size, _square(a[i, k]))
+    least = 1e-17 * math.sqrt(size)
+    for k in range(m):
+        pivot = k
+        for i in range(k + 1, m):
+            if _square(a[i, k]) > _square(a[pivot, k]):
+                pivot = i
+        if pivot != k:
+            for j in range(k, m):
+                a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
+            x[k], x[pivot] = x[pivot], x[k]
+        if _square(a[k, k]) < least * least:
+            a[k, k] = complex(least, 0.0)
+        over = inverse(a[k, k])
+        for i in range(k + 1, m):
+            ratio = a[i, k] * over
+            for j in range(k + 1, m):
+                a[i, j] -= ratio * a[k, j]
+            x[i] -= ratio * x[k]
+    for i in range(m - 1, -1, -1):
+        for j in range(i + 1, m):
+            x[i] -= a[i, j] * x[j]
+        x[i] *= inverse(a[i, i])

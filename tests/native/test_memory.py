@@ -1,0 +1,103 @@
+"""Valgrind and the compiler's sanitizers find nothing over the grid of failures, and random calls
+of the whole C interface leave the host alive."""
+
+import shutil
+import subprocess
+
+import fmpy
+import pytest
+
+from rotor_fmu.native.core import PLATFORMS, SKIN, core_digest, kernels, objects
+
+from ..fmu.masters import COMPILER, HERE, Master
+from ..fmu.test_failures import FAILURES, commands, sequences
+from ..fmu.test_fuzz import survive
+
+SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+CALLS = [
+    *("GetReal", "GetInteger", "GetBoolean", "GetString"),
+    *("SetReal", "SetInteger", "SetBoolean", "SetString"),
+    *("early GetString", "early SetString", "early GetReal", "NULL state"),
+]
+
+
+def failures(longest):
+    """Every failure, and what is called after it."""
+    return [
+        call
+        for failure in FAILURES.values()
+        for sequence in sequences(longest)
+        for call in commands(failure, sequence)
+    ]
+
+
+def run(program, master, calls):
+    """Answered, all of them; what was printed."""
+    done = subprocess.run(
+        [*program, *master.program()],
+        input=master.script(calls),
+        capture_output=True,
+        text=True,
+        check=False,
+        env={},
+    )
+    answers = [line for line in done.stdout.splitlines() if not line.startswith("log ")]
+    assert len(answers) == len(calls), done.stderr[-3000:]
+    assert done.returncode == 1, done.stderr[-3000:]  # since calls failed, as they must
+    return done.stderr
+
+
+@pytest.mark.slow
+def test_valgrind_finds_neither_a_wrong_access_nor_a_leak(c_host):
+    valgrind = shutil.which("valgrind")
+    if valgrind is None:
+        pytest.skip("valgrind is not installed")
+    printed = run((valgrind, "-q", "--leak-check=full"), c_host, failures(1))
+    assert "==" not in printed, printed[-3000:]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+def test_the_sanitizers_find_neither_a_wrong_access_nor_undefined_behaviour(fmu, tmp_path):
+    """The skin compiled with them by the system's compiler, and the kernels as they are."""
+    master = Master(fmu, tmp_path / "host", is_alone=True)
+    target = master.folder / "binaries" / "linux64" / "RotorBearingNative.so"
+    parts = objects(PLATFORMS["linux64"], kernels(), tmp_path)
+    name = f'-DCORE="{core_digest()}"'
+    skin = ("-std=c2x", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", name)
+    for options, files in (
+        ((*skin, "-o", target), (*SKIN.glob("*.c"), *parts)),
+        (("-std=c99", "-o", tmp_path / "host"), (HERE / "host.c",)),
+    ):
+        subprocess.run([COMPILER, *SANITIZED, *options, *files, "-lm", "-ldl"], check=True)
+    printed = run((), master, failures(2))
+    assert "Sanitizer" not in printed, printed[-3000:]
+    assert "runtime error" not in printed, printed[-3000:]
+    master.close()
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_a_wrong_call_made_300_times_leaves_the_host_alive(fmu, call):
+    survive(fmu, call, seconds=300)
+
+
+def test_some_hundred_random_calls_end_in_errors_that_are_not_fatal(fmu):
+    statuses = survive(fmu, 1, 2000, seconds=600)
+    assert "0: " in statuses
+    assert "3: " in statuses
+    assert "4: " not in statuses
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 6))
+def test_twenty_thousand_random_calls_leave_the_host_alive(fmu, seed):
+    survive(fmu, seed, 5000, seconds=3000)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_that_is_taken_apart_tells_what_it_misses(make, tmp_path, capfd, fmi):
+    folder = fmpy.extract(str(make(fmi=fmi)), str(tmp_path))
+    (tmp_path / "resources" / "machine.table").unlink()
+    with pytest.raises(Exception, match=r"[Ii]nstantiate"):
+        fmpy.instantiate_fmu(folder, fmpy.read_model_description(folder), "CoSimulation")
+    assert "machine.table: cannot be read" in capfd.readouterr().err
