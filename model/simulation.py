@@ -276,7 +276,7 @@ class Simulation:
         numbers.overdamping = _OVERDAMPING
         if settings.mode == "controlled":
             in_contact = [whirl for whirl in self._whirls if whirl.closed]
-            numbers.h_in_contact = longest_step(self._scheme, in_contact)
+            numbers.h_in_contact = longest_step(self._scheme, in_contact, settings.tolerance)
             return
         h = settings.h if settings.mode == "fixed" else settings.h_max
         hidden = hidden_whirls(self._scheme, h, self._whirls, self._contacts)

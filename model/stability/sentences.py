@@ -16,9 +16,11 @@ HIDDEN, RESOLVED = 0.5, 0.9
 _ROUNDING = 1e-9
 
 
-def longest_step(method: Method, whirls: Sequence[Whirl]) -> float:
-    """Longest step that leaves every growth its share `RESOLVED` [s]; infinite without whirls."""
-    steps = (resolving_step(method, whirl.root, RESOLVED) for whirl in whirls)
+def longest_step(method: Method, whirls: Sequence[Whirl], tolerance: float = 1.0) -> float:
+    """Longest step that leaves every growth its share `RESOLVED` [s], and more of it where the
+    tolerance is small [1]; infinite without whirls."""
+    share = max(RESOLVED, 1.0 - math.sqrt(tolerance))
+    steps = (resolving_step(method, whirl.root, share) for whirl in whirls)
     return min(steps, default=math.inf)
 
 
