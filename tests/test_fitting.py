@@ -99,20 +99,49 @@ def test_a_rotor_that_turns_falls_as_any_other_body():
     ids=["a slow whirl", "a slow swing", "a whirl backward", "a shake, at most the rotation"],
 )
 def test_the_pace_of_a_motion_is_its_angular_frequency(motion, expected):
+    assert pace_of(motion, turning(slowest=10.0), 400.0) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize("omega", [0.0, 40.0])
+def test_a_rotor_that_swings_freely_below_its_lowest_frequency_has_the_pace_of_that(omega):
+    found = pace_of(lambda t: np.cos(290 * t), turning(slowest=290.0), omega)
+    assert found == pytest.approx(290.0, rel=0.01)
+
+
+def turning(slowest):
+    """What a pace asks of a machine: one mass, and the pace of its slowest motion [rad/s]."""
+    return SimpleNamespace(
+        mass_share=np.ones(1), numbers=np.rec.array([(slowest,)], dtype=[("slowest", float)])
+    )
+
+
+def pace_of(motion, machine, omega):
     def at(t, d=1e-5):
         v = (motion(t + d) - motion(t - d)) / (2 * d)
         a = (motion(t + d) - 2 * motion(t) + motion(t - d)) / d**2
         return SimpleNamespace(v=np.array([complex(v)]), a=np.array([complex(a)]))
 
-    machine = SimpleNamespace(mass_share=np.ones(1))
     h, square = 2e-4, 0.0
     for i in range(1000):
-        square = plain(fitting.pace_after)(machine, 400.0, h, at(i * h), at((i + 1) * h), square)
-    assert math.sqrt(square) == pytest.approx(expected, rel=0.01)
+        square = plain(fitting.pace_after)(machine, omega, h, at(i * h), at((i + 1) * h), square)
+    return math.sqrt(square)
+
+
+def test_a_pace_is_learnt_over_a_revolution_and_lost_within_a_radian():
+    machine, rest = turning(slowest=10.0), SimpleNamespace(v=np.zeros(1, complex), a=np.zeros(1))
+    fall = [SimpleNamespace(v=np.array([-9.81j * t]), a=np.array([-9.81j])) for t in (0.1, 0.101)]
+    shake = [SimpleNamespace(v=np.zeros(1), a=np.array([a + 0j])) for a in (9e2, 1.1e3)]
+    pace = plain(fitting.pace_after)
+    assert pace(machine, 100.0, 1e-3, *shake, 400.0) == pytest.approx(
+        400.0 + 0.1 / (2 * math.pi) * (100.0**2 - 400.0)
+    )
+    kept = 400.0 + 0.1 * (400.0 * 9.81**2 / (9.81**2 + 400.0 * (0.1005 * 9.81) ** 2) - 400.0)
+    assert pace(machine, 100.0, 1e-3, *fall, 400.0) == pytest.approx(kept)
+    assert pace(machine, 100.0, 1e-3, rest, rest, 400.0) == 400.0
 
 
 def test_the_pace_of_a_fall_is_none_and_of_rest_what_it_was():
-    machine = SimpleNamespace(mass_share=np.ones(1))
+    machine = turning(slowest=10.0)
     fall = [SimpleNamespace(v=np.array([-9.81j * t]), a=np.array([-9.81j])) for t in (0.1, 0.101)]
     assert plain(fitting.pace_after)(machine, 400.0, 1e-3, *fall, 0.0) == 0.0
     rest = SimpleNamespace(v=np.zeros(1, complex), a=np.zeros(1, complex))

@@ -32,8 +32,8 @@ def local_error(structure, control, pace, h, old, new):
     of this displacement and the clearance, per 2.5 radians of the slowest motion or of the pace,
     whichever is faster: with that the disc's orbit keeps to some times the tolerance.
 
-    At the turn of a swing along a line the accelerations do not change for a moment; there half
-    of what a whirl of this pace would have changed them by is taken.
+    At the turn of a swing along a line the accelerations do not change for a moment; there the
+    distance to what a whirl of this pace would have changed them to is taken.
     """
     share = structure.mass_share
     turned = direction(pace * h)
@@ -47,7 +47,7 @@ def local_error(structure, control, pace, h, old, new):
         apart += share[i] * (other.real * other.real + other.imag * other.imag)
         error += share[i] * (change.real * change.real + change.imag * change.imag)
         size += share[i] * (q.real * q.real + q.imag * q.imag)
-    error = max(error, 0.25 * apart)
+    error = max(error, apart)
     radians = h * max(structure.numbers[0].slowest, abs(pace))
     tolerated = (
         0.4 * radians * control.tolerance * (structure.numbers[0].clearance + math.sqrt(size))

@@ -32,7 +32,7 @@ from .memory import MOST_WHIRLS, Survey
 from .resolution import is_stable, resolving_step
 
 # Less than this share of a growth left by the integrator is called hidden; what a step that
-# resolves it must leave.
+# resolves it must leave, and more of it where a tolerance is small.
 HIDDEN, RESOLVED = 0.5, 0.9
 # Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
 # this factor is looked at anew.
@@ -124,6 +124,8 @@ def _look_at(run, speed, case):
     eigenvalues(survey.A, survey.re, survey.im)
     shortest = math.inf
     is_whole = False
+    method = run.method.numbers[0]
+    share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
     for i in range(len(survey.re)):
         root = complex(survey.re[i], survey.im[i])
         if not (root.imag > _SLOW and root.real > _GROWING * modulus(root)):
@@ -135,7 +137,7 @@ def _look_at(run, speed, case):
         is_backward = _turns_back(structure, survey, case) == (speed >= 0.0)
         root = root * scale
         if case != OPEN:
-            shortest = min(shortest, resolving_step(run.method.numbers[0], root, RESOLVED))
+            shortest = min(shortest, resolving_step(method, root, share))
         _keep(survey, root, is_backward, case, speed)
     return shortest
 

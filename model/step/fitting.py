@@ -8,7 +8,8 @@ stays, and so does what holds at rest.
 
 Of a slower motion the mass would be wrong by as much: a rotor that falls, fitted to its rotation,
 falls with the wrong acceleration. So the scheme is fitted to the motion's own pace (`pace_after`),
-which is that of the rotation where the rotor whirls with it.
+which is that of the rotation where the rotor whirls with it, and its lowest natural frequency's
+where it swings freely below.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from ..kernels.compiled import compiled
 from ..kernels.functions import direction, inverse
 
 SLOWEST = 1e-4  # Omega h [rad] below which the factors are 1 to rounding
-MEMORY = 2.0 * math.pi  # rotation over which a pace is forgotten [rad]
+# Radians of the fastest pace over which a faster one is learnt, and a slower one: after an impact
+# the rotor falls, and as long as the impact's pace is held its mass is wrong.
+FASTER, SLOWER = 2.0 * math.pi, 1.0
 
 
 class Fit(NamedTuple):
@@ -52,8 +55,9 @@ def fitted(scheme, w):
 
 @compiled
 def pace_after(structure, omega, h, old, new, before):
-    """Square of the angular frequency of the motion [rad2/s2], at most that of the rotation, after
-    a step of length h [s]; before: after the last step.
+    """Square of the angular frequency of the motion [rad2/s2], at most that of the rotation or of
+    the machine's slowest motion, whichever is faster, after a step of length h [s]; before: after
+    the last step.
 
     Of q ~ exp(i p t), and of a swing along a line as well, p^2 = (|jerk|^2 + p^2 |a|^2) over
     (|a|^2 + p^2 |v|^2), weighted with the masses; of a free fall p is 0.
@@ -67,9 +71,11 @@ def pace_after(structure, omega, h, old, new, before):
         square = a.real * a.real + a.imag * a.imag
         above += share[i] * (jerk.real * jerk.real + jerk.imag * jerk.imag + before * square)
         below += share[i] * (square + before * (v.real * v.real + v.imag * v.imag))
-    most = omega * omega
+    slowest = structure.numbers[0].slowest
+    most = max(omega * omega, slowest * slowest)
     if below == 0.0:
         return min(most, before)
     seen = min(most, above / below)
-    part = min(1.0, h * abs(omega) / MEMORY) if before > 0.0 else 1.0
+    radians = FASTER if seen > before else SLOWER
+    part = min(1.0, h * math.sqrt(most) / radians) if before > 0.0 else 1.0
     return min(most, before + part * (seen - before))

@@ -17,6 +17,7 @@ from ..model.false_state import one_axis
 from ..model.machine.toml import rig
 from ..model.schemes.family import chung_hulbert, wbz
 from ..model.structure.assembly import assemble
+from ..schemes import tolerances
 from . import false_state_figures, figures
 from .false_state_figures import free_growth, phase_limit
 from .findings import Findings, false_state_power, median, rebound_of, scheme_of, title_of
@@ -63,6 +64,8 @@ def page_text(findings: Findings) -> str:
         **_of_the_impacts(findings),
         "work_table": _work_table(findings),
         "hidden_table": _table(hidden_head(), hidden_rows()),
+        "tolerance_table": _table(tolerances.head(), tolerances.table(tolerances.rows())),
+        **tolerances.in_words(tolerances.rows()),
     }
     return Template(template).substitute(numbers)
 

@@ -51,16 +51,17 @@ def test_a_drop_in_small_steps_converges_to_the_reference_with_order_two(error):
 @pytest.mark.parametrize(
     ("tolerance", "most_orbit", "most_race", "most_ledger"),
     [
-        (1e-2, 0.015, 3e-3, 3e-4),
-        (1e-3, 9e-3, 5e-4, 5e-4),
-        (1e-4, 2e-3, 1e-4, 5e-5),
-        (1e-5, 4e-4, 1e-5, 1e-5),
+        (1e-2, 1e-1, 1e-2, 3e-4),
+        (1e-3, 1e-2, 1e-3, 1e-4),
+        (1e-4, 1e-3, 1e-4, 1e-4),
+        (1e-5, 1e-4, 1e-5, 1e-5),
     ],
 )
 def test_an_error_controlled_drop_converges_with_the_tolerance(
     error, tolerance, most_orbit, most_race, most_ledger
 ):
-    """Orbits within ten tolerances down to 1e-4, within twenty at 1e-5, and room for rounding."""
+    """Orbits within ten tolerances, races within one; the ledger within 1e-4 of what is lost from
+    1e-3 on."""
     orbit, race, ledger = error(choose(tolerance=tolerance))
     assert orbit < most_orbit
     assert race < most_race

@@ -1,0 +1,180 @@
+"""Machines with clearance contacts, touchdown bearings and bearings told by tables: their
+equations written anew for CVODE (SUNDIALS). They share the matrices of shaft and bodies with this
+project, and no law.
+
+Of a race of inertia J under friction T, its surface at the radius R + s:
+
+    J w' = (R + s) T - drag w / sqrt(w^2 + w_s^2) - damping w
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
+from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
+from rotor_fmu.model.structure.assembly import assemble
+from scipy.interpolate import PchipInterpolator
+from sksundae.cvode import CVODE
+
+from ..dense import dense_matrices
+
+COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
+OF_A_WALL = ("journal_radius", "clearance", "mu", "k", "c", "delta_c", "v_s")
+OF_A_RACE = ("race_inertia", "race_drag", "race_damping", "race_w_s")
+Wall = ClearanceContact | TouchdownBearing
+
+
+class Equations:
+    """y' = f(t, y) with y = (x and y of all dofs and housings, their velocities, the speeds
+    of the walls, all but races at rest) at the speed of rotation speed + rate t [rad/s]."""
+
+    def __init__(self, rotor: Rotor, speed: float, rate: float) -> None:
+        structure = assemble(rotor)
+        M, C, K, G, _ = dense_matrices(structure)
+        inverse = np.linalg.inv(M)
+        self.size = n = len(M) // 2
+        names = [part.name for part in rotor.parts if part.KIND == "housing"]
+        masses = [part.mass for part in rotor.parts if part.KIND == "housing"]
+        first = len(structure.weight)
+
+        def ends(parts: Sequence[Wall | LinearBearing]):
+            """Node and what it is held by, -1 for ground."""
+            held = [first + names.index(p.housing) if p.housing else -1 for p in parts]
+            nodes = [2 * (p.node - 1) for p in parts]
+            return np.array([nodes, held], int).T
+
+        walls = [part for part in rotor.parts if isinstance(part, Wall)]
+        bearings = [p for p in rotor.parts if isinstance(p, LinearBearing)]
+        fall = [structure.weight, 1j * -rotor.gravity * np.array(masses)]
+        weight = np.concatenate([np.zeros(0), *fall])
+        speeds, cubics = _tables(bearings)
+        self.walls = walls
+        self._given = (
+            np.array([speed, rate]),
+            inverse,
+            inverse @ C,
+            inverse @ K,
+            inverse @ G,
+            np.concatenate([weight.real, weight.imag]),
+            structure.unbalances.dof.astype(np.int64),
+            structure.unbalance,
+            ends(walls),
+            np.array([[getattr(wall, name) for name in OF_A_WALL] for wall in walls]),
+            np.array([[getattr(wall, name, 0.0) for name in OF_A_RACE] for wall in walls]),
+            ends(bearings),
+            speeds,
+            cubics,
+        )
+        assert len(weight) == n
+
+    def slope(self, t: float, state: np.ndarray, out: np.ndarray) -> None:
+        """Fill `out` with the derivative of the state."""
+        _slope(t, state, out, *self._given)
+
+
+def _tables(bearings: Sequence[LinearBearing]) -> tuple[np.ndarray, np.ndarray]:
+    """Speeds at which cubics of the coefficients begin, of shape (bearings, pieces), and those,
+    (bearings, pieces, 4, 8); constant beyond a table."""
+    pieces = 2 + max([len(b.speed) for b in bearings], default=0)
+    speeds = np.full((len(bearings), pieces), math.inf)
+    cubics = np.zeros((len(bearings), pieces, 4, 8))
+    for i, bearing in enumerate(bearings):
+        told = np.array([np.ravel(getattr(bearing, name))[[0, -1]] for name in COEFFICIENTS])
+        speeds[i, 0], cubics[i, 0, 3] = -math.inf, told[:, 0]
+        at = np.array(bearing.speed)
+        if len(at):
+            values = [np.broadcast_to(getattr(bearing, n), at.shape) for n in COEFFICIENTS]
+            speeds[i, 1 : 1 + len(at)] = at
+            cubics[i, 1 : len(at)] = np.moveaxis(
+                [PchipInterpolator(at, value).c for value in values], 0, -1
+            ).swapaxes(0, 1)
+            cubics[i, len(at), 3] = told[:, 1]
+    return speeds, cubics
+
+
+@njit
+def _slope(
+    t, state, out, turning, inverse, C, K, G, weight, places, unbalance, ends, walls, races, held,
+    speeds, cubics,
+):  # fmt: skip
+    n = len(inverse) // 2
+    q, v = state[: 2 * n], state[2 * n : 4 * n]
+    omega, rate = turning[0] + turning[1] * t, turning[1]
+    theta = turning[0] * t + rate * t * t / 2
+    f = weight.copy()
+    for i in range(len(places)):
+        pull = unbalance[i] * np.exp(1j * theta) * (omega**2 - 1j * rate)
+        f[places[i]] += pull.real
+        f[n + places[i]] += pull.imag
+    for j in range(len(held)):
+        piece = np.searchsorted(speeds[j], omega) - 1
+        since = omega - speeds[j, piece] if piece > 0 else 0.0
+        k = np.zeros(8)
+        for power in range(4):
+            k = k * since + cubics[j, piece, power]
+        dof, end = held[j]
+        x, y, u_x, u_y = _relative(q, v, dof, end)
+        f_x = -(k[0] * x + k[1] * y + k[4] * u_x + k[5] * u_y)
+        f_y = -(k[2] * x + k[3] * y + k[6] * u_x + k[7] * u_y)
+        _push(f, dof, end, f_x, f_y)
+    for j in range(len(walls)):
+        radius, clearance, mu, stiffness, c, delta_c, v_s = walls[j]
+        inertia, drag, viscous, w_s = races[j]
+        dof, end = ends[j]
+        w = state[4 * n + j]
+        torque = 0.0
+        d_x, d_y, u_x, u_y = _relative(q, v, dof, end)
+        r = math.hypot(d_x, d_y)
+        depth = r - clearance
+        if depth > 0:
+            e_x, e_y = d_x / r, d_y / r
+            grown = min(1.0, depth / delta_c)
+            normal = max(0.0, stiffness * depth + c * grown * (u_x * e_x + u_y * e_y))
+            sliding = u_y * e_x - u_x * e_y + radius * omega - (radius + clearance) * w
+            rubbing = mu * normal * sliding / math.hypot(sliding, v_s)
+            _push(f, dof, end, -normal * e_x + rubbing * e_y, -normal * e_y - rubbing * e_x)
+            torque = (radius + clearance) * rubbing
+        if inertia > 0.0:
+            torque -= drag * w / math.hypot(w, w_s) + viscous * w
+            out[4 * n + j] = torque / inertia
+        else:
+            out[4 * n + j] = 0.0
+    out[: 2 * n] = v
+    out[2 * n : 4 * n] = inverse @ f - C @ v - omega * (G @ v) - K @ q - 0.5 * rate * (G @ q)
+
+
+@njit
+def _relative(q, v, dof, end):
+    n = len(q) // 2
+    x, y, u_x, u_y = q[dof], q[n + dof], v[dof], v[n + dof]
+    if end >= 0:
+        x, y, u_x, u_y = x - q[end], y - q[n + end], u_x - v[end], u_y - v[n + end]
+    return x, y, u_x, u_y
+
+
+@njit
+def _push(f, dof, end, f_x, f_y):
+    n = len(f) // 2
+    f[dof] += f_x
+    f[n + dof] += f_y
+    if end >= 0:
+        f[end] -= f_x
+        f[n + end] -= f_y
+
+
+def solved(
+    equations: Equations, q: np.ndarray, v: np.ndarray, times: np.ndarray, rtol: float
+) -> np.ndarray:
+    """CVODE's states at the times [s] from the complex displacements [m] and velocities [m/s] of
+    all dofs and housings; its absolute tolerance is relative to 0.1 mm."""
+    n = equations.size
+    start = np.concatenate([q.real, q.imag, v.real, v.imag, np.zeros(len(equations.walls))])
+    atol = np.repeat([1e-4 * rtol, 1e-1 * rtol, rtol], [2 * n, 2 * n, len(equations.walls)])
+    solver = CVODE(equations.slope, rtol=rtol, atol=atol, max_num_steps=10**8)
+    return solver.solve(times, start).y
