@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ from ..errors import RunFailed
 class Member:
     """One FMU of a coupled system, extracted and instantiated; a context that tidies up.
 
+    fmu: its file, or the folder it was extracted into, which stays: every new place from which its
+    library is loaded costs a process half a megabyte for good.
     parameters: values by name; messages: of all FMUs together, since FMPy hands those of every FMU
     to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
     """
@@ -22,12 +25,17 @@ class Member:
     def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[str]) -> None:
         self._messages = messages
         self._name = fmu.name
-        self._folder = fmpy.extract(str(fmu))
+        self._is_extracted = fmu.is_dir()
+        self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
         description = fmpy.read_model_description(self._folder)
         self._variables = {v.name: v for v in description.modelVariables}
+        search_path = list(sys.path)
         self._fmu = fmpy.instantiate_fmu(
             self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
         )
+        # where the FMU's scripts have just been found: a process that is made later would take
+        # the FMU's copy of pythonfmu for the one installed
+        sys.path[:] = search_path
         self._parameters = parameters
 
     def __enter__(self) -> Member:
@@ -41,7 +49,8 @@ class Member:
 
     def __exit__(self, *reason: object) -> None:
         self._fmu.freeInstance()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        if not self._is_extracted:
+            shutil.rmtree(self._folder, ignore_errors=True)
 
     def references(self, *names: str) -> list[int]:
         """Value references of variables."""

@@ -1,6 +1,8 @@
 """Rows that come through two FMUs: the rotor's and the drive train's."""
 
 import sys
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from rotor_fmu.drive_train.system import couple, drive_train_table
 from rotor_fmu.errors import InputError
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.conduct import conduct
+from rotor_fmu.studies.engines import Where, engine
 from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, fmus
 from rotor_fmu.studies.machine.driving import KINDS
 from rotor_fmu.studies.reading import read_study
@@ -58,6 +61,29 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
         assert data.work.values[i] == run.drive["work_out"][-1]
         assert data.X.values[i] == np.abs(run.rotor["disc[3].x_amp"]).max()
         assert data.taken.values[i] == pytest.approx(data.work.values[i], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_two_processes_make_the_same_coupled_rows_bit_for_bit(coupled, tmp_path):
+    path, _, data = coupled
+    conduct(read_study(path), tmp_path, partial(engine, Where(jobs=2)), quiet)
+    assert studies.open(tmp_path).identical(data)
+
+
+def test_a_run_after_the_first_loads_no_library_anew(coupled):
+    maps = Path("/proc/self/maps")
+    if not maps.exists():
+        pytest.skip("what is loaded is read from /proc")
+    model = read_study(coupled[0]).model
+
+    def loaded():
+        return {line.split()[-1] for line in maps.read_text().splitlines() if ".so" in line}
+
+    model.warm()
+    before = loaded()
+    assert sum("DriveTrain" in name for name in before) == 1
+    model.warm()
+    assert loaded() == before
 
 
 def test_a_selected_coupled_run_ends_as_its_row_and_has_both_fmus_signals(coupled, monkeypatch):

@@ -10,7 +10,9 @@ import json
 import math
 import os
 import shutil
+import tempfile
 import time
+import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -154,7 +156,8 @@ def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window
 
 @lru_cache(maxsize=_KEPT_MACHINES)
 def fmus(toml: str) -> tuple[Path, Path]:
-    """The drive train's FMU and that of a machine, built once for all processes of this user.
+    """The drive train's FMU and that of a machine as folders, built and extracted once for all
+    processes of this user.
 
     They lie in the user's cache, so that workers on another machine build their own. Raises
     `OSError` where there is no such folder.
@@ -164,17 +167,30 @@ def fmus(toml: str) -> tuple[Path, Path]:
 
     key = sha256(f"{package_name()} {toml}".encode()).hexdigest()[:16]
     kept = user_cache() / "coupled"
-    for folder in (user_cache(), kept, kept / key):
+    home = kept / key
+    for folder in (user_cache(), kept, home):
         make_private(folder)
-    lock = ProcessLock(kept / key / "lock")
+    lock = ProcessLock(home / "lock")
     while not lock.take():
         time.sleep(_WAIT)
     try:
-        built = build_drive_train(kept / key), fmu_in(kept / key, toml)
-        os.utime(kept / key)
+        built = _extracted(build_drive_train(home)), _extracted(fmu_in(home, toml))
+        os.utime(home)
     finally:
         lock.release()
     by_age = sorted(kept.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_MACHINES:]:
         shutil.rmtree(old, ignore_errors=True)
     return built
+
+
+def _extracted(fmu: Path) -> Path:
+    """The folder with an FMU's content, beside it, under a name that follows the content."""
+    folder = fmu.parent / sha256(fmu.read_bytes()).hexdigest()[:16] / fmu.name
+    if not folder.is_dir():
+        folder.parent.mkdir(exist_ok=True)
+        unfinished = Path(tempfile.mkdtemp(dir=folder.parent))
+        with zipfile.ZipFile(fmu) as archive:
+            archive.extractall(unfinished)
+        unfinished.rename(folder)
+    return folder
