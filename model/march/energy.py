@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from ..kernels.band import form
 from ..kernels.compiled import compiled
-from ..step.excitation import at_unbalance, circulation, drive_torque, internal_torque
+from ..step.excitation import at_load, at_place, circulation, drive_torque, internal_torque
 from ..step.laws import OWN_FLOWS, OWN_STORES, add_energy, add_losses, relative
 
 
@@ -26,7 +26,7 @@ def powers(structure, spin, loads, motion, scratch, out):
     external = 0.0
     for i in range(len(loads)):
         if structure.load_dof[i] >= 0:
-            external += (loads[i].conjugate() * v[structure.load_dof[i]]).real
+            external += (loads[i].conjugate() * at_load(structure, i, v)).real
         else:
             external -= (loads[i].conjugate() * _momentum(structure, spin, v)).real
     structural = form(structure.C, v[:n], v[:n]).real
@@ -89,7 +89,7 @@ def total_energy(structure, spin, motion, out):
         gravity -= (structure.weight[i].conjugate() * rotor_q[i]).real
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        v = at_unbalance(structure.unbalances[i], motion.v)
+        v = at_place(structure.unbalances[i], motion.v)
         kinetic += spin.omega * (arm.conjugate() * v).imag
         gravity -= (g.conjugate() * arm).real
     for h in range(len(structure.housings)):

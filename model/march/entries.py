@@ -7,6 +7,7 @@ import math
 from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
 from ..stability.whirls import look_for_growth_at_rest, look_for_whirls
+from ..step.excitation import at_place
 from ..structure.parameters import prepare
 from . import march, tape
 from .block import LAYOUT
@@ -63,7 +64,7 @@ def start(block, speed, drive, rate):
         if status != HELD:
             return status
     for i in range(len(run.structure.probes)):
-        run.memory.rest[i] = run.motion.q[run.structure.probes[i].dof]
+        run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
     tape.start(run.structure, run.motion, run.memory, run.work, run.tape, run.reading.observed)

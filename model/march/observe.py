@@ -12,7 +12,7 @@ from ..parts import LAWS
 from ..protocol.law import losses_of, stores_of
 from ..protocol.part import outputs_of
 from ..quantities import ALL, SPEED, Output
-from ..step.excitation import spin_of
+from ..step.excitation import at_place, spin_of
 from ..step.laws import law_observe, relative
 from .energy import total_energy
 
@@ -171,7 +171,7 @@ def _observe_parts(structure, motion, memory, out):
     n = structure.M.shape[0]
     for i in range(len(structure.probes)):
         at = structure.probes[i].out
-        q = motion.q[structure.probes[i].dof]
+        q = at_place(structure.probes[i], motion.q)
         out[at] = q.real
         out[at + 1] = q.imag
         for axis in range(3):

@@ -17,6 +17,7 @@ import numpy as np
 from ..kernels.compiled import called, compiled
 from ..machine.rotor import Name, Rotor, spelled
 from ..protocol.part import VELOCITY_OUTPUTS, Probe
+from ..step.excitation import at_place
 from .observe import Observed, observe, observed
 
 TAPE = np.dtype(
@@ -108,7 +109,7 @@ def write(structure, motion, memory, work, tape, out):
             row[1 + i] = out[channel]
         else:
             beyond = channel - len(out)
-            v = motion.v[structure.probes[beyond // 2].dof]
+            v = at_place(structure.probes[beyond // 2], motion.v)
             row[1 + i] = v.real if beyond % 2 == 0 else v.imag
     head.written += 1
 

@@ -8,6 +8,7 @@ import math
 
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
+from ..step.excitation import at_place
 from ..step.laws import FLOWS, OWN_FLOWS, relative
 from .energy import total_energy
 from .memory import spin_now
@@ -53,7 +54,7 @@ def watch_revolution(structure, spin, motion, memory):
             r.swept = 0.0
             before = 0.0
     for i in range(len(structure.probes)):
-        moved = motion.q[structure.probes[i].dof] - memory.rest[i]
+        moved = at_place(structure.probes[i], motion.q) - memory.rest[i]
         turned = (moved * spin.direction.conjugate(), moved * spin.direction)
         for way in range(2):
             last, now = once[0, way, i], turned[way]

@@ -16,7 +16,7 @@ class Body(of.Part):
     inertia about its centre of mass [kg.m2], which lies `offset` [m] beyond the node along z and
     off the axis by e [m] at the angle `phase` [rad] from the shaft's mark.
 
-    The external force and what is observed are those of the node.
+    The external force acts there on the axis, and what is observed is the axis there.
     """
 
     KIND: ClassVar[str] = "body"
@@ -26,7 +26,12 @@ class Body(of.Part):
     mass: float = quantity("kg", "mass")
     I_d: float = quantity("kg.m2", "moment of inertia about a diameter", NOT_NEGATIVE)
     I_p: float = quantity("kg.m2", "moment of inertia about the axis", NOT_NEGATIVE)
-    offset: float = quantity("m", "position of the centre of mass beyond the node", ANY, 0.0)
+    offset: float = quantity(
+        "m",
+        "position beyond the node of the centre of mass, where loads act and x, y are told",
+        ANY,
+        0.0,
+    )
     e: float = quantity(
         "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
     )
@@ -36,8 +41,8 @@ class Body(of.Part):
         """A body with its unbalance, loaded and observed."""
         yield of.Body(self.node, self.mass, self.I_d, self.I_p, self.offset)
         yield of.Unbalance(self.node, self.mass, self.mass, self.e, self.phase, self.offset)
-        yield of.Port(self.node, where.replace("[", " ").rstrip("]"))
-        yield of.Probe(self.node)
+        yield of.Port(self.node, where.replace("[", " ").rstrip("]"), self.offset)
+        yield of.Probe(self.node, self.offset)
 
     def outline(self) -> Iterator[of.Shape]:
         """The solid cylinder of the same mass and inertia, as far as there is one."""

@@ -55,17 +55,19 @@ class Unbalance(NamedTuple):
 
 
 class Port(NamedTuple):
-    """A node where an external force acts, with what it is called in a text; or `BASE`, whose input
-    is the acceleration of the foundation."""
+    """A place where an external force acts, `offset` [m] beyond a node, with what it is
+    called in a text; or `BASE`, whose input is the acceleration of the foundation."""
 
     node: int
     where: str
+    offset: float = 0.0
 
 
 class Probe(NamedTuple):
-    """A node whose displacement and amplitude are observed."""
+    """A place whose displacement and amplitude are observed, `offset` [m] beyond a node."""
 
     node: int
+    offset: float = 0.0
 
 
 class Velocity(NamedTuple):

@@ -56,11 +56,21 @@ def falling(structure, loads):
 
 
 @compiled
-def at_unbalance(unbalance, z):
-    """Of an unbalance's place on the shaft, z of shape (n,) or longer."""
-    value = z[unbalance.dof]
-    if unbalance.offset != 0.0:
-        value += unbalance.offset * z[unbalance.slope]
+def at_place(place, z):
+    """Of an unbalance's or a probe's place on the shaft, z of shape (n,) or longer."""
+    value = z[place.dof]
+    if place.offset != 0.0:
+        value += place.offset * z[place.slope]
+    return value
+
+
+@compiled
+def at_load(structure, i, z):
+    """Of the place of a load on the shaft, z of shape (n,) or longer."""
+    value = z[structure.load_dof[i]]
+    arm = structure.load_arms[i]
+    if arm.offset != 0.0:
+        value += arm.offset * z[arm.slope]
     return value
 
 
@@ -80,6 +90,9 @@ def add_applied(structure, spin, loads, f):
     for i in range(len(loads)):
         if structure.load_dof[i] >= 0:
             f[structure.load_dof[i]] += loads[i]
+            arm = structure.load_arms[i]
+            if arm.offset != 0.0:
+                f[arm.slope] += arm.offset * loads[i]
         else:
             for j in range(len(structure.weight)):
                 f[j] -= structure.mass_sum[j] * loads[i]
@@ -113,7 +126,7 @@ def drive_torque(structure, loads, q, v, a, spin, friction_torque):
     g = falling(structure, loads)
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
-        torque += (arm.conjugate() * at_unbalance(structure.unbalances[i], a)).imag
+        torque += (arm.conjugate() * at_place(structure.unbalances[i], a)).imag
         torque += (g.conjugate() * arm).imag
     torque -= 0.5 * form(structure.G, q[:n], a[:n]).imag
     return torque + internal_torque(structure, q, v, spin.omega)

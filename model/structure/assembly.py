@@ -54,7 +54,8 @@ def _record(integers: str, numbers: str) -> np.dtype:
 SPRING = _record("dof", "stiffness damping")
 # `slope`: of the node, where there is an offset, otherwise `dof` again
 UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
-PROBE = _record("dof out", "")
+PROBE = _record("dof slope out", "offset")
+LOAD = _record("slope", "offset")
 RELEASE = _record("", " ".join(Release._fields))
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
@@ -86,8 +87,8 @@ class Structure(NamedTuple):
     releases: what the machine starts with in the place of equilibrium, if at all; one_body: its
     motions as one body, by a unit displacement and by a unit tilt about the centre of mass.
     deflections: dof and node number, from 1, of every deflection.
-    load_dof: where external forces act, -1 of the base's acceleration; probes, velocities: where
-    displacements and where velocities are observed.
+    load_dof: where external forces act, -1 of the base's acceleration, and load_arms: how far
+    beyond; probes, velocities: where displacements and where velocities are observed.
     unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
     housings; interfaces: between nodes and housings; laws: the records of each law, and the tables.
     stores, losses: which entries of the ledger the machine has, as places in it.
@@ -108,6 +109,7 @@ class Structure(NamedTuple):
     one_body: Annotated[np.ndarray, float, "2", "n"]
     deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
     load_dof: Annotated[np.ndarray, np.int64, "loads"]
+    load_arms: Annotated[np.recarray, LOAD, "loads"]
     probes: Annotated[np.recarray, PROBE, "probes"]
     velocities: Annotated[np.recarray, PROBE, "velocities"]
     unbalances: Annotated[np.recarray, UNBALANCE, "unbalances"]
@@ -208,11 +210,14 @@ def assemble(rotor: Rotor) -> Structure:
         one_body=_one_body(rotor, M),
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         load_dof=np.array([-1 if p.node == BASE else _dof(p) for p in ports], dtype=np.int64),
-        probes=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Probe, elements)]),
-        velocities=_rows(PROBE, [(_dof(p), outputs[i]) for i, p in _of(Velocity, elements)]),
-        unbalances=_rows(
-            UNBALANCE, [(_dof(u), _dof(u) + (u.offset != 0), *u[1:]) for u in unbalances]
+        load_arms=_rows(LOAD, [(_slope(p), p.offset) for p in ports]),
+        probes=_rows(
+            PROBE, [(_dof(p), _slope(p), outputs[i], p.offset) for i, p in _of(Probe, elements)]
         ),
+        velocities=_rows(
+            PROBE, [(_dof(v), _dof(v), outputs[i], 0.0) for i, v in _of(Velocity, elements)]
+        ),
+        unbalances=_rows(UNBALANCE, [(_dof(u), _slope(u), *u[1:]) for u in unbalances]),
         unbalance=np.zeros(len(unbalances), dtype=complex),
         springs=springs,
         housings=housings,
@@ -257,6 +262,11 @@ def _places(elements: list[Element]) -> list[int]:
 def _dof(element: Any) -> int:
     """The deflection where an element acts."""
     return 2 * (element.node - 1)
+
+
+def _slope(element: Any) -> int:
+    """The slope there, if it acts beyond, otherwise the deflection again."""
+    return _dof(element) + (element.offset != 0)
 
 
 def _rows(dtype: np.dtype, rows: list[tuple]) -> np.recarray:
@@ -364,11 +374,13 @@ def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> di
     """The members that name dofs, with each dof at its new place."""
     load_dof = structure.load_dof.copy()
     load_dof[load_dof >= 0] = place(load_dof[load_dof >= 0])
-    changed: dict[str, Any] = {"load_dof": load_dof}
+    load_arms = structure.load_arms.copy()
+    load_arms.slope[load_dof >= 0] = place(load_arms.slope[load_dof >= 0])
+    changed: dict[str, Any] = {"load_dof": load_dof, "load_arms": load_arms}
     for name in ("probes", "velocities", "unbalances", "springs", "interfaces"):
         records = getattr(structure, name).copy()
         records.dof = place(records.dof)
-        if name == "unbalances":
+        if "slope" in records.dtype.names:
             records.slope = place(records.slope)
         changed[name] = records
     return changed

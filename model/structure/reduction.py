@@ -24,12 +24,13 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     modes: how many fixed-interface modes; all there are where there are fewer.
     """
     n = len(structure.weight)
-    acted_on = [structure.load_dof[structure.load_dof >= 0]]
+    on_shaft = structure.load_dof >= 0
+    acted_on = [structure.load_dof[on_shaft], structure.load_arms.slope[on_shaft]]
     acted_on += [
         getattr(structure, of).dof
         for of in ("interfaces", "springs", "unbalances", "probes", "velocities")
     ]
-    acted_on.append(structure.unbalances.slope)
+    acted_on += [structure.unbalances.slope, structure.probes.slope]
     kept = np.unique(np.concatenate(acted_on))
     rest = np.setdiff1d(np.arange(n), kept)
     M, K = to_dense(structure.M), to_dense(structure.K_shaft)

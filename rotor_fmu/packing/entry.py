@@ -18,37 +18,35 @@ from pathlib import Path
 ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 
 
-class Missing(ImportError):
-    """A package that this host's Python lacks."""
-
-    def __repr__(self) -> str:
-        """The sentence alone: the wrapper logs the representation."""
-        return str(self)
-
-
 RESOURCES = Path(__file__).resolve().parent
 PACKAGE = Path(__file__).stem.removesuffix("_entry").removesuffix("_free")
-
-
 SLAVE = f"{PACKAGE}.fmu.slave"
 
-
-def _import_package(folder: Path) -> None:
-    """Import the package in `folder` without a look at `sys.path`, and tell it where the user wants
-    compiled code to be kept."""
-    spec = importlib.util.spec_from_file_location(
-        PACKAGE, folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
-    if spec is None or spec.loader is None:
-        raise Missing(f"{folder}: is no package")
-    sys.modules[PACKAGE] = package = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(package)
-    cache = os.environ.get("ROTOR_FMU_CACHE")
-    if cache:
-        importlib.import_module(f"{PACKAGE}.model.kernels.user_cache").keep_in(Path(cache))
-
-
+# Classes and functions that a script of each instance made would never be freed: the first makes
+# them, and they go with it.
 if SLAVE not in sys.modules:
+
+    class Missing(ImportError):
+        """A package that this host's Python lacks."""
+
+        def __repr__(self) -> str:
+            """The sentence alone: the wrapper logs the representation."""
+            return str(self)
+
+    def _import_package(folder: Path) -> None:
+        """Import the package in `folder` without a look at `sys.path`, and tell it where the user
+        wants compiled code to be kept."""
+        spec = importlib.util.spec_from_file_location(
+            PACKAGE, folder / "__init__.py", submodule_search_locations=[str(folder)]
+        )
+        if spec is None or spec.loader is None:
+            raise Missing(f"{folder}: is no package")
+        sys.modules[PACKAGE] = package = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(package)
+        cache = os.environ.get("ROTOR_FMU_CACHE")
+        if cache:
+            importlib.import_module(f"{PACKAGE}.model.kernels.user_cache").keep_in(Path(cache))
+
     for needed in ("numpy", "scipy"):
         try:
             importlib.import_module(needed)

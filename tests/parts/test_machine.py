@@ -79,6 +79,44 @@ def test_a_body_beyond_its_node_moves_as_on_a_rigid_stub():
         assert sim.read(name) == pytest.approx(other.read(name), rel=1e-5)
 
 
+def test_a_load_on_a_body_beyond_its_node_acts_at_its_centre_and_is_seen_there():
+    """A rigid rotor on two springs k at 0 and L, a force F at the centre of a body a beyond its
+    node at b: springs yield by F (1 - s) / k and F s / k, s = (b + a) / L, and the rotor is
+    straight."""
+    k, force, b, a, length = 1e6, 300.0, 0.6, 0.05, 0.4
+    rigid_shaft = STEEL.replace("2.1e11", "1e16") + sections(0.2, 0.2, 0.2, outer=0.03)
+    held = HELD.replace("2e6", "1e6")
+    machine = parse_rotor("gravity = 0.0\n" + rigid_shaft + held + HUB + f"offset = {a}\n")
+    sim = Simulation(machine, choose("robust"), loads=np.array([force + 0j]))
+    s = (b + a) / length
+    left, right = force * (1 - s) / k, force * s / k
+    assert sim.read("body[1].x") == pytest.approx(left + (right - left) * s, rel=1e-4)
+    q = sim.motion.q
+    node, slope = q[6].real, q[7].real
+    assert node == pytest.approx(left + (right - left) * b / length, rel=1e-4)
+    assert sim.read("body[1].x") == pytest.approx(node + a * slope, rel=1e-9)
+    assert sim.read("body[1].x_amp") == 0.0
+
+
+@pytest.mark.parametrize("modes", [0, 12])
+def test_a_loaded_body_beyond_its_node_moves_as_on_a_rigid_stub(modes):
+    shaft = STEEL + sections(0.2, 0.2, 0.2, outer=0.03) + HELD
+    stub = "[material.rigid]\nyoung = 1e15\ndensity = 1e-3\n" + shaft.replace(
+        HELD, sections(0.05, outer=0.03, material='"rigid"') + HELD
+    ).removeprefix(STEEL)
+    seen = []
+    for text in (
+        shaft + HUB + "offset = 0.05\ne = 2e-4\n",
+        STEEL + stub + HUB.replace("z = 0.6", "z = 0.65") + "e = 2e-4\n",
+    ):
+        sim = Simulation(parse_rotor(text), choose("robust", h=1e-4, reduction=modes), speed=150.0)
+        for i in range(20):
+            sim.advance(1e-3 * (i + 1), 150.0, np.array([200.0 * i - 50.0j]))
+        names = [f"body[1].{axis}{amp}" for axis in "xy" for amp in ("", "_amp")]
+        seen.append([sim.read(name) for name in (*names, "energy.external_work", "energy.kinetic")])
+    assert seen[0] == pytest.approx(seen[1], rel=1e-4 if modes == 0 else 1e-3)
+
+
 def test_the_ledger_closes_with_a_body_beyond_its_node():
     text = STEEL + sections(0.2, 0.2, 0.2, outer=0.03) + HELD + HUB + "offset = 0.05\ne = 2e-4\n"
     residuals = [abs(end_of(text, 0.02, h)[1].read("energy.residual")) for h in (1e-4, 5e-5)]
