@@ -24,8 +24,9 @@ from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .stability.sentences import grows_at_rest, hidden_whirls, nearest, whirled_apart
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
-from .structure.assembly import Structure, assemble, interface_names
+from .structure.assembly import assemble, interface_names
 from .structure.reduction import reduced
+from .structure.structure import Structure
 
 
 class EquilibriumError(Refusal, RuntimeError):

@@ -34,6 +34,7 @@ def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
 
     @wraps(command)
     def told(*, as_json: bool = False, is_quiet: bool = False, **options: Any) -> None:
+        """Call the command and tell what it returns."""
         with ExitStack() as stack:
             if as_json or is_quiet:
                 stack.enter_context(redirect_stdout(io.StringIO()))

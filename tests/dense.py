@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.structure.assembly import Structure
+from rotor_fmu.model.structure.structure import Structure
 
 
 def dense_matrices(

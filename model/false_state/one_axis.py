@@ -15,8 +15,9 @@ from ..kernels.band import to_dense
 from ..machine.rotor import Rotor
 from ..rest import rest
 from ..schemes.family import Scheme
-from ..structure.assembly import Structure, assemble
+from ..structure.assembly import assemble
 from ..structure.dense import X, Y, clearance_contacts, contact_picks, in_plane
+from ..structure.structure import Structure
 
 _SOFTNESS = 1e-13  # of the stiffness's diagonal, that a free rotor has a static shape
 

@@ -2,7 +2,7 @@
 
 The penalty law of the bearings gives way to a frictionless wall at the same clearance, so that
 IMPACT=AVERAGE TIME, which is made for hard contacts, can be tried on a rotor.
-Unknowns, real: x of the rotor's nodes and housings, then y; see `assembly.Structure`.
+Unknowns, real: x of the rotor's nodes and housings, then y; see `structure.Structure`.
 """
 
 from __future__ import annotations

@@ -87,10 +87,10 @@ def say_once(subject: str, sentence: str) -> None:
         _log.warning(sentence)
 
 
-def say_not_kept(error: Exception) -> None:
+def say_not_kept(reason: Exception | str) -> None:
     """Tell the user once that code is compiled in each process anew, and why."""
-    is_plain = isinstance(error, OSError)
-    reason = str(error) if is_plain else f"{type(error).__name__}: {error}"
+    if not isinstance(reason, (OSError, str)):
+        reason = f"{type(reason).__name__}: {reason}"
     say_once("not kept", f"compiled code is not kept for the next process: {reason}")
 
 

@@ -39,6 +39,7 @@ def array_at(typing_context, block, offset, shape, dtype):
     array_type = types.Array(dtype.dtype, len(shape), "C")
 
     def generate(context, builder, signature, arguments):
+        """The array's record, filled with where it lies and its extents."""
         from numba.np import arrayobj
 
         base = arguments[0]

@@ -27,7 +27,7 @@ _nested = threading.local()
 def keep(dispatcher) -> None:
     """Let a numba dispatcher's compiled code be kept, and be compiled by one process at a time."""
     if not hasattr(dispatcher, "_cache"):
-        say_not_kept(NotImplementedError(f"numba {numba.__version__} is not known to this version"))
+        say_not_kept(f"numba {numba.__version__} is not known to this version")
         return
     dispatcher._cache = _KeptOverloads(dispatcher.py_func)
     dispatcher.compile = _unlocking(dispatcher.compile)
@@ -44,6 +44,7 @@ def _unlocking(compile_signature: Callable) -> Callable:
     lead to each other, also if it fails."""
 
     def compile_and_unlock(signature):
+        """The dispatcher's `compile`, once for each of the compilations."""
         depth = getattr(_nested, "depth", 0)
         _nested.depth = depth + 1
         try:

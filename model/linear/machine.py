@@ -21,7 +21,8 @@ from scipy.sparse.linalg import splu
 from ..machine.rotor import Rotor
 from ..protocol.part import Interface, Mount, Spring
 from ..quantities import QuantityError
-from ..structure.assembly import Structure, assemble
+from ..structure.assembly import assemble
+from ..structure.structure import Structure
 from .tangents import Tangents, tangents
 
 OPEN, PINNED = "open", "pinned"

@@ -9,7 +9,7 @@ import numpy as np
 from ..kernels.compiled import compiled, plain
 from ..parts import LAWS
 from ..step.laws import law_tangent
-from ..structure.assembly import Structure
+from ..structure.structure import Structure
 
 
 class Tangents(NamedTuple):

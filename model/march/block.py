@@ -13,7 +13,7 @@ from ..stability.memory import Survey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
 from ..step.laws import FLOWS, MOST_LOSSES, STORES
 from ..step.step import Motion, Workspace
-from ..structure.assembly import Structure, sizes_of
+from ..structure.structure import Structure, sizes_of
 from .control import Control
 from .memory import Memory
 from .tape import Tape

@@ -340,7 +340,6 @@ class ClearanceContact(ContactQuantities, Part):
 
     KIND: ClassVar[str] = "contact"
     TEXT: ClassVar[str] = "a journal in the clearance of a housing or of a fixed stator"
-
     LAW: ClassVar[Law] = CLEARANCE_CONTACT
 
     node: int
@@ -348,7 +347,7 @@ class ClearanceContact(ContactQuantities, Part):
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""
-        yield Interface(self.node, CLEARANCE_CONTACT, self, self.housing)
+        yield Interface(self.node, self.LAW, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
         """A stator about the journal, on springs where it is a housing."""

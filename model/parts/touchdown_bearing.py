@@ -16,18 +16,17 @@ kept between them.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
-from ..protocol.part import GROUND, Element, Interface, Part, Shape
 from ..quantities import NOT_NEGATIVE, SPEED, Output, quantity
 from .clearance_contact import (
     LOSSES,
     OUTPUTS,
     STORES,
+    ClearanceContact,
     ContactQuantities,
     compression,
     contact_tangent,
@@ -196,22 +195,9 @@ TOUCHDOWN_BEARING = Law(
 
 
 @dataclass(frozen=True, kw_only=True)
-class TouchdownBearing(TouchdownQuantities, Part):
-    """A touchdown (auxiliary, backup) bearing between a node (from 1) and the housing of that name,
-    or ground; its race stands still at the start."""
+class TouchdownBearing(TouchdownQuantities, ClearanceContact):
+    """A touchdown (auxiliary, backup) bearing; its race stands still at the start."""
 
     KIND: ClassVar[str] = "touchdown_bearing"
     TEXT: ClassVar[str] = "a journal in the clearance of a race that friction turns"
     LAW: ClassVar[Law] = TOUCHDOWN_BEARING
-
-    node: int
-    housing: str = GROUND
-
-    def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
-        yield Interface(self.node, TOUCHDOWN_BEARING, self, self.housing)
-
-    def outline(self) -> Iterator[Shape]:
-        """A stator about the journal, on springs where it is a housing."""
-        role = "stator" if self.housing == GROUND else "housing"
-        yield Shape(0.0, 0.0, self.journal_radius, self.journal_radius, role)

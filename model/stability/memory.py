@@ -8,8 +8,8 @@ import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
 from ..kernels.compiled import plain
-from ..structure.assembly import Structure
 from ..structure.reduction import component_modes
+from ..structure.structure import Structure
 
 MOST_DOFS = 60  # of the shaft; a longer one is reduced first
 MOST_WHIRLS = 64  # that are kept, of those that grow fastest

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..kernels.compiled import called, compiled
 from ..kernels.functions import modulus
-from ..structure.assembly import Structure
+from ..structure.structure import Structure
 from .eigenvalues import eigenvalues
 from .matrices import (
     ALL,

@@ -15,7 +15,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -43,109 +43,19 @@ from ..protocol.part import (
 from ..quantities import QuantityError, quantities
 from .beam import shaft_element
 from .parameters import prepare
-
-HALF_BANDWIDTH = 3
-
-
-def _record(integers: str, numbers: str) -> np.dtype:
-    return np.dtype([(n, "i8") for n in integers.split()] + [(n, "f8") for n in numbers.split()])
-
-
-SPRING = _record("dof", "stiffness damping")
-# `slope`: of the node, where there is an offset, otherwise `dof` again
-UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
-PROBE = _record("dof slope out", "offset")
-LOAD = _record("slope", "offset")
-RELEASE = _record("", " ".join(Release._fields))
-HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
-# `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
-# the states of the law begin.
-INTERFACE = _record("law row dof end own states out has_wall", "length")
-# What a machine has one of. Given: whether the internal damping turns; is_held: whether springs and
-# soft laws hold it, and not its clearances alone; base_load: place of the
-# base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share
-# of it acts along x and y; inertia of shaft and bodies about the axis [kg.m2]; lowest_omega: see
-# `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, small: a length of the
-# machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia with the
-# eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v +
-# sign(Omega) kappa_h; clearance: the smallest [m]; slowest: pace of its slowest motion [rad/s].
-NUMBERS = _record(
-    "rotating_damping is_held base_load",
-    "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
-    "kappa_h clearance slowest",
+from .structure import (
+    HOUSING,
+    INTERFACE,
+    LOAD,
+    NUMBERS,
+    PROBE,
+    RELEASE,
+    SPRING,
+    UNBALANCE,
+    Structure,
 )
 
-
-class Structure(NamedTuple):
-    """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
-
-    M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft's elastic
-    part, K_axial: that of its axial forces; each in band storage, shape (n, width);
-    M_factors: M's, from `band.factorize`.
-    mass_share: of the deflections' lumped masses in the rotor's [1]; mass_sum: force of a unit
-    acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
-    releases: what the machine starts with in the place of equilibrium, if at all; one_body: its
-    motions as one body, by a unit displacement and by a unit tilt about the centre of mass.
-    deflections: dof and node number, from 1, of every deflection.
-    load_dof: where external forces act, -1 of the base's acceleration, and load_arms: how far
-    beyond; probes, velocities: where displacements and where velocities are observed.
-    unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
-    housings; interfaces: between nodes and housings; laws: the records of each law, and the tables.
-    stores, losses: which entries of the ledger the machine has, as places in it.
-    numbers: see `NUMBERS`.
-    """
-
-    M: Annotated[np.ndarray, float, "n", "width"]
-    C: Annotated[np.ndarray, float, "n", "width"]
-    K: Annotated[np.ndarray, float, "n", "width"]
-    G: Annotated[np.ndarray, float, "n", "width"]
-    K_shaft: Annotated[np.ndarray, float, "n", "width"]
-    K_axial: Annotated[np.ndarray, float, "n", "width"]
-    M_factors: Annotated[np.ndarray, float, "n", "width"]
-    mass_share: Annotated[np.ndarray, float, "n"]
-    mass_sum: Annotated[np.ndarray, float, "n"]
-    weight: Annotated[np.ndarray, complex, "n"]
-    releases: Annotated[np.ndarray, RELEASE, "releases"]
-    one_body: Annotated[np.ndarray, float, "2", "n"]
-    deflections: Annotated[np.ndarray, np.int64, "deflections", "2"]
-    load_dof: Annotated[np.ndarray, np.int64, "loads"]
-    load_arms: Annotated[np.recarray, LOAD, "loads"]
-    probes: Annotated[np.recarray, PROBE, "probes"]
-    velocities: Annotated[np.recarray, PROBE, "velocities"]
-    unbalances: Annotated[np.recarray, UNBALANCE, "unbalances"]
-    unbalance: Annotated[np.ndarray, complex, "unbalances"]
-    springs: Annotated[np.recarray, SPRING, "springs"]
-    housings: Annotated[np.recarray, HOUSING, "housings"]
-    interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
-    laws: Annotated[tuple[np.ndarray, ...], "one a law, tables"]
-    stores: Annotated[np.ndarray, np.int64, "stores"]
-    losses: Annotated[np.ndarray, np.int64, "losses"]
-    numbers: Annotated[np.recarray, NUMBERS, "1"]
-
-
-def sizes_of(structure: Structure) -> dict[str, int]:
-    """The numbers on which the extents of arrays depend; `size`: of a motion, ground included."""
-    n, width = structure.M.shape
-    housings, interfaces = len(structure.housings), len(structure.interfaces)
-    return {
-        "n": n,
-        "width": width,
-        "housings": housings,
-        "size": n + housings + 1,
-        "deflections": len(structure.deflections),
-        "loads": len(structure.load_dof),
-        "probes": len(structure.probes),
-        "velocities": len(structure.velocities),
-        "releases": len(structure.releases),
-        "unbalances": len(structure.unbalances),
-        "springs": len(structure.springs),
-        "interfaces": interfaces,
-        "own": int(structure.interfaces.states.sum()),
-        "stores": len(structure.stores),
-        "losses": len(structure.losses),
-        **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=False)},
-        "tables": len(structure.laws[-1]),
-    }
+HALF_BANDWIDTH = 3
 
 
 def assemble(rotor: Rotor) -> Structure:

@@ -8,7 +8,7 @@ from ..kernels.band import to_dense
 from ..parts import LAWS
 from ..parts.clearance_contact import CLEARANCE_CONTACT
 from ..quantities import quantities
-from .assembly import Structure
+from .structure import Structure
 
 X, Y = 0, 1
 # `dof`: of the node; `end`: of its housing behind the dofs, or of ground, the last.

@@ -13,7 +13,8 @@ import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
 from ..kernels.compiled import plain
-from .assembly import Structure, moved
+from .assembly import moved
+from .structure import Structure
 
 _MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
 
