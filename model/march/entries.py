@@ -6,7 +6,7 @@ import math
 
 from ..kernels.compiled import compiled
 from ..schemes.family import Scheme
-from ..stability.whirls import look_for_growth_at_rest, look_for_whirls
+from ..stability.whirls import look_for_whirls
 from ..step.excitation import at_place
 from ..structure.parameters import prepare
 from . import march, tape
@@ -100,11 +100,7 @@ def advance(block, t_end, drive, rate):
 def survey(block, speed, is_start):
     """Look for the whirls that grow up to a speed of rotation [rad/s] and, at the start, for what
     grows at rest; see `stability.whirls`."""
-    run = _view(block)
-    run.survey.rest[0] = complex(math.nan, math.nan)
-    if is_start != 0:
-        look_for_growth_at_rest(run)
-    look_for_whirls(run, speed)
+    look_for_whirls(_view(block), speed, is_start)
 
 
 @compiled

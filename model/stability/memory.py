@@ -21,7 +21,8 @@ class Survey(NamedTuple):
     mass matrix. The rest is scratch, `half` being the coarse dofs and the housings: K, C, G and
     K_shaft times M^-1 from the left; of each interface what it feels, and M^-1 times what it
     pushes; the tangents dF = p z + q conj(z) by displacement [N/m] and by velocity [N.s/m]; the
-    machine x' = A x in real coordinates; one root's equation and its vector; all roots.
+    machine x' = A x in real coordinates, and where its roots are found; one root's equation and its
+    vector; all roots.
 
     found: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward, `case`
     (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN [1/s].
@@ -40,6 +41,7 @@ class Survey(NamedTuple):
     p_v: Annotated[np.ndarray, complex, "interfaces"]
     q_v: Annotated[np.ndarray, complex, "interfaces"]
     A: Annotated[np.ndarray, float, "4 * (coarse + housings)", "4 * (coarse + housings)"]
+    work: Annotated[np.ndarray, float, "4 * (coarse + housings)", "4 * (coarse + housings)"]
     D: Annotated[np.ndarray, complex, "2 * (coarse + housings)", "2 * (coarse + housings)"]
     vector: Annotated[np.ndarray, complex, "2 * (coarse + housings)"]
     re: Annotated[np.ndarray, float, "4 * (coarse + housings)"]

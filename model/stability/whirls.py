@@ -35,8 +35,9 @@ from .resolution import is_stable, resolving_step
 # resolves it must leave, and more of it where a tolerance is small.
 HIDDEN, RESOLVED = 0.5, 0.9
 # Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
-# this factor is looked at anew.
-_SHARES, _PASSED = (1.0, 0.5), 1.25
+# this factor is looked at anew. At rest another growth is looked for.
+_HALF, _PASSED = 0.5, 1.25
+_SHARES = (0.0, 1.0, _HALF)
 # Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
 _OVERDAMPING = 0.05
 _GROWING = 1e-5  # least Re lambda / |lambda| of what is called growing: below it is rounding
@@ -86,28 +87,40 @@ def rounded_down(x, least):
 
 
 @called
-def look_for_whirls(run, speed):
+def look_for_whirls(run, speed, is_start):
     """Find the whirls that grow up to this speed of rotation [rad/s], with all contacts open, each
     alone closed, and all; keep the steps that a tolerance chooses short enough to see them, and
-    judge what the integrator takes more strictly."""
+    judge what the integrator takes more strictly. At the start find what grows at rest too."""
     structure, survey, r = run.structure, run.survey, run.memory.record[0]
-    lowest = structure.numbers[0].lowest_omega
     r.surveyed_at = speed
-    r.surveyed_to = _PASSED * max(abs(speed), lowest)
+    r.surveyed_to = _PASSED * max(abs(speed), structure.numbers[0].lowest_omega)
     survey.counted[0] = 0
-    take_matrices(run)
-    take_tangents(run, speed)
+    survey.rest[0] = complex(math.nan, math.nan)
     walls = 0
     for j in range(len(structure.interfaces)):
         walls += 1 if is_wall(structure.interfaces[j]) else 0
     shortest = math.inf
+    take_matrices(run)
     for share in _SHARES:
-        if share < 1.0 and speed == 0.0:
+        if (share == 0.0 and is_start == 0) or (share == _HALF and speed == 0.0):
             continue
+        if share != _HALF:
+            take_tangents(run, share * speed)
         for case in range(ALL, len(structure.interfaces)):
+            if share == 0.0 and case != OPEN:
+                continue
             is_one = case >= 0 and is_wall(structure.interfaces[case])
-            if is_one or case == OPEN or (case == ALL and walls > 1):
-                shortest = min(shortest, _look_at(run, share * speed, case))
+            if not (is_one or case == OPEN or (case == ALL and walls > 1)):
+                continue
+            take_machine(run, share * speed, case)
+            for i in range(len(survey.A)):
+                for k in range(len(survey.A)):
+                    survey.work[i, k] = survey.A[i, k]
+            eigenvalues(survey.work, survey.re, survey.im)
+            if share == 0.0:
+                _take_growth_at_rest(run)
+            else:
+                shortest = min(shortest, _take_whirls(run, share * speed, case))
     numbers = run.method.numbers[0]
     if survey.counted[0] > 0 and is_stable(numbers):
         r.overdamping = _OVERDAMPING
@@ -115,24 +128,18 @@ def look_for_whirls(run, speed):
 
 
 @compiled
-def _look_at(run, speed, case):
+def _take_whirls(run, speed, case):
     """Take up what grows at one speed in one case; the longest step that resolves it if a contact
     is closed [s]."""
     structure, survey = run.structure, run.survey
     scale = structure.numbers[0].lowest_omega
-    take_machine(run, speed, case)
-    eigenvalues(survey.A, survey.re, survey.im)
     shortest = math.inf
-    is_whole = False
     method = run.method.numbers[0]
     share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
     for i in range(len(survey.re)):
         root = complex(survey.re[i], survey.im[i])
         if not (root.imag > _SLOW and root.real > _GROWING * modulus(root)):
             continue
-        if not is_whole:
-            take_machine(run, speed, case)
-            is_whole = True
         take_vector(survey, root)
         is_backward = _turns_back(structure, survey, case) == (speed >= 0.0)
         root = root * scale
@@ -182,15 +189,10 @@ def _keep(survey, root, is_backward, case, speed):
     found[at, 3], found[at, 4] = case, speed
 
 
-@called
-def look_for_growth_at_rest(run):
-    """Fill in the root of the growth with the least damping ratio where nothing turns and all
-    contacts are open, its imaginary part >= 0; NaN where nothing grows."""
+@compiled
+def _take_growth_at_rest(run):
+    """Take up the root of the growth with the least damping ratio, its imaginary part >= 0."""
     survey = run.survey
-    take_matrices(run)
-    take_tangents(run, 0.0)
-    take_machine(run, 0.0, OPEN)
-    eigenvalues(survey.A, survey.re, survey.im)
     best, most = complex(math.nan, math.nan), 0.0
     for i in range(len(survey.re)):
         root = complex(survey.re[i], survey.im[i])
