@@ -1,12 +1,17 @@
 """The native FMU looks for growing whirls as the model in Python does: it keeps its steps short
 enough to see them, or says what they hide, and names the one that took a machine apart."""
 
+import re
+import tomllib
+from itertools import pairwise
+
 import fmpy
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
+from rotor_fmu.model.stability import memory
 from rotor_fmu.model.stability.eigenvalues import eigenvalues
 
 from ..parts.test_linear_bearing import FLEXIBLE
@@ -155,3 +160,39 @@ def test_the_eigenvalues_are_those_of_lapack(n):
         distance = np.abs((re + 1j * im)[:, None] - expected)
         assert distance.min(axis=0).max() < 1e-12 * np.abs(expected).max()
         assert distance.min(axis=1).max() < 1e-12 * np.abs(expected).max()
+
+
+def finer(toml, times):
+    """A machine's text with so many elements for each, at whose first ones the parts stay."""
+    shaft = tomllib.loads(toml)["shaft"]
+    nodes = [
+        a + (b - a) * i / times for a, b in pairwise(shaft["nodes"]) for i in range(times)
+    ] + shaft["nodes"][-1:]
+    diameters = [d for d in shaft["diameters"] for _ in range(times)]
+    toml = re.sub(r"nodes = .*", f"nodes = {nodes}", toml)
+    toml = re.sub(r"diameters = .*", f"diameters = {diameters}", toml)
+    return re.sub(
+        r"(?m)^node = (\d+)", lambda found: f"node = {(int(found[1]) - 1) * times + 1}", toml
+    )
+
+
+def test_a_long_shaft_is_surveyed_by_its_modes(make, monkeypatch):
+    """Of 82 dofs the survey takes a basis; the roots are those of all dofs, the steps those of the
+    native FMU."""
+    toml = finer(OVERHUNG.read_text(encoding="utf-8"), 8)
+    coarse = Simulation(parse_rotor(toml), speed=400.0)
+    machine = Machine(make(rotor_toml=toml)).start(speed=400.0)
+    for _ in range(3):
+        machine.step(H)
+        coarse.advance(machine.t, 400.0)
+        assert (machine.read() == observed(coarse, machine.computed)).all()
+    machine.close()
+    monkeypatch.setattr(memory, "MOST_DOFS", 100)
+    whole = Simulation(parse_rotor(toml), speed=400.0)
+    bases = [simulation._run.survey.basis.shape[1] for simulation in (coarse, whole)]
+    assert len(coarse.structure.weight) == 82
+    assert 0 < bases[0] < 30
+    assert bases[1] == 0
+    for few, all_of_them in zip(coarse._whirls, whole._whirls, strict=True):
+        assert few.root == pytest.approx(all_of_them.root, rel=2e-4)
+        assert few.is_backward == all_of_them.is_backward
