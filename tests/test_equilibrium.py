@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.support import Support
+from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation
@@ -131,3 +132,15 @@ LOOSE = {
 def test_a_rotor_that_nothing_keeps_from_tilting_is_refused(case):
     with pytest.raises(EquilibriumError, match="no static equilibrium: the rotor is held at 1 "):
         rest(LOOSE[case])
+
+
+def test_a_clearance_of_ten_metres_is_said_to_be_too_large():
+    far = RIG.with_parts(Bearing, replace(FIRST, clearance=10.0), replace(LAST, clearance=10.0))
+    with pytest.raises(EquilibriumError, match=r"beyond 0.033 m.*clearances .* must be smaller"):
+        rest(far)
+
+
+def test_a_shaft_too_stiff_to_calculate_with_is_not_said_to_be_loose():
+    with pytest.raises((EquilibriumError, QuantityError)) as refused:
+        rest(parse_rotor(rig_toml().replace("young = 2.1e11", "young = 1e25")))
+    assert "held at" not in str(refused.value)

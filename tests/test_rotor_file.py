@@ -9,7 +9,7 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.support import Support
-from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.quantities import QuantityError, quantities
 
 TEXT = rig_toml()
 NODES = "[0.0, 0.043, 0.063, 0.11475, 0.1865, 0.25825, 0.310, 0.330]"
@@ -221,3 +221,15 @@ def test_a_quantity_is_replaced_and_checked():
     assert rotor.eta_v == 0.002
     with pytest.raises(QuantityError, match=re.escape("disc[2].e = -1 m: must be >= 0")):
         rig().with_value("disc[2].e", -1.0)
+
+
+def test_whole_numbers_are_read_as_real_ones():
+    """An integer among the quantities would have every kernel compiled again."""
+    whole = re.sub(r"\b(?:k|kx|ky) = \S+", lambda m: m.group().split("=")[0] + "= 200000000", TEXT)
+    whole = "gravity = 10\n" + re.sub(r"(?m)^gravity = .*$", "", whole)
+    parts = [parse_rotor(whole), *parse_rotor(whole).parts]
+    for part in parts:
+        for name in quantities(part):
+            assert isinstance(getattr(part, name), (float, str, bool)), name
+    assert parts[0].gravity == 10.0
+    assert {bearing.k for bearing in parts[0].bearings} == {2e8}

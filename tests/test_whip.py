@@ -55,12 +55,29 @@ def test_with_little_friction_the_machine_is_stable_and_error_control_silent():
     assert sim.read("solver.overdamped_at") == -1.0
 
 
-@pytest.mark.parametrize("preset", [p for p in sorted(PRESETS) if p != "moderate"])
-def test_no_preset_is_called_overdamped_on_the_rig(preset):
-    sim = Simulation(rig(), PRESETS[preset], speed=400.0, rate=-10.0, warn=lambda message: None)
+RIGHT = {
+    **{name: PRESETS[name] for name in PRESETS if name != "moderate"},
+    "tolerance 0.1": choose(tolerance=0.1),
+    "robust, 0.7 ms": choose("robust", h=7e-4),
+}
+
+
+def doubts_on_the_rig(settings):
+    said = []
+    sim = Simulation(rig(), settings, speed=400.0, rate=-10.0, warn=said.append)
     for k in range(250):
         sim.advance(0.16 * (k + 1), 400.0 - 1.6 * k)
-    assert sim.read("solver.overdamped_at") == -1.0
+    return said
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_of_no_run_of_the_rig_anything_is_said_but_of_the_preset_in_the_false_state(name):
+    assert doubts_on_the_rig(RIGHT[name]) == []
+
+
+def test_of_the_preset_that_falls_into_the_false_state_that_is_said():
+    (said,) = doubts_on_the_rig(PRESETS["moderate"])
+    assert said.startswith("false state since t = ")
 
 
 def test_when_the_rub_is_overdamped_is_part_of_the_state():

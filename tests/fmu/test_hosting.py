@@ -43,14 +43,14 @@ def fails(call, *arguments):
 """
 
 
-def in_a_process(fmu, script, environment=None):
+def in_a_process(fmu, script, environment=None, seconds=1200):
     """Standard output of a script that ends well; fails on a crash or an error."""
     done = subprocess.run(
         [sys.executable, "-c", PRELUDE + script, str(fmu)],
         capture_output=True,
         text=True,
         check=False,
-        timeout=1200,
+        timeout=seconds,
         env={**os.environ, **(environment or {})},
     )
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"

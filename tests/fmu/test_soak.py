@@ -51,7 +51,8 @@ def soak(fmu, folder, counts, an_instance):
     """Run the script; an_instance: what each may leave behind [kB], steps and states nothing but
     what the memory's own rounding does."""
     folder.mkdir()
-    done = in_a_process(fmu, SOAK.replace("{counts}", repr(counts)), {"TMPDIR": str(folder)})
+    script = SOAK.replace("{counts}", repr(counts))
+    done = in_a_process(fmu, script, {"TMPDIR": str(folder)}, seconds=7200)
     *grown, seen = map(float, done.stdout.split())
     assert grown[0] < 4000 + an_instance * counts[0], grown
     assert max(grown[1:]) < 1000, grown

@@ -136,10 +136,12 @@ def test_wear_is_deepest_in_its_direction_and_narrow_with_its_power():
     assert all(wide > narrow > 2e-4 for wide, narrow in pairwise(depths))
 
 
-def test_hertz_is_the_force_of_its_exponent():
-    part = record(ClearanceContact, exponent=1.5, k=1e10)
+@pytest.mark.parametrize("exponent", [1.0, 10 / 9, 1.5], ids=["linear", "a roller", "a ball"])
+def test_the_force_is_that_of_the_exponent_of_its_contact(exponent):
+    """Hertz: 3/2; Palmgren for the line contact of a cylinder: 10/9."""
+    part = record(ClearanceContact, exponent=exponent, k=1e9)
     f = CLEARANCE_CONTACT.force(part, TABLES, 2.1e-4 + 0j, 0j, 0.0, 0.0, np.zeros(0))
-    assert f.real == pytest.approx(-1e10 * 1e-5**1.5, rel=1e-9)
+    assert f.real == pytest.approx(-1e9 * 1e-5**exponent, rel=1e-9)
 
 
 def test_stribecks_friction_falls_from_rest_to_sliding():
