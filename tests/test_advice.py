@@ -1,0 +1,81 @@
+"""Whoever does what a message advises gets rid of it."""
+
+from dataclasses import replace
+
+import pytest
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import StepFailure
+
+from .test_simulation import unstable
+from .test_whip import doubts_on_the_rig
+from .test_work import rubbing
+from .whip import overhung_machine, run_down
+
+
+def outcome(rotor, settings, stop, interval=0.005):
+    """What a run-down says on its way, and why it ends early, if it does."""
+    said = []
+    try:
+        run_down(rotor, settings, stop, said.append, interval)
+    except StepFailure as failure:
+        said.append(str(failure))
+    return said
+
+
+SLOW = {
+    "a stiff wall": ({"k": 1e20}, {}),
+    "friction that locks": ({"mu": 5.0}, {}),
+}
+MENDED = {
+    "preset robust": ("friction that locks", {}, {"preset": "robust"}),
+    "less friction": ("friction that locks", {"mu": 0.5}, {}),
+    "softer contacts": ("a stiff wall", {"k": 1e9}, {}),
+}
+
+
+@pytest.mark.parametrize(
+    "advice", [*[*MENDED][:-1], pytest.param([*MENDED][-1], marks=pytest.mark.slow)]
+)
+def test_a_run_that_takes_too_much_work_gets_on_with_the_advice_for_its_trouble(advice):
+    trouble, bearing, settings = MENDED[advice]
+    before = SLOW[trouble]
+    told = outcome(rubbing(**before[0]), choose(**before[1]), 0.01)
+    assert advice in told[-1]
+    assert "a cycle of the motion takes more than" in told[-1]
+    told = outcome(rubbing(**before[0] | bearing), choose(**before[1] | settings), 0.01)
+    assert not [message for message in told if "iterations" in message]
+
+
+def test_steps_too_coarse_are_mended_by_a_smaller_least_step_or_a_larger_tolerance():
+    coarse = {"tolerance": 1e-5, "h_min": 1e-3, "h": 1e-3}
+    (told,) = outcome(rig(), choose(**coarse), 0.1)
+    assert "take a smaller solver.h_min, or a larger solver.tolerance" in told
+    assert outcome(rig(), choose(**coarse | {"h_min": 1e-9}), 0.1) == []
+    assert outcome(rig(), choose(**coarse | {"tolerance": 1.0}), 0.1) == []
+
+
+def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step():
+    (told,) = doubts_on_the_rig(choose("moderate"))
+    assert "take the preset robust, or a smaller solver.h" in told
+    assert doubts_on_the_rig(choose("robust")) == []
+    assert doubts_on_the_rig(choose("moderate", h=1e-4)) == []
+
+
+@pytest.mark.parametrize(
+    ("told", "advice", "followed"),
+    [
+        (unstable(), "take alpha_m <= alpha_f <= 0.5", choose("paper")),
+        (replace(unstable(), h=1e-3), "or the preset robust", choose("robust", h=1e-3)),
+    ],
+)
+def test_a_scheme_that_diverges_is_mended_by_what_is_advised(told, advice, followed):
+    assert advice in outcome(rig(), told, 0.5, interval=0.5)[-1]
+    assert outcome(rig(), followed, 0.5) == []
+
+
+def test_an_overdamped_rub_is_seen_by_the_preset_controlled_and_by_a_smaller_step():
+    told = outcome(overhung_machine(), choose("robust"), 1.0)
+    assert "take the preset controlled, or a smaller solver.h" in told[-1]
+    for settings in (choose("controlled"), choose("robust", h=2e-5)):
+        assert outcome(overhung_machine(), settings, 1.0) == []
