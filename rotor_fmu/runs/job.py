@@ -5,15 +5,12 @@ from __future__ import annotations
 import csv
 import difflib
 import math
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.progress import Progress, TimeRemainingColumn
 
 from ..errors import InputError
 from ..files import unfinished
@@ -30,15 +27,14 @@ from ..packing.bundle import FMU_NAME, build, is_current
 from ..telling import json_text
 from . import PLOTS
 from .machine_file import machine_text
+from .progress import shown
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .signals import Signals, make_signals, read_signals
 
 # What a run leaves in its folder.
 RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")
-_console = Console(stderr=True)
 _MOST_ROWS = 2e6
-_LINE_EVERY = 10.0  # seconds between lines of progress where no terminal is
 
 
 def load_rotor(path: Path | None) -> tuple[str, Rotor]:
@@ -139,7 +135,7 @@ def prepare(
     constants = {name: value for name, value in values.items() if name in inputs}
     recorded = read_signals(signal_file, table) if signal_file else None
     if recorded is not None and recorded.t[-1] < stop:
-        _console.print(
+        Console(stderr=True).print(
             f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
             f"held until --stop = {stop:g} s",
             highlight=False,
@@ -194,13 +190,13 @@ def _step_of(settings: Settings) -> float:
 
 def execute(job: Job, fmu: Path | None, label: str) -> Run:
     """Carry out a run with a progress bar: through the FMU, or directly where `fmu` is None."""
-    with _bar(job, label) as progress:
+    with shown(label, job.stop, job.step, job.settings) as progress:
         return run_direct(job.rotor, job, progress) if fmu is None else run_fmu(fmu, job, progress)
 
 
 def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
     """Carry out a run directly, with a progress bar, and record what is usual of its steps."""
-    with _bar(job, label) as progress:
+    with shown(label, job.stop, job.step, job.settings) as progress:
         about = {"toml": job.toml}
         return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
 
@@ -226,39 +222,6 @@ def difference(one: Run, other: Run) -> float:
         if len(column)
     ]
     return max(apart, default=0.0)
-
-
-@contextmanager
-def _bar(job: Job, label: str) -> Iterator[Callable[[float, float], None]]:
-    """A bar with the length of the present steps, which says what a slow run is slow by; where no
-    terminal is, a line every now and then."""
-    said = time.monotonic()
-
-    def tell(t: float, h: float) -> None:
-        nonlocal said
-        if time.monotonic() - said > _LINE_EVERY:
-            said = time.monotonic()
-            _console.print(f"{label}: {t:.4g} of {job.stop:g} s, steps of {_length(h)}")
-
-    if not _console.is_terminal:
-        yield tell
-        return
-    with Progress(
-        *Progress.get_default_columns()[:-1],
-        TimeRemainingColumn(),
-        console=_console,
-        transient=True,
-    ) as bar:
-        task = bar.add_task(label, total=job.stop)
-
-        def progress(t: float, h: float) -> None:
-            bar.update(task, completed=t, description=f"{label}, steps of {_length(h)}")
-
-        yield progress
-
-
-def _length(h: float) -> str:
-    return f"{1e3 * h:.3g} ms" if h >= 1e-4 else f"{1e6 * h:.3g} µs"
 
 
 def fmu_in(out: Path, toml: str) -> Path:

@@ -22,11 +22,11 @@ from ..fmu.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
+from .progress import Tell, silent
 from .recording import Recording
 from .signals import Signals
 from .views import contact_of, is_constant, peak_index, place_of
 
-Progress = Callable[[float, float], None]  # of the time reached and the last step [s]
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
 _TAPE_ROWS = 16384  # of one communication interval, some 250 turns
@@ -67,7 +67,7 @@ class Run:
         return self.columns["w"] / (2 * math.pi)
 
 
-def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t, h: None) -> Run:
+def run_fmu(fmu: Path, plan: Plan, progress: Tell = silent) -> Run:
     """Drive a built FMU with FMPy.
 
     A run that fails is returned up to its last good communication point, with the reason.
@@ -90,7 +90,7 @@ def run_fmu(fmu: Path, plan: Plan, progress: Progress = lambda t, h: None) -> Ru
             begun = time.perf_counter()
         recorder = its_recorder
         last = dict(zip((name for name, *_ in recorder.cols), recorder.rows[-1], strict=True))
-        progress(t, last["solver.h_last"])
+        progress(t, lambda: last)
         return not interrupts
 
     folder = fmpy.extract(str(fmu))
@@ -159,7 +159,7 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
-def run_direct(rotor: Rotor, plan: Plan, progress: Progress = lambda t, h: None) -> Run:
+def run_direct(rotor: Rotor, plan: Plan, progress: Tell = silent) -> Run:
     """The same run without an FMU: same steps, same inputs, same numbers."""
     return _march(rotor, plan, (), progress)[0]
 
@@ -168,7 +168,7 @@ def run_recorded(
     rotor: Rotor,
     plan: Plan,
     record: Record | Sequence[str] | None = None,
-    progress: Progress = lambda t, h: None,
+    progress: Tell = silent,
     about: Mapping[str, Any] | None = None,
     is_silent: bool = False,
 ) -> tuple[Run, Recording]:
@@ -220,7 +220,7 @@ def _march(
     rotor: Rotor,
     plan: Plan,
     record: Record | Sequence[str],
-    progress: Progress,
+    progress: Tell,
     is_silent: bool = False,
 ) -> tuple[Run, np.ndarray]:
     """A run and the rows of its tape."""
@@ -236,7 +236,10 @@ def _march(
 
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
     loads = load_names(rotor)
-    h_last = simulation.names.index("solver.h_last")
+
+    def values_now() -> Mapping[str, float]:
+        return dict(zip(simulation.names, simulation.observed.tolist(), strict=True))
+
     failure = None
     t, n = 0.0, 0
     times, rows = [t], [simulation.observed.copy()]
@@ -259,7 +262,7 @@ def _march(
             begun = time.perf_counter()
         times.append(t)
         rows.append(simulation.observed.copy())
-        progress(t, float(simulation.observed[h_last]))
+        progress(t, values_now)
     wall = time.perf_counter() - begun
     columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
     status = _status(failure, columns, messages)
