@@ -1,5 +1,6 @@
 """The native FMU computes what the model in Python computes, bit for bit."""
 
+from importlib.resources import files
 from xml.etree.ElementTree import fromstring
 from zipfile import ZipFile
 
@@ -11,6 +12,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from rotor_fmu.packing.bundle import build
+from rotor_fmu.runs.job import load_rotor
 
 from .machine import Machine, observed
 
@@ -61,6 +63,31 @@ def run_both(machine, simulation, speeds):
         machine.step(H)
         simulation.advance(t + H, speed)
         yield machine.read(), observed(simulation, machine.computed)
+
+
+EXAMPLES = [
+    files("rotor_fmu.examples") / folder / name
+    for folder, name in (
+        ("drop", "compressor.toml"),
+        ("from_ross", "rubbing.toml"),
+        ("jeffcott_rub", "jeffcott.toml"),
+        ("magnetic_bearing", "compressor.toml"),
+        ("paper_rig", "rig.toml"),
+        ("studies", "whip.toml"),
+    )
+]
+
+
+@pytest.mark.filterwarnings("ignore::rotor_fmu.model.simulation.RotorWarning")
+@pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: f"{file.parent.name}/{file.name}")
+def test_every_example_runs_as_the_simulation_bit_for_bit(make, file):
+    toml, rotor = load_rotor(file)
+    machine = Machine(make(rotor_toml=toml)).start()
+    simulation = Simulation(rotor, speed=400.0)
+    before = observed(simulation, machine.computed)
+    for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(30)]):
+        assert (seen == expected).all()
+    assert (expected != before).any()
 
 
 @pytest.mark.parametrize("toml", [rig_toml(), OTHER], ids=["rig", "on supports"])
