@@ -84,6 +84,16 @@ def test_pedestals_become_housings():
     assert kinds.count("point_mass") == 0
 
 
+def test_a_pedestal_may_have_another_mass_in_y():
+    saved = json.loads(text_of("on_pedestals.json"))
+    pedestals = [key for key in saved if key.startswith("PointMass")]
+    assert pedestals
+    for key in pedestals:
+        saved[key] |= {"m": None, "mx": 10.0, "my": 14.0}
+    housings = parse_ross(json.dumps(saved), is_json=True).tables["housing"]
+    assert {(h["mass"], h["mass_ratio"]) for h in housings} == {(10.0, 1.4)}
+
+
 def test_tables_over_the_speed_of_ross_3_are_read_under_its_names():
     two = parse_ross(text_of("compressor.toml"))
     text = text_of("compressor.toml").replace('"2.3.0"', '"3.1.0"')

@@ -18,7 +18,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
+from ..kernels.compiled import plain
 from ..machine.rotor import Rotor
+from ..parts.housing import masses
 from ..protocol.part import Interface, Mount, Spring
 from ..quantities import QuantityError
 from ..structure.assembly import assemble
@@ -149,8 +151,9 @@ class LinearMachine:
     def weight(self) -> np.ndarray:
         """Gravity's force, x, y of every dof, shape (2 size,) [N, N.m]."""
         s = self.structure
-        housings = s.weight[0] / s.mass_sum[0] * s.housings.mass  # falling as the shaft does
-        return in_plane(np.concatenate([s.weight, housings, [0.0]]))
+        g = s.weight[0] / s.mass_sum[0]  # the housings fall as the shaft does
+        m_x, m_y = plain(masses)(s.housings)
+        return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
     def _kappa(self, speed: float) -> float:
         numbers = self.structure.numbers[0]
@@ -259,7 +262,7 @@ def _matrices(s: Structure) -> _Full:
 
     none = np.zeros(len(housings))
     return _Full(
-        M=full(s.M, both, housings.mass, housings.mass),
+        M=full(s.M, both, *plain(masses)(housings)),
         C=full(s.C, both, housings.cx, housings.cy),
         K=full(s.K, both, housings.kx, housings.ky),
         circulation=full(s.K_shaft, turned, none, none),

@@ -238,10 +238,13 @@ class _Reader:
             name = f"{base} {count}"
         return name
 
-    def _mass(self, element: _Element) -> float:
+    def _masses(self, element: _Element) -> tuple[float, float]:
         element.refuse_others("n", "m", "mx", "my", "mz")
         plain = element.values.get("m")
-        x, y = (element.number(key, plain) for key in ("mx", "my"))
+        return element.number("mx", plain), element.number("my", plain)
+
+    def _mass(self, element: _Element) -> float:
+        x, y = self._masses(element)
         if x != y:
             raise QuantityError(
                 f"{element.where}: mx = {x:g} kg and my = {y:g} kg: must be the same in x and y"
@@ -258,8 +261,9 @@ class _Reader:
         }
         for n, user in linked.items():
             holding = [e for e in self._of(*_BEARINGS) if e.node() == n]
-            mass = sum(self._mass(e) for e in self._of(_MASS) if e.node() == n)
-            if len(holding) != 1 or mass <= 0:
+            masses = [self._masses(e) for e in self._of(_MASS) if e.node() == n]
+            mass, vertical = (sum(m[axis] for m in masses) for axis in (0, 1))
+            if len(holding) != 1 or mass <= 0 or vertical <= 0:
                 raise QuantityError(
                     f"{user.where}.n_link = {n}: a pedestal must be a PointMass on one "
                     f"BearingElement to ground; there is {mass:g} kg on {len(holding)} of them"
@@ -275,6 +279,8 @@ class _Reader:
                     "dampers in x and y to ground"
                 )
             housing = {"name": f"pedestal {n}", "mass": mass}
+            if vertical != mass:
+                housing["mass_ratio"] = vertical / mass
             housing |= {f"{of}{a}": coefficients[f"{of}{a}{a}"] for of in "kc" for a in "xy"}
             found[n] = housing, ground
         return found

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from ..kernels.band import form
 from ..kernels.compiled import compiled
+from ..parts.housing import masses
 from ..step.excitation import at_load, at_place, circulation, drive_torque, internal_torque
 from ..step.laws import OWN_FLOWS, OWN_STORES, add_energy, add_losses, relative
 
@@ -67,7 +68,8 @@ def _momentum(structure, spin, v):
     for i in range(len(structure.unbalance)):
         total += 1j * spin.omega * structure.unbalance[i] * spin.direction
     for h in range(len(structure.housings)):
-        total += structure.housings[h].mass * v[n + h]
+        m_x, m_y = masses(structure.housings[h])
+        total += complex(m_x * v[n + h].real, m_y * v[n + h].imag)
     return total
 
 
@@ -95,9 +97,10 @@ def total_energy(structure, spin, motion, out):
     for h in range(len(structure.housings)):
         housing = structure.housings[h]
         q, v = motion.q[n + h], motion.v[n + h]
-        kinetic += 0.5 * housing.mass * (v.real * v.real + v.imag * v.imag)
+        m_x, m_y = masses(housing)
+        kinetic += 0.5 * (m_x * v.real * v.real + m_y * v.imag * v.imag)
         elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)
-        gravity -= housing.mass * (g.conjugate() * q).real
+        gravity -= m_x * g.real * q.real + m_y * g.imag * q.imag
     out[0] = kinetic
     out[1] = elastic
     out[2] = gravity

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from ..kernels.compiled import compiled, inlined
 from ..kernels.functions import modulus
+from ..parts.housing import masses
 from ..schemes.family import Scheme
 from ..step.excitation import falling, resting
 from ..step.fitting import unfitted
@@ -41,7 +42,8 @@ def release(structure, motion, loads):
     g = falling(structure, loads)
     for h in range(len(structure.housings)):
         housing = structure.housings[h]
-        motion.q[n + h] = housing.mass * complex(g.real / housing.kx, g.imag / housing.ky)
+        m_x, m_y = masses(housing)
+        motion.q[n + h] = complex(m_x * g.real / housing.kx, m_y * g.imag / housing.ky)
 
 
 @compiled

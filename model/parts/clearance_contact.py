@@ -49,7 +49,10 @@ class ContactQuantities:
     delta_c: float = quantity("m", "penetration at which its damping is whole", default=2e-7)
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
     exponent: float = quantity(
-        "1", "exponent of the penetration: 1 linear, 1.5 Hertz, k then in N/m^1.5", _EXPONENT, 1.0
+        "1",
+        "exponent of the penetration: 1 linear, 10/9 a roller, 1.5 Hertz; k in N/m^exponent",
+        _EXPONENT,
+        1.0,
     )
     mu_rise: float = quantity("1", "excess of the friction at rest", NOT_NEGATIVE, 0.0)
     v_stribeck: float = quantity("m/s", "sliding speed over which it falls off", default=0.01)

@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..kernels.compiled import compiled
 from ..protocol.part import Element, Mount, Part
 from ..quantities import NOT_NEGATIVE, QuantityError, quantity
 
 
 @dataclass(frozen=True, kw_only=True)
 class HousingQuantities:
-    """What a housing is: mass [kg], springs [N/m] and dampers [N.s/m] to ground in x and y."""
+    """What a housing is: mass [kg], in y times mass_ratio [1]; springs [N/m] and dampers [N.s/m] to
+    ground in x and y."""
 
     kx: float = quantity("N/m", "horizontal stiffness of the housing's springs", is_parameter=True)
     ky: float = quantity("N/m", "vertical stiffness of the housing's springs", is_parameter=True)
@@ -23,6 +25,13 @@ class HousingQuantities:
         "N.s/m", "vertical damping of the housing", NOT_NEGATIVE, is_parameter=True
     )
     mass: float = quantity("kg", "mass of the housing", is_parameter=True)
+    mass_ratio: float = quantity("1", "mass of the housing in y over that in x", default=1.0)
+
+
+@compiled
+def masses(housing):
+    """In x and in y [kg]."""
+    return housing.mass, housing.mass * housing.mass_ratio
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ import math
 from ..kernels.band import add_product, solve
 from ..kernels.compiled import compiled
 from ..kernels.functions import inverse
+from ..parts.housing import masses
 from ..step.laws import law_opening, law_tangent, relative
 
 # Which interfaces with a wall are closed: none, all, or the one of this number.
@@ -121,7 +122,7 @@ def take_matrices(run):
         for h in range(len(structure.housings)):
             is_its = h == housing
             survey.pick[j, coarse + h] = -1.0 if is_its else 0.0
-            survey.push[j, coarse + h] = -1.0 / structure.housings[h].mass if is_its else 0.0
+            survey.push[j, coarse + h] = -1.0 if is_its else 0.0
 
 
 @compiled
@@ -151,14 +152,19 @@ def take_machine(run, speed, case):
             A[size + half + i, size + k] = speed * survey.G[i, k]
     for h in range(len(structure.housings)):
         housing, i = structure.housings[h], coarse + h
-        A[size + i, i] -= housing.kx / housing.mass
-        A[size + half + i, half + i] -= housing.ky / housing.mass
-        A[size + i, size + i] -= housing.cx / housing.mass
-        A[size + half + i, size + half + i] -= housing.cy / housing.mass
+        A[size + i, i] -= housing.kx
+        A[size + half + i, half + i] -= housing.ky
+        A[size + i, size + i] -= housing.cx
+        A[size + half + i, size + half + i] -= housing.cy
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].has_wall == 0 or is_closed(structure.interfaces, j, case):
             _add_force(survey, j, 0, survey.p_d[j], survey.q_d[j])
             _add_force(survey, j, size, survey.p_v[j], survey.q_v[j])
+    for h in range(len(structure.housings)):
+        m_x, m_y = masses(structure.housings[h])
+        for k in range(2 * size):
+            A[size + coarse + h, k] /= m_x
+            A[size + half + coarse + h, k] /= m_y
     for i in range(size, 2 * size):
         for k in range(size):
             A[i, k] /= scale * scale

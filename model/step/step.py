@@ -15,6 +15,7 @@ import numpy as np
 from ..kernels.band import add_product, factorize, solve
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
+from ..parts.housing import masses
 from .excitation import add_applied, circulation, falling
 from .interface_problem import solve_interfaces
 from .laws import law_force, law_rates, relative
@@ -85,7 +86,7 @@ def _housing_forces(housing, g, q, v):
     """Springs, dampers and weight of a housing [N]; g: see `falling` [m/s2]."""
     spring = by_axis(housing.kx, housing.ky, q)
     damper = by_axis(housing.cx, housing.cy, v)
-    return spring + damper - housing.mass * g
+    return spring + damper - by_axis(*masses(housing), g)
 
 
 @compiled
@@ -114,7 +115,8 @@ def accelerate(structure, spin, damping, loads, motion, work):
         motion.v_dot[interface.end] -= force
     _fill_rates(structure, spin, motion)
     for h in range(len(structure.housings)):
-        motion.v_dot[n + h] *= 1.0 / structure.housings[h].mass
+        m_x, m_y = masses(structure.housings[h])
+        motion.v_dot[n + h] = by_axis(1.0 / m_x, 1.0 / m_y, motion.v_dot[n + h])
     motion.v_dot[n + len(structure.housings)] = 0.0
     solve(structure.M_factors, f)
 
@@ -159,9 +161,10 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
     factorize(factors)
     for j in range(len(structure.housings)):
         housing = structure.housings[j]
-        inertia = m_factor * housing.mass
-        work.housing[j, 0] = share / (inertia + c_factor * housing.cx + k_factor * housing.kx)
-        work.housing[j, 1] = share / (inertia + c_factor * housing.cy + k_factor * housing.ky)
+        m_x, m_y = masses(housing)
+        x = m_factor * m_x + c_factor * housing.cx + k_factor * housing.kx
+        y = m_factor * m_y + c_factor * housing.cy + k_factor * housing.ky
+        work.housing[j, 0], work.housing[j, 1] = share / x, share / y
     interfaces = structure.interfaces
     m = len(interfaces)
     flexibility = problem.flexibility
@@ -210,7 +213,8 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
         at = n + h
         v = fit.damping * new.v[at]
         force = _housing_forces(housing, g, new.q[at], v)
-        force += (am * old.a[at] - af * old.v_dot[at]) * (housing.mass / share)
+        m_x, m_y = masses(housing)
+        force += by_axis(m_x / share, m_y / share, am * old.a[at] - af * old.v_dot[at])
         new.a[at] = -by_axis(work.housing[h, 0], work.housing[h, 1], force)
     new.a[n + len(structure.housings)] = 0.0
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.band import to_dense
+from ..kernels.compiled import plain
 from ..parts import LAWS
 from ..parts.clearance_contact import CLEARANCE_CONTACT
+from ..parts.housing import masses
 from ..quantities import quantities
 from .structure import Structure
 
@@ -40,10 +42,8 @@ def contact_picks(structure: Structure) -> np.ndarray:
 def in_plane(structure: Structure, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """M, C, K along `X` or `Y`, the housings behind the dofs, shape (n + housings,) squared."""
     housings = structure.housings
-    own = (
-        (housings.mass, housings.cx, housings.kx),
-        (housings.mass, housings.cy, housings.ky),
-    )[axis]
+    m_x, m_y = plain(masses)(housings)
+    own = ((m_x, housings.cx, housings.kx), (m_y, housings.cy, housings.ky))[axis]
     n = len(structure.weight)
     found = []
     for band, diagonal in zip((structure.M, structure.C, structure.K), own, strict=True):

@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.simulation import RotorWarning, Simulation
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.places import places
 
@@ -227,6 +228,47 @@ def test_a_base_that_accelerates_upwards_is_gravity():
     )
 
 
+SEAT = '[[housing]]\nname = "seat"\nmass = 2.0\nmass_ratio = 3.0\nkx = 1e6\nky = 4e6\n'
+
+
+def test_a_housing_swings_with_one_mass_horizontally_and_another_vertically():
+    """Out of the rotor's reach, pushed by its base: two oscillators without damping."""
+    wall = (
+        'node = 2\nhousing = "seat"\njournal_radius = 0.02\nclearance = 0.01\nmu = 0.1\nk = 1e7\n'
+    )
+    text = FLEXIBLE + SEAT + "cx = 0.0\ncy = 0.0\n[[contact]]\n" + wall + "[base]\n"
+    sim = Simulation(parse_rotor(text), choose("robust", h=1e-5), speed=150.0)
+    housing = len(sim.structure.M)
+    start = sim.motion.q[housing]
+    assert start == pytest.approx(-6.0 * 9.81j / 4e6, rel=1e-9)
+    t = 0.004
+    sim.advance(t, 150.0, np.array([0.0, 3.0 + 5.0j]))
+    moved = sim.motion.q[housing] - start
+    assert moved.real == pytest.approx(
+        -2.0 * 3.0 / 1e6 * (1 - math.cos(math.sqrt(1e6 / 2.0) * t)), rel=1e-3
+    )
+    assert moved.imag == pytest.approx(
+        -6.0 * 5.0 / 4e6 * (1 - math.cos(math.sqrt(4e6 / 6.0) * t)), rel=1e-3
+    )
+    assert abs(sim.read("energy.residual")) < 1e-4 * sim.read("energy.elastic")
+
+
+def test_the_survey_sees_a_housings_masses_as_the_linear_answers_do():
+    held = HELD.replace("cxx = 100.0", 'cxx = 1.0\nhousing = "seat"').replace(
+        "cyy = 150.0", "cyy = 1.0"
+    )
+    text = STEEL + sections(0.2, 0.2, 0.2, outer=0.03) + held + HUB + SEAT + "cx = 5.0\ncy = 5.0\n"
+    rotor = parse_rotor(text + SEAL.replace("5e4", "8e5"))
+    with pytest.warns(RotorWarning, match="unstable at rest"):
+        sim = Simulation(rotor)
+    found = modes(rotor, 0.0, count=20).eigenvalues
+    growing = found[np.argmax(found.real)]
+    assert growing.real > 0
+    assert complex(sim._run.survey.rest[0]) == pytest.approx(
+        complex(growing.real, abs(growing.imag)), rel=1e-6
+    )
+
+
 def test_the_order_is_2_with_every_linear_part():
     seat = '[[housing]]\nname = "seat"\nmass = 2.0\nkx = 1e7\nky = 1e7\ncx = 50.0\ncy = 50.0\n'
     text = FLEXIBLE.replace("cxx", 'housing = "seat"\ncxx', 1) + "offset = 0.02\ne = 1e-4\n"
@@ -344,8 +386,8 @@ def test_all_component_modes_are_the_whole_machine():
     flight = text + touchdown(2, "") + "[start]\ny = 1e-5\ntilt_x = 1e-4\n"
     for machine in (text, flight):
         ends = []
-        for modes in (0, 50):
-            settings = choose("robust", h=5e-5, reduction=modes)
+        for kept in (0, 50):
+            settings = choose("robust", h=5e-5, reduction=kept)
             loads = np.array([2.0, 3.0 + 1.0j])
             sim = Simulation(parse_rotor(machine), settings, speed=150.0, loads=loads)
             sim.advance(0.005, 150.0, loads)
