@@ -7,7 +7,10 @@ import signal
 import time
 from dataclasses import dataclass
 
+from rotor_fmu import studies
+from rotor_fmu.studies.conduct import conduct
 from rotor_fmu.studies.engines import Engine, Here
+from rotor_fmu.studies.reading import read_study
 from rotor_fmu.studies.study import Column, Result
 
 NAMES = ("x1", "x2", "x3")
@@ -79,3 +82,11 @@ def one_by_one():
 
 def quiet(progress):
     """No progress."""
+
+
+def conducted(text, folder):
+    """A study written into a folder and run: its file, the folder of its rows, and the rows."""
+    path, out = folder / "study.toml", folder / "out"
+    path.write_text(text)
+    conduct(read_study(path), out, here, quiet)
+    return path, out, studies.open(out)

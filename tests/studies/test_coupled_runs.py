@@ -19,7 +19,7 @@ from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, fmus
 from rotor_fmu.studies.machine.driving import KINDS
 from rotor_fmu.studies.reading import read_study
 
-from .functions import here, quiet
+from .functions import conducted, here, quiet
 
 STUDY = """
 [run]
@@ -44,10 +44,7 @@ taken = { last = "energy.drive_work" }
 def coupled(tmp_path_factory):
     """A study's file, its folder and its rows."""
     folder = tmp_path_factory.mktemp("coupled")
-    path = folder / "study.toml"
-    path.write_text(STUDY)
-    conduct(read_study(path), folder / "out", here, quiet)
-    return path, folder / "out", studies.open(folder / "out")
+    return conducted(STUDY, folder)
 
 
 def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):

@@ -15,7 +15,7 @@ from rotor_fmu.studies.machine.driving import Drive, Samples, Window
 from rotor_fmu.studies.machine.keeping import Keep, cells
 from rotor_fmu.studies.reading import read_study
 
-from .functions import here, quiet
+from .functions import conducted, here, quiet
 
 RIG = """
 [run]
@@ -43,10 +43,7 @@ at_190 = { value = "disc[3].x_amp", speed = 190 }
 def rig(tmp_path_factory):
     """A study's file, its folder and its rows."""
     folder = tmp_path_factory.mktemp("rig")
-    path = folder / "study.toml"
-    path.write_text(RIG)
-    conduct(read_study(path), folder / "out", here, quiet)
-    return path, folder / "out", studies.open(folder / "out")
+    return conducted(RIG, folder)
 
 
 def test_friction_at_each_contact_adds_up_to_the_ledger(rig):
