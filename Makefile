@@ -49,7 +49,7 @@ test-native: $(VENV)/made-test $(VENV)/core
 test-all: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile -m "slow or not slow"
 
-# all tests as on other processors, and on loaded cores: an hour or two
+# all tests as on other processors, and on loaded cores: hours; stopped with Ctrl-C it goes on from there
 test-processors: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python tests/processors.py
 

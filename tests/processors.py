@@ -1,25 +1,56 @@
 """The tests as other processors would run them, and on loaded cores: make test-processors.
 
 OpenBLAS and numba are told to take another processor for this one. Each setting has a cache of its
-own. Arguments go to pytest. The exit status is the number of settings under which a test failed.
+own. Arguments go to pytest. Stopped with Ctrl-C it goes on from there: settings that this very tree
+has passed are not run again. The exit status is the number of settings under which a test failed.
 """
 
+import hashlib
+import json
 import os
 import subprocess
 import sys
 import tempfile
 import time
+from pathlib import Path
 
 SETTINGS = {
     "Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
     "Haswell": {"OPENBLAS_CORETYPE": "Haswell"},
     "SkylakeX": {"OPENBLAS_CORETYPE": "SkylakeX"},
-    "generic": {"NUMBA_CPU_NAME": "generic"},
+    # numba compiles, where the library made beforehand would be taken
+    "generic": {
+        "NUMBA_CPU_NAME": "generic",
+        "NUMBA_CPU_FEATURES": "",
+        "ROTOR_FMU_KERNELS": "numba",
+    },
     "loaded": {},
 }
 BUSY = [sys.executable, "-c", "while True: pass"]
 PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]
 EVERY = ["-m", "slow or not slow"]
+PASSED = Path("build/processors.json")
+
+
+def tree(arguments):
+    """What is tested: the files as they are now, and pytest's arguments."""
+    files = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        capture_output=True, check=True, text=True,
+    ).stdout.split("\0")  # fmt: skip
+    content = hashlib.sha256(repr(arguments).encode())
+    for file in map(Path, sorted(filter(None, files))):
+        if file.is_file():
+            content.update(f"{file}\0".encode() + file.read_bytes())
+    return content.hexdigest()
+
+
+def passed(of_tree):
+    """Names of the settings that this tree has passed."""
+    if not PASSED.is_file():
+        return []
+    told = json.loads(PASSED.read_text())
+    return told["passed"] if told["tree"] == of_tree else []
 
 
 def passes(name, arguments):
@@ -40,6 +71,25 @@ def passes(name, arguments):
     return status == 0
 
 
+def main(arguments):
+    """Run the settings that are left; the number of those that failed."""
+    here = tree(arguments)
+    done = passed(here)
+    failed = 0
+    for name in SETTINGS:
+        if name in done:
+            print(f"== {name}: passed before", flush=True)
+        elif passes(name, arguments):
+            done = [*done, name]
+            PASSED.parent.mkdir(exist_ok=True)
+            PASSED.write_text(json.dumps({"tree": here, "passed": done}))
+        else:
+            failed += 1
+    return failed
+
+
 if __name__ == "__main__":
-    arguments = sys.argv[1:] or EVERY
-    sys.exit(sum(not passes(name, arguments) for name in SETTINGS))
+    try:
+        sys.exit(main(sys.argv[1:] or EVERY))
+    except KeyboardInterrupt:
+        sys.exit(130)
