@@ -1,12 +1,14 @@
-"""What is built and compiled once for all workers of pytest-xdist."""
+"""What is built and compiled once for all workers of pytest-xdist; pictures nobody looks at."""
 
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 from rotor_fmu.model.code import waits_for_compiler
 
 from rotor_fmu.packing.bundle import build
@@ -25,6 +27,12 @@ from pathlib import Path
 from rotor_fmu.packing.warm import warm
 warm(Path(sys.argv[1]))
 """
+
+
+def pytest_configure():
+    # what a shell starts in the background is deaf to Ctrl-C, and so would be all that it starts
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -52,3 +60,17 @@ def _compile(fmu):
     compilers = [subprocess.Popen([sys.executable, "-c", s, str(fmu)], **quiet) for s in scripts]
     for compiler in compilers:
         compiler.wait()
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Pictures are written empty: to draw them takes seconds, and they are looked at elsewhere."""
+    drawn = Figure.savefig
+
+    def savefig(figure, file, **options):
+        if isinstance(file, Path):
+            file.touch()
+        else:
+            drawn(figure, file, **options)
+
+    monkeypatch.setattr(Figure, "savefig", savefig)

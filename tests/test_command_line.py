@@ -205,6 +205,7 @@ def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_ear
     assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_signals_from_a_file_drive_the_run(command, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed,disc[2].fy\n0,100,5\n1,120,5\n")
     done = command(
@@ -230,6 +231,7 @@ def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
     np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_signals_that_end_before_the_run_are_said_to_be_held(command, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed\n0,100\n0.01,100\n")
     done = command(
@@ -241,6 +243,7 @@ def test_signals_that_end_before_the_run_are_said_to_be_held(command, tmp_path):
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
     done = command(
         *("run-down", "--preset", "paper", "--set", "solver.method=wbz"),
@@ -251,6 +254,7 @@ def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
     assert json.loads((tmp_path / "summary.json").read_text())["status"].startswith("failed")
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("how", [[], ["--direct"]])
 def test_a_setting_without_effect_is_said(command, tmp_path, how):
     done = command(
@@ -263,6 +267,7 @@ def test_a_setting_without_effect_is_said(command, tmp_path, how):
     assert sentence in json.loads((tmp_path / "summary.json").read_text())["messages"]
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("order", [1, -1])
 def test_parameters_that_go_together_are_taken_together(command, tmp_path, order):
     sets = ["shaft.eta_h=0.01", "shaft.rotating_damping=true"][::order]

@@ -51,6 +51,7 @@ def test_each_command_tells_a_table_and_writes_a_picture(command, tmp_path, argu
     assert json.loads((tmp_path / "out" / f"{name}.json").read_text())
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_numbers_of_the_rig_are_those_of_the_paper(command):
     """Its 29.4 and 32.5 Hz."""
     natural = json.loads(command("modes", "--json"))["natural"]
@@ -63,6 +64,7 @@ def test_json_says_all_in_si(command):
     np.testing.assert_allclose(np.array(told["x"]) @ [1, 1j], found.x)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
     direct = command("modes", "--rotor", str(ROSS / "on_pedestals.json"))
     machine = tmp_path / "machine.toml"

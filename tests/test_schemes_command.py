@@ -99,6 +99,7 @@ def test_both_papers_signs_and_abaqus_name_the_same_scheme():
     assert parse("moderate-dissipation") == family.hht(math.sqrt(2) - 1)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_users_own_frequency_and_step_are_answered_in_sentences(tmp_path):
     status, text = call(
         *("--frequency", 29.4, "--step", 0.004, "--out", tmp_path),
@@ -118,6 +119,7 @@ def test_a_users_own_frequency_and_step_are_answered_in_sentences(tmp_path):
     assert float(rows[0]["elongation"]) == pytest.approx(0.05380, abs=1e-5)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_step_past_the_stability_limit_is_told_with_the_longest_that_is_not(tmp_path):
     status, text = call(
         *("--frequency", 50, "--step", 0.01, "--damping", 0.02, "--out", tmp_path),
@@ -130,6 +132,7 @@ def test_a_step_past_the_stability_limit_is_told_with_the_longest_that_is_not(tm
     assert "11.81 % is right" in text
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_unstable_and_inconsistent_parameters_are_computed_and_flagged(tmp_path):
     arguments = ("wbz=0.08", "hht=-0.05", "newmark=0.25,0.52", "newmark=0.5,0.5")
     status, text = call(*(f"--scheme={text}" for text in arguments), "--out", tmp_path)

@@ -14,7 +14,7 @@ from rotor_fmu.model.simulation import Simulation
 import rotor_fmu as rf
 from rotor_fmu.cli import app, main
 from rotor_fmu.fmu.interface import interface
-from rotor_fmu.runs import command, run_down
+from rotor_fmu.runs import run_down
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.telling import json_text, tells
 
@@ -53,13 +53,6 @@ def told(tmp_path, monkeypatch, capsys):
         return said.out, said.err, end.value.code
 
     return run
-
-
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Runs without their pictures, which take seconds."""
-    monkeypatch.setattr(command, "write_run_down", lambda *arguments: [])
-    monkeypatch.setattr(command, "write_report", lambda *arguments: None)
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from PIL import Image
 
 from ..files import unfinished
 from ..model.impact.ratchet import Ratchet, RatchetRun
@@ -75,7 +74,8 @@ class _Scene:
         self.mesh = PolyCollection([], cmap="viridis", edgecolor="white", linewidths=0.4)
         self.mesh.set_clim(0, 1e6 * largest)
         axes.add_collection(self.mesh)
-        axes.plot(0, 0, "o", color="black", ms=6, zorder=5)
+        (pivot,) = axes.plot(0, 0, "o", color="black", ms=6, zorder=5)
+        self.moving: tuple[Artist, ...] = self._wheel, self.mesh, pivot
         tip = pawl.height / 2 + ratchet.tooth.slope * pawl.nose_length
         axes.set_xlim(-200 * pawl.length, 1e3 * (pawl.length + 3 * ratchet.tooth.slip))
         axes.set_ylim(-4000 * tip, 2000 * pawl.height)
@@ -142,23 +142,38 @@ def animate(found: RatchetRun, path: Path, caption: str) -> Path:
     size = np.sqrt((bent**2).sum(axis=-1)).max(axis=1)
     largest = float(np.quantile(size, 0.98))
     figure, (axes,) = panels(1, 6.0, 3.1)
+    figure.set_dpi(90)
     scene = _Scene(axes, ratchet, _magnification(np.array([[[largest, 0.0]]])), largest)
     axes.set_xlabel("x [mm]")
     axes.set_title(caption, loc="left", fontsize=9)
     clock = axes.text(0.02, 0.95, "", transform=axes.transAxes, va="top", fontsize=9)
+    moving = (*scene.moving, clock)
+    for artist in moving:
+        artist.set_animated(True)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    still = canvas.copy_from_bbox(figure.bbox)
 
-    def frame(k: int) -> Sequence[Artist]:
+    def frame(k: int) -> Image.Image:
         scene.show(found.shape_angle[k], found.shapes[k])
         speed = np.interp(found.shape_t[k], found.t, found.wheel_speed)
         clock.set_text(f"t = {1e3 * found.shape_t[k]:5.2f} ms    wheel {speed:+6.1f} rad/s")
-        return ()
+        canvas.restore_region(still)
+        for artist in moving:
+            axes.draw_artist(artist)
+        pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+        return Image.fromarray(np.ascontiguousarray(pixels))
 
-    frame(0)
-    movie = FuncAnimation(figure, frame, frames=len(found.shape_t), blit=False)
-    figure.canvas.draw()
-    figure.set_layout_engine("none")
+    first, *others = (frame(k) for k in range(len(found.shape_t)))
     with unfinished(path) as part:
-        movie.save(part, writer=PillowWriter(fps=_FRAME_RATE), dpi=90)
+        first.save(
+            part,
+            format="GIF",
+            save_all=True,
+            append_images=others,
+            duration=1000 // _FRAME_RATE,
+            loop=0,
+        )
     return path
 
 

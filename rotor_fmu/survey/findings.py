@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import statistics
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..model.schemes import family
 from ..model.schemes.family import Scheme
@@ -43,15 +44,18 @@ class Findings:
     """The rows of a survey's table."""
 
     rows: Sequence[Row]
+    _groups: dict[tuple[str, ...], dict[tuple, list[Row]]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def of(self, experiment: str, **where: object) -> list[Row]:
         """Rows of an experiment in which the columns named have the values given."""
-        return [
-            row
-            for row in self.rows
-            if row["experiment"] == experiment
-            and all(row.get(name) == value for name, value in where.items())
-        ]
+        columns = ("experiment", *where)
+        if columns not in self._groups:
+            groups = self._groups[columns] = defaultdict(list)
+            for row in self.rows:
+                groups[tuple(map(row.get, columns))].append(row)
+        return list(self._groups[columns].get((experiment, *where.values()), ()))
 
     def schemes(self, experiment: str) -> list[str]:
         """Labels of the schemes that an experiment was run with, in the order of `TITLES`."""

@@ -69,6 +69,7 @@ def test_the_status_log_of_figure_8_is_printed_and_kept(bars):
     assert "4.000e-007" in text
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_users_own_bars(tmp_path):
     arguments = ["--scheme", "hht=alpha=-0.3", "--dt", 4e-4, "--opening", 0.005]
     status, _ = call(
@@ -82,6 +83,7 @@ def test_a_users_own_bars(tmp_path):
     assert pictures == ["tip_velocity_hht_alpha_-0.3_current-time_opening_0.005.png"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_json_has_the_tables_rows_and_what_is_to_be_said_of_the_schemes(tmp_path):
     arguments = ["--scheme", "newmark", "--dt", 8e-4, "--opening", 0.01, "--out", tmp_path]
     status, text = call("bars", *arguments, "--json", "--quiet")
@@ -92,6 +94,7 @@ def test_json_has_the_tables_rows_and_what_is_to_be_said_of_the_schemes(tmp_path
     assert "does not damp the fastest oscillations" in told["remarks"]["newmark"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_penalty_takes_the_place_of_the_hard_contact(tmp_path):
     arguments = ["--scheme", "moderate-dissipation", "--dt", 8e-4, "--opening", 0.01]
     assert call("bars", *arguments, "--penalty", 20, "--out", tmp_path)[0] == 0
@@ -101,6 +104,7 @@ def test_a_penalty_takes_the_place_of_the_hard_contact(tmp_path):
     assert float(soft["rms"]) != pytest.approx(float(hard["rms"]), rel=0.02)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_unstable_scheme_is_flagged_computed_and_caught(tmp_path):
     with pytest.raises(RunFailed, match=r"diverged at t = \S+ s, increment \d+, energy \S+ J"):
         call("bars", "--scheme", "wbz=0.3", "--dt", 8e-4, "--opening", 0.01, "--out", tmp_path)
@@ -155,6 +159,7 @@ def test_a_ratchet_of_ones_own_is_drawn_and_moves(tmp_path):
     assert not list(tmp_path.glob("*.part*"))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_rotors_bearings_are_tried_with_each_impact_option(tmp_path):
     arguments = ["--scheme", "moderate-dissipation", "--dt", 1e-3, "--stop", 0.06, "--cap", 500]
     status, _ = call("bearings", *arguments, "--out", tmp_path)
