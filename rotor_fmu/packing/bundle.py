@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+import subprocess
 import sys
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from importlib.metadata import version
+from importlib.metadata import distribution, version
+from importlib.util import find_spec
 from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring, indent, tostring
-
-from pythonfmu.builder import FmuBuilder
 
 from .. import model
 from ..files import unfinished
@@ -37,6 +37,8 @@ _PYTHONFMUS = (
     "resources/pythonfmu/",
     "resources/slavemodule.txt",
 )
+# What pythonfmu would leave off, and how its command says it.
+_OPTIONS = {"canGetAndSetFMUstate": "--handle-state", "canSerializeFMUstate": "--serialize-state"}
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
@@ -102,18 +104,40 @@ def _documents(toml: str, is_free: bool) -> dict[str, bytes]:
 
 
 def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
-    """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources."""
-    search_path = list(sys.path)
-    try:
-        FmuBuilder.build_FMU(
-            script,
-            dest=raw,
-            project_files=list(beside),
-            canGetAndSetFMUstate=True,
-            canSerializeFMUstate=True,
+    """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources.
+
+    An FMU that has run in this process has left its own copy of pythonfmu there, which would make
+    one without libraries. Then it is made in a process of its own. Raises `OSError` if that fails.
+    """
+    if _finds_the_installed("pythonfmu"):
+        from pythonfmu.builder import FmuBuilder
+
+        search_path = list(sys.path)
+        try:
+            options = dict.fromkeys(_OPTIONS, True)
+            FmuBuilder.build_FMU(script, dest=raw, project_files=list(beside), **options)
+        finally:
+            sys.path[:] = search_path
+    else:
+        command: list[str | Path] = [sys.executable, "-m", "pythonfmu", "build"]
+        done = subprocess.run(
+            [*command, "-f", script, "-d", raw, *_OPTIONS.values(), *beside],
+            cwd=script.parent,
+            capture_output=True,
+            text=True,
+            check=False,
         )
-    finally:
-        sys.path[:] = search_path
+        if done.returncode != 0:
+            reason = (done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1]
+            raise OSError(f"pythonfmu cannot make an FMU of {script.name}: {reason}")
+
+
+def _finds_the_installed(package: str) -> bool:
+    """Whether this process has or would import a package from where it is installed."""
+    found = find_spec(package)
+    origin = found.origin if found else None
+    installed = Path(str(distribution(package).locate_file(package)), "__init__.py").resolve()
+    return origin is not None and Path(origin).resolve() == installed
 
 
 def _sources() -> dict[str, str]:
@@ -156,6 +180,8 @@ def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) 
         names = {name for name in archive.namelist() if not name.startswith(_PYTHONFMUS)}
         if not _holds(archive, expected) or _tool(archive) != f"PythonFMU {version('pythonfmu')}":
             return False
+        if not _has_pythonfmu(archive):
+            return False
         documents = _documents(toml, is_free)  # which take longer to make than to compare
         return names == {*expected, *documents} and _holds(archive, documents)
 
@@ -163,6 +189,11 @@ def is_current(fmu: Path, rotor_toml: str | None = None, is_free: bool = False) 
 def _holds(archive: zipfile.ZipFile, expected: Mapping[str, bytes]) -> bool:
     there = set(archive.namelist())
     return all(name in there and archive.read(name) == data for name, data in expected.items())
+
+
+def _has_pythonfmu(archive: zipfile.ZipFile) -> bool:
+    folders = {name.rpartition("/")[0] for name in archive.namelist()}
+    return folders >= {"resources/pythonfmu", *(f"binaries/{platform}" for platform in PLATFORMS)}
 
 
 def _tool(archive: zipfile.ZipFile) -> str | None:

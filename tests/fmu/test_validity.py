@@ -57,6 +57,10 @@ def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
     for name in {*ours, "model.png", "resources/rotor.toml"} - {"modelDescription.xml"}:
         assert not is_current(remade(fmu, tmp_path / "old.fmu", **{name: b"old"})), name
         assert not is_current(remade(fmu, tmp_path / "less.fmu", **{name: None})), name
+    for folder in ("binaries/linux64/", "binaries/win64/", "resources/pythonfmu/"):
+        without = dict.fromkeys(name for name in contents if name.startswith(folder))
+        assert without
+        assert not is_current(remade(fmu, tmp_path / "less.fmu", **without)), folder
     for name in ("documentation/more.txt", "resources/more.py"):
         assert not is_current(remade(fmu, tmp_path / "more.fmu", **{name: b""})), name
     by_another = contents["modelDescription.xml"].replace(b"PythonFMU ", b"PythonFMU 1")
