@@ -1,4 +1,9 @@
-"""Machines told in TOML that stand for textbook ones."""
+"""Machines told in TOML: some that stand for textbook ones, one with all that may bend and drop."""
+
+import numpy as np
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 SHAFT = 1e-4  # mass of the light shaft of `rigid` [kg]
 
@@ -41,3 +46,69 @@ cyy = {share * c}
 """
         for node, share in ((1, 0.01), (2, 0.98), (3, 0.01))
     )
+
+
+def sections(*lengths, **keys):
+    told = "\n".join(f"{key} = {value}" for key, value in keys.items())
+    return "".join(f"[[section]]\nlength = {length}\n{told}\n" for length in lengths)
+
+
+def touchdown(node, housing):
+    return f"""
+[[touchdown_bearing]]
+node = {node}
+journal_radius = 0.03
+clearance = 0.25e-3
+mu = 0.2
+k = 5e7
+c = 500.0
+race_inertia = 1e-4
+race_drag = 0.01
+race_damping = 1e-5
+housing = "{housing}"
+"""
+
+
+STEEL = "[material]\nyoung = 2.1e11\ndensity = 7800.0\n"
+HELD = """
+[[linear_bearing]]
+z = 0.0
+kxx = 1e6
+kyy = 2e6
+cxx = 100.0
+cyy = 150.0
+[[linear_bearing]]
+z = 0.4
+kxx = 1e6
+kyy = 2e6
+cxx = 100.0
+cyy = 150.0
+"""
+HUB = """
+[[body]]
+z = 0.6
+mass = 3.0
+I_d = 0.02
+I_p = 0.03
+"""
+FLEXIBLE = STEEL + sections(0.2, 0.2, 0.2, outer=0.03) + HELD + HUB
+SEAL = "[[seal]]\nz = 0.2\nkxx = 1e5\nkyy = 1e5\nkxy = 5e4\nkyx = -5e4\ncxx = 40.0\ncyy = 40.0\n"
+SEATS = "".join(
+    f'[[housing]]\nname = "{n}"\nmass = 0.5\nkx = 1e7\nky = 1e7\ncx = 500.0\ncy = 500.0\n'
+    for n in "ab"
+)
+DROPPED = (
+    STEEL
+    + sections(0.1, 0.2, 0.2, 0.1, outer=0.05)
+    + "[[disc]]\nnode = 3\ndiameter = 0.25\nwidth = 0.03\ne = 2e-5\n[start]\ny = 1e-5\n"
+    + SEATS
+    + touchdown(2, "a")
+)
+
+
+def end_of(text, duration=0.01, h=1e-4, speed=150.0, loads=None, probe=0):
+    """Where a place that is looked at is at the end of a run of a machine file, and the run."""
+    sim = Simulation(parse_rotor(text), choose("robust", h=h), speed=speed, rate=500.0, loads=loads)
+    for t in np.linspace(0, duration, 5)[1:]:
+        sim.advance(t, speed + 500.0 * sim.time, loads)
+    return sim.motion.q[sim.structure.probes[probe].dof], sim
