@@ -23,7 +23,7 @@ from rotor_fmu.model.march.watch import watch_bounces, watch_losses, watch_work
 from rotor_fmu.model.settings import Settings, choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.runs.machine_file import machine_text
+from rotor_fmu.machine_file.reading import machine_text
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TURNS = 5

@@ -19,8 +19,8 @@ from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmu.interface import interface
 from rotor_fmu.linear.doubts import doubts
+from rotor_fmu.machine_file.reading import machine_text
 from rotor_fmu.packing.documents import documents
-from rotor_fmu.runs.machine_file import machine_text
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 REFUSALS = (QuantityError, InputError, EquilibriumError, StepFailure)

@@ -14,7 +14,7 @@ from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.linear.command import one_speed, speed_range
-from rotor_fmu.runs.machine_file import machine_text
+from rotor_fmu.machine_file.reading import machine_text
 
 ROSS = Path(__file__).parent / "reference" / "ross"
 PNG = b"\x89PNG"

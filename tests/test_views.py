@@ -8,8 +8,9 @@ from rotor_fmu.model.march.tape import Record
 
 from rotor_fmu.runs.job import clear, execute_recorded, prepare
 from rotor_fmu.runs.recording import Recording
-from rotor_fmu.runs.run_down import run_recorded, summary
+from rotor_fmu.runs.run_down import run_recorded
 from rotor_fmu.runs.signals import Signals
+from rotor_fmu.runs.summary import summary
 from rotor_fmu.runs.views import (
     envelope,
     is_constant,

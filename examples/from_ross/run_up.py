@@ -14,7 +14,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.figures import BLUE, GREY, ORANGE, new_figure, save
-from rotor_fmu.runs.machine_file import machine_text
+from rotor_fmu.machine_file.reading import machine_text
 
 HERE = Path(__file__).resolve().parent
 CLEARANCE = 0.15e-3  # of the seals [m]

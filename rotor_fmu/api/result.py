@@ -19,7 +19,8 @@ from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..report.places import Recorded
 from ..runs.recording import Recording, load_recording
-from ..runs.run_down import PEAKS_AFTER, Run
+from ..runs.run_down import Run
+from ..runs.summary import PEAKS_AFTER
 from ..runs.views import peak_index
 from .machine import Machine
 from .pictures import png, shown

@@ -151,8 +151,8 @@ def import_ross(
     out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
 ) -> dict[str, Any]:
     """Turn a rotor that ROSS saved into a machine file."""
+    from ..machine_file.reading import import_ross as read
     from ..model.machine.writing import toml_text
-    from ..runs.machine_file import import_ross as read
 
     found = read("FILE", file)
     writable_folder(out.parent)

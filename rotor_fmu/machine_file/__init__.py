@@ -1,1 +1,2 @@
-"""What a machine file may say, made from the quantities: a page, and a schema for editors."""
+"""Machine files: reading a user's; what one may say, made from the quantities, as a page and as
+a schema for editors."""

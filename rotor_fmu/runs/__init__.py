@@ -1,4 +1,4 @@
-"""Runs through a built FMU: signals, run-down, reproduction, reports."""
+"""Runs through a built FMU: signals, run-down, its figures, reproduction, reports."""
 
 # What `rotor-fmu plot` draws of a run, beside its recording.
 PLOTS = (

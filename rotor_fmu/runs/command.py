@@ -32,8 +32,8 @@ from .job import (
 )
 from .reproduce import figures_of
 from .reproduce import reproduce as run_again
-from .run_down import summary
 from .signals import RUN_DOWN_STOP
+from .summary import summary
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")

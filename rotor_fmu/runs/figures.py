@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 
 from ..figures import BLUE, GREY, ORANGE, new_figure, save
 from .recording import Recording
-from .run_down import PEAKS_AFTER, Run
+from .run_down import Run
+from .summary import PEAKS_AFTER
 from .views import (
     TURN,
     contact_of,

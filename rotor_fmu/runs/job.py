@@ -18,6 +18,7 @@ from ..fmu.binding import build_simulation
 from ..fmu.interface import interface
 from ..fmu.solver_parameters import AS_PRESET, settings_of
 from ..fmu.variables import Variable
+from ..machine_file.reading import machine_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
@@ -26,7 +27,6 @@ from ..model.simulation import EquilibriumError
 from ..packing.bundle import FMU_NAME, build, is_current
 from ..telling import json_text
 from . import PLOTS
-from .machine_file import machine_text
 from .progress import shown
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded

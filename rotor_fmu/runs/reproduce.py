@@ -19,7 +19,8 @@ from ..packing.bundle import package_name
 from . import figures
 from .job import Job, execute, execute_recorded, fmu_in, prepare, write_json
 from .recording import Recording, load_recording
-from .run_down import Run, summary
+from .run_down import Run
+from .summary import summary
 
 _RECORDED = ("converged", "paper", "adaptive")  # whose orbits and contact angles are drawn
 _PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]

@@ -1,4 +1,4 @@
-"""A run, through the built FMU with FMPy or directly through the model, and what is read of it."""
+"""A run, through the built FMU with FMPy or directly through the model."""
 
 from __future__ import annotations
 
@@ -25,10 +25,7 @@ from ..model.simulation import StepFailure
 from .progress import Tell, silent
 from .recording import Recording
 from .signals import Signals
-from .views import contact_of, is_constant, peak_index, place_of
 
-PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
-_NEAR_PEAK = 0.15  # [Hz]
 _TAPE_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
@@ -280,75 +277,3 @@ def _status(failure: str | None, columns: Mapping[str, np.ndarray], messages: Se
         return f"overdamped since {since:.4g} s"
     coarse = [message for message in messages if message.startswith("too coarse since")]
     return coarse[0].partition(":")[0] if coarse else "ok"
-
-
-def summary(run: Run) -> dict[str, Any]:
-    """The figures of a run: peaks of the last disc for t > 2 s, the last bearing's psi there, and
-    what the solver did; None where there is no peak, an amplitude that is largest at an edge of
-    the run or a run at one speed having none (no_peak says why). x_largest_um, y_largest_um: the
-    largest for t > 2 s, peak or not.
-
-    energy_residual: energy that the integrator made, relative to all that was dissipated [1].
-    """
-    c = run.columns
-    last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}
-    steps = last["solver.steps"]
-    losses = sum(last[name] for name in last if name.endswith("_loss"))
-    overdamped_at = last["solver.overdamped_at"]
-    return {
-        **_peaks(run),
-        "steps": int(steps),
-        "rejected": int(last["solver.rejected"]),
-        "newton_per_step": last["solver.newton"] / steps if steps else None,
-        "h_min": last["solver.h_min_used"],
-        "h_max": last["solver.h_max_used"],
-        "h_last": last["solver.h_last"],
-        "wall_s": run.wall_s,
-        "energy_residual": last["energy.residual"] / losses if losses else None,
-        "trapped_steps": int(last["solver.trapped"]),
-        "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
-        "overdamped_at_s": overdamped_at if overdamped_at >= 0 else None,
-        "status": run.status,
-        "messages": list(run.messages),
-    }
-
-
-def _peaks(run: Run) -> dict[str, Any]:
-    keys = [f"{axis}_{key}" for axis in "xy" for key in ("peak_um", "peak_hz", "peak_s")]
-    keys += [
-        "no_peak",
-        "x_largest_um",
-        "y_largest_um",
-        "y_static_um",
-        "psi_at_x_peak_deg",
-        "circulation_hz",
-    ]
-    figures: dict[str, Any] = dict.fromkeys(keys)
-    c, hz = run.columns, run.hz
-    place, contact = place_of(c), contact_of(c)
-    if len(hz) and place:
-        figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
-    late = np.flatnonzero(run.t > PEAKS_AFTER)
-    if not len(late):
-        return figures | {"no_peak": f"the run ends within the start-up, {PEAKS_AFTER:g} s"}
-    for axis in "xy" if place else "":
-        amplitude = c[f"{place}.{axis}_amp"]
-        figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
-        at = peak_index(run.t, c["w"], amplitude, PEAKS_AFTER)
-        if at is not None:
-            figures[f"{axis}_peak_um"] = float(amplitude[at]) * 1e6
-            figures[f"{axis}_peak_hz"] = float(hz[at])
-            figures[f"{axis}_peak_s"] = float(run.t[at])
-        elif is_constant(c["w"]):
-            figures["no_peak"] = "the speed is constant"
-        else:
-            figures["no_peak"] = "the amplitude is largest at an edge of the run"
-    if contact:
-        psi = c[f"{contact}.psi"]
-        if figures["x_peak_hz"] is not None:
-            near = late[np.abs(hz[late] - figures["x_peak_hz"]) <= _NEAR_PEAK]
-            figures["psi_at_x_peak_deg"] = [math.degrees(f(psi[near])) for f in (min, max)]
-        round_trip = late[psi[late] < 1.0]
-        if len(round_trip):
-            figures["circulation_hz"] = [float(f(hz[round_trip])) for f in (min, max)]
-    return figures

@@ -13,8 +13,8 @@ from ..model.schemes.family import Scheme, chung_hulbert, generalized_alpha
 from ..model.settings import Settings
 from ..model.simulation import Simulation, StepFailure
 from ..model.structure.dense import clearance_contacts
-from ..runs.run_down import PEAKS_AFTER
 from ..runs.signals import RUN_DOWN_RATE, RUN_DOWN_SPEED, RUN_DOWN_STOP
+from ..runs.summary import PEAKS_AFTER
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
 

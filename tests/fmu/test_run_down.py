@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from rotor_fmu.runs.job import prepare
-from rotor_fmu.runs.run_down import run_direct, run_fmu, summary
+from rotor_fmu.runs.run_down import run_direct, run_fmu
+from rotor_fmu.runs.summary import summary
 
 # Peaks of the converged prototype (other code, dense matrices) and of its perturbed coarse runs.
 CONVERGED = {"x": (392.5, 27.5), "y": (442.2, 31.4)}
