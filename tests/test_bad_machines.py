@@ -22,6 +22,8 @@ from rotor_fmu.linear.doubts import doubts
 from rotor_fmu.machine_file.reading import machine_text
 from rotor_fmu.packing.documents import documents
 
+from .parts.machines import shaft
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 REFUSALS = (QuantityError, InputError, EquilibriumError, StepFailure)
 LIMIT = 60  # a file takes some hundredths of a second [s]
@@ -241,19 +243,16 @@ def test_what_a_mutated_file_once_broke_is_refused(seed):
 
 # --- what is doubtful, and what is too much ---
 
-HELD = """
-[material]
-young = 2.1e11
-density = 7800.0
-[shaft]
-nodes = [0.0, 0.1, 0.2]
-diameters = [0.02, 0.02]
+HELD = (
+    shaft(0.0, 0.1, 0.2)
+    + """
 [[body]]
 node = 2
 mass = 1.0
 I_d = 0.001
 I_p = 0.002
 """
+)
 
 
 def bearing(node, k=1e5, c=100.0, cross=0.0):

@@ -15,6 +15,7 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.dense import clearance_contacts
 
 from .machines import disc_dofs, overhung
+from .parts.machines import shaft
 
 
 def rubbing_rig():
@@ -130,13 +131,9 @@ def test_counters_count():
     assert len(sim.names) == len(set(sim.names)) == len(sim.observed)
 
 
-SUPPORTED = """
-[material]
-young = 2.1e11
-density = 7800.0
-[shaft]
-nodes = [0.0, 0.2, 0.4]
-diameters = [0.02, 0.02]
+SUPPORTED = (
+    shaft(0.0, 0.2, 0.4)
+    + """
 [[disc]]
 node = 2
 diameter = 0.1
@@ -163,6 +160,7 @@ k = 1e8
 race_inertia = 1e-4
 race_drag = 0.01
 """
+)
 
 
 def changed_at_an_instant(sim, usual, drive, loads):

@@ -48,6 +48,11 @@ cyy = {share * c}
     )
 
 
+def shaft(*nodes, diameter=0.02):
+    """A cylindrical shaft of steel with nodes at these places [m]."""
+    return f"{STEEL}[shaft]\nnodes = {[*nodes]}\ndiameters = {[diameter] * (len(nodes) - 1)}\n"
+
+
 def sections(*lengths, **keys):
     told = "\n".join(f"{key} = {value}" for key, value in keys.items())
     return "".join(f"[[section]]\nlength = {length}\n{told}\n" for length in lengths)

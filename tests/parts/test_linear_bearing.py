@@ -14,7 +14,7 @@ from rotor_fmu.model.simulation import RotorWarning, Simulation
 from rotor_fmu.model.structure.assembly import assemble
 from scipy.interpolate import PchipInterpolator
 
-from .machines import bearings, rigid
+from .machines import bearings, rigid, shaft
 
 OMEGA, DAMPING = 100.0, 0.05  # of the rigid body [rad/s], [1]
 TABLE = """
@@ -34,20 +34,17 @@ kyy = 1e6
 cxx = 80.0
 cyy = 90.0
 """
-FLEXIBLE = """
-gravity = 9.81
-[material]
-young = 2.1e11
-density = 7800.0
-[shaft]
-nodes = [0.0, 0.2, 0.4]
-diameters = [0.02, 0.02]
+FLEXIBLE = (
+    "gravity = 9.81\n"
+    + shaft(0.0, 0.2, 0.4)
+    + """
 [[disc]]
 node = 2
 diameter = 0.2
 width = 0.03
 e = 1e-4
 """
+)
 
 
 def run(machine, times, *, speed=0.0, rate=0.0, h=1e-4, loads=None, method="newmark"):

@@ -7,15 +7,13 @@ import pytest
 from rotor_fmu.model.linear import modes, static, unbalance_response
 from rotor_fmu.model.machine.toml import parse_rotor
 
+from .machines import shaft
+
 SAMPLES, NODES = 64, (2, 3, 5)
 
-MACHINE = """
-[material]
-young = 2.1e11
-density = 7800.0
-[shaft]
-nodes = [0.0, 0.05, 0.2, 0.35, 0.5]
-diameters = [0.02, 0.02, 0.02, 0.02]
+MACHINE = (
+    shaft(0.0, 0.05, 0.2, 0.35, 0.5)
+    + """
 [[body]]
 node = 3
 mass = 2.0
@@ -47,7 +45,9 @@ cxy = [20.0, 30.0]
 cyx = [-10.0, 0.0]
 cyy = [600.0, 550.0]
 speed = [100.0, 400.0]
-""" + "".join(f'[[sensor]]\nnode = {node}\nname = "at{node}"\n' for node in NODES)
+"""
+    + "".join(f'[[sensor]]\nnode = {node}\nname = "at{node}"\n' for node in NODES)
+)
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
