@@ -100,7 +100,7 @@ except FileNotFoundError:
     print(0)
 """,
     )
-    assert int(done.stdout.split()[-1]) < 200_000, "kB: a hundred instances took 96 MB"
+    assert int(done.stdout.split()[-1]) < 400_000, "kB: 96 MB, with numba 226"
 
 
 def test_instances_stepped_from_several_threads_give_what_they_give_alone(fmu):
