@@ -7,7 +7,7 @@ else
 BIN := $(VENV)/bin
 endif
 
-.PHONY: run-down reproduce survey reference test test-native test-all test-processors docs dist lint types coverage mutants bench clean
+.PHONY: run-down reproduce survey reference test test-native test-all test-processors docs pages dist lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
@@ -56,6 +56,10 @@ test-processors: $(VENV)/made-test $(VENV)/core
 # the documentation as a site that works from disk: build/site/index.html
 docs: $(VENV)/made-test
 	$(BIN)/python docs/site/build.py
+
+# the pages that are made from the code: commands, machine files, variables, integrators
+pages: $(VENV)/made
+	$(BIN)/python docs/site/made.py
 
 lint: $(VENV)/made-test
 	$(BIN)/ruff check .

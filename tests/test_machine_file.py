@@ -11,7 +11,6 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
 from rotor_fmu.cli import main
-from rotor_fmu.machine_file.page import page
 from rotor_fmu.machine_file.schema import schema
 from rotor_fmu.machine_file.tables import own_tables, part_tables
 
@@ -23,10 +22,6 @@ MACHINES = [
     if {"shaft", "extends"} & tomllib.loads(path.read_text(encoding="utf-8")).keys()
 ]
 VALIDATOR = jsonschema.Draft202012Validator(schema())
-
-
-def test_the_page_is_made_from_the_declarations():
-    assert (ROOT / "docs" / "machine.md").read_text(encoding="utf-8") == page() + "\n"
 
 
 def test_the_schema_is_one_and_is_json():

@@ -22,7 +22,7 @@ from rotor_fmu.survey.grid import (
     run_grid,
     write_table,
 )
-from rotor_fmu.survey.page import page_text, safe_schemes
+from rotor_fmu.survey.page import safe_schemes
 from rotor_fmu.survey.sources import closure
 
 from .test_command_line import refusal  # noqa: F401, a fixture
@@ -226,10 +226,6 @@ def test_where_no_cycle_is_predicted_none_is_planted(tmp_path):
 def kept():
     """The rows that `docs/integrators.md` was made of."""
     return Findings(read_table(KEPT))
-
-
-def test_the_page_is_what_its_table_says(kept):
-    assert page_text(kept) == (ROOT / "docs" / "integrators.md").read_text(encoding="utf-8")
 
 
 def test_the_table_holds_the_whole_grid(kept):

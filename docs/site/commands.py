@@ -1,4 +1,4 @@
-"""The page of all commands, from the commands: python docs/site/commands.py > docs/commands.md."""
+"""The page of all commands, from the commands."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from rotor_fmu.cli import COMMANDS
 
 HEAD = """# Commands
 
-Made from the commands themselves (`python docs/site/commands.py`); `rotor-fmu COMMAND --help` says
-the same. What cannot be is told in one line, and the status is 2; 1 is a run that failed, 130 one
-that Ctrl-C stopped, after which nothing unfinished is left.
+Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` says the same. What
+cannot be is told in one line, and the status is 2; 1 is a run that failed, 130 one that Ctrl-C
+stopped, after which nothing unfinished is left.
 
 Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to the
 motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4 ms),
@@ -79,7 +79,3 @@ def page() -> str:
             for command, function in _functions(name, place):
                 lines += _entry(command, function)
     return "\n".join(lines).rstrip() + "\n"
-
-
-if __name__ == "__main__":
-    print(page(), end="")

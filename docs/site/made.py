@@ -1,0 +1,37 @@
+"""Write the pages of the documentation that are made from the code: `make pages`."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+from rotor_fmu.model.machine.toml import rig
+
+from rotor_fmu.fmu.interface import interface
+from rotor_fmu.machine_file.page import page as machine_page
+from rotor_fmu.packing.variable_table import markdown
+from rotor_fmu.survey.findings import Findings
+from rotor_fmu.survey.grid import read_table
+from rotor_fmu.survey.page import PAGE, page_text
+
+DOCS = Path(__file__).parents[1]
+
+
+def made() -> dict[Path, str]:
+    """The text of each page as the code makes it now."""
+    commands = runpy.run_path(str(Path(__file__).with_name("commands.py")))
+    variables = DOCS / "variables.md"
+    head, bar, _ = variables.read_text(encoding="utf-8").partition("| variable |")
+    assert bar, f"{variables}: has no table"
+    return {
+        DOCS / "commands.md": commands["page"](),
+        DOCS / "machine.md": machine_page() + "\n",
+        variables: head + markdown(interface(rig())),
+        DOCS / PAGE: page_text(Findings(read_table(DOCS / "data" / "integrators.csv.gz"))),
+    }
+
+
+if __name__ == "__main__":
+    for path, text in made().items():
+        path.write_text(text, encoding="utf-8")
+        print(path)
