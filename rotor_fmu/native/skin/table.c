@@ -1,5 +1,5 @@
 /* The table of a machine, read from the FMU's resources. */
-#include "table.h"
+#include "inside.h"
 
 #include <stdio.h>
 #include <stdlib.h>
