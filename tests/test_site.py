@@ -35,6 +35,6 @@ def test_a_link_to_nothing_is_an_error(tmp_path, capfd):
 
 
 def test_every_page_of_the_project_is_in_the_site():
-    globs = ("docs/*.md", "docs/notebooks/*.ipynb", "examples/*/README.md")
+    globs = ("CONTRIBUTING.md", "docs/*.md", "docs/notebooks/*.ipynb", "examples/*/README.md")
     written = {path for glob in globs for path in ROOT.glob(glob)}
     assert written == set(SITE["pages"]())

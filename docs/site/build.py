@@ -1,7 +1,7 @@
 """Make the site: python docs/site/build.py [FOLDER]; default: build/site.
 
-README, docs/ and the examples' pages are copied into a tree as the repository's, where their links
-hold, and Sphinx makes HTML of them. A warning, such as a link to nothing, is an error.
+README, CONTRIBUTING, docs/ and the examples' pages are copied into a tree as the repository's, so
+that their links hold; Sphinx makes HTML of it. A warning, such as a link to nothing, is an error.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ SECTIONS = {
         *("docs/truth.md", "docs/integrators.md", "docs/reproduction.md", "docs/impact.md"),
         "docs/performance.md",
     ],
+    "Working on it": ["CONTRIBUTING.md"],
 }
 _SHOWN = (".png", ".gif", ".svg", ".csv.gz", ".html")
 
