@@ -73,7 +73,7 @@ MUTANTS = (
     # what the FMU holds
     Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "linear")', _HOLDS),
     Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "false_state")', _HOLDS),
-    Mutant(_BUNDLE, '"scipy>=1.11", ', "", _REQUIRES),
+    Mutant(_BUNDLE, ', "scipy>=1.11")', ",)", _REQUIRES),
     Mutant(_BUNDLE, "numba>=0.60", "numba>=0.6", _REQUIRES),
     Mutant(_BUNDLE, '"torque" if is_free', '"speed" if is_free', _DEPEND),
     Mutant(_BUNDLE, "names == {*expected, *documents} and", "", _CURRENT),
@@ -83,7 +83,7 @@ MUTANTS = (
     Mutant(_BUNDLE, "if not _has_pythonfmu(archive):", "if False:", _CURRENT),
     Mutant(_BUNDLE, 'if _finds_the_installed("pythonfmu"):', "if True:", _WHOLE),
     # the documents
-    Mutant(_DOCUMENTS, "with numpy and scipy;", "with numpy;", _NAMES),
+    Mutant(_DOCUMENTS, "with numpy and scipy.", "with numpy.", _NAMES),
     Mutant(_DOCUMENTS, "3.11 or newer with numpy and", "3.12 or newer with numpy and", _NAMES),
     Mutant(_DOCUMENTS, '("rotor-fmu", "pythonfmu")', '("rotor-fmu",)', _LICENCES),
     Mutant(_DOCUMENTS, "_REFERENCE if has_reference", "_REFERENCE if not has_reference", _PAGE),
@@ -98,7 +98,7 @@ MUTANTS = (
     Mutant(_ENERGY, "out[1] = external", "out[1] = -external", _LEDGER),
     Mutant(_ENERGY, "    out[3] = housing\n", "    out[3] = 0.0\n", _LEDGER),
     Mutant(_ENERGY, "kinetic -= 0.5 * spin.omega", "kinetic += 0.5 * spin.omega", _LEDGER),
-    Mutant(_ENERGY, "        gravity -= housing.mass", "        gravity += housing.mass", _LEDGER),
+    Mutant(_ENERGY, "gravity -= m_x * g.real", "gravity += m_x * g.real", _LEDGER),
     Mutant(_ENERGY, "elastic += 0.5 * (housing.kx", "elastic += 0.4 * (housing.kx", _LEDGER),
     Mutant(_OBSERVE, "residual -= flows[0] + flows[1]", "residual -= flows[0]", _LEDGER),
 )  # fmt: skip
