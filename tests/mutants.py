@@ -144,6 +144,8 @@ def main() -> int:
     """Run the mutants; the number of those that no test sees."""
     word = sys.argv[1] if len(sys.argv) > 1 else ""
     chosen = [m for m in MUTANTS if word in m.file or word in m.old or word in m.test]
+    if not chosen:
+        sys.exit(f"no mutant has {word!r} in file, text or test")
     unseen = 0
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_mutants_") as name:
         folder = Path(name)
