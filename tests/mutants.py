@@ -36,7 +36,6 @@ _README = "tests/test_readme.py::test_the_pages_made_from_the_code_say_what_it_s
 _RESULT = "tests/fmu/test_reference.py::test_another_rotor_does_not_carry_the_rigs_result"
 _INSTANT = "tests/test_observe.py::test_what_reaches_an_output_within_an_instant_is_declared"
 _LEDGER = "tests/test_energy.py"
-_WHOLE = "tests/fmu/test_hosting.py::test_an_fmu_that_is_built_where_another_has_run_is_the_same"
 
 
 class Mutant(NamedTuple):
@@ -81,7 +80,6 @@ MUTANTS = (
     Mutant(_BUNDLE, "or _tool(archive) != f\"PythonFMU {version('pythonfmu')}\"", "", _CURRENT),
     Mutant(_BUNDLE, " and _holds(archive, documents)\n", "\n", _CURRENT),
     Mutant(_BUNDLE, "if not _has_pythonfmu(archive):", "if False:", _CURRENT),
-    Mutant(_BUNDLE, 'if _finds_the_installed("pythonfmu"):', "if True:", _WHOLE),
     # the documents
     Mutant(_DOCUMENTS, "with numpy and scipy.", "with numpy.", _NAMES),
     Mutant(_DOCUMENTS, "3.11 or newer with numpy and", "3.12 or newer with numpy and", _NAMES),

@@ -8,8 +8,7 @@ import sys
 import tempfile
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
-from importlib.metadata import distribution, version
-from importlib.util import find_spec
+from importlib.metadata import version
 from pathlib import Path
 from xml.etree.ElementTree import Element, fromstring, indent, tostring
 
@@ -37,8 +36,7 @@ _PYTHONFMUS = (
     "resources/pythonfmu/",
     "resources/slavemodule.txt",
 )
-# What pythonfmu would leave off, and how its command says it.
-_OPTIONS = {"canGetAndSetFMUstate": "--handle-state", "canSerializeFMUstate": "--serialize-state"}
+_STATES = ("--handle-state", "--serialize-state")  # pythonfmu leaves them off
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
@@ -106,38 +104,20 @@ def _documents(toml: str, is_free: bool) -> dict[str, bytes]:
 def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
     """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources.
 
-    An FMU that has run in this process has left its own copy of pythonfmu there, which would make
-    one without libraries. Then it is made in a process of its own. Raises `OSError` if that fails.
+    In a process of its own: an FMU that has run in this one has left its copy of pythonfmu here,
+    which makes FMUs without libraries. Raises `OSError` with what pythonfmu says if it fails.
     """
-    if _finds_the_installed("pythonfmu"):
-        from pythonfmu.builder import FmuBuilder
-
-        search_path = list(sys.path)
-        try:
-            options = dict.fromkeys(_OPTIONS, True)
-            FmuBuilder.build_FMU(script, dest=raw, project_files=list(beside), **options)
-        finally:
-            sys.path[:] = search_path
-    else:
-        command: list[str | Path] = [sys.executable, "-m", "pythonfmu", "build"]
-        done = subprocess.run(
-            [*command, "-f", script, "-d", raw, *_OPTIONS.values(), *beside],
-            cwd=script.parent,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if done.returncode != 0:
-            reason = (done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1]
-            raise OSError(f"pythonfmu cannot make an FMU of {script.name}: {reason}")
-
-
-def _finds_the_installed(package: str) -> bool:
-    """Whether this process has or would import a package from where it is installed."""
-    found = find_spec(package)
-    origin = found.origin if found else None
-    installed = Path(str(distribution(package).locate_file(package)), "__init__.py").resolve()
-    return origin is not None and Path(origin).resolve() == installed
+    command: list[str | Path] = [sys.executable, "-m", "pythonfmu", "build", *_STATES]
+    done = subprocess.run(
+        [*command, "-f", script, "-d", raw, *beside],
+        cwd=script.parent,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        reason = (done.stderr.splitlines() or [f"exit status {done.returncode}"])[-1]
+        raise OSError(f"pythonfmu cannot make an FMU of {script.name}: {reason}")
 
 
 def _sources() -> dict[str, str]:
