@@ -90,6 +90,11 @@ class RigWindow:
         return "ok", self.window.orbit(settings)[0]
 
 
+def condition(run: Run | RigWindow, exact: np.ndarray) -> float:
+    """How many times a shift at the start the orbits change by; they are `exact` without it [1]."""
+    return np.abs(run.exact(SHIFT) - exact).max() / SHIFT
+
+
 def rig_windows() -> Iterator[RigWindow]:
     """The paper's rig before, at, between and far below its peaks."""
     for hz, window in zip(SPEEDS_HZ, windows(), strict=True):

@@ -34,6 +34,11 @@ class Row(NamedTuple):
         """Error of the orbit in tolerances, over 1 + condition."""
         return self.orbit / self.tolerance / (1 + self.condition)
 
+    @property
+    def by_condition(self) -> float:
+        """Error of the orbit in tolerances, over the condition."""
+        return self.orbit / self.tolerance / self.condition
+
     def told(self) -> tuple[str, ...]:
         """As text, with three digits."""
         return tuple(value if isinstance(value, str) else f"{value:.3g}" for value in self)
@@ -93,6 +98,7 @@ def in_words(found: Sequence[Row]) -> dict[str, str]:
     doubts = [r.status.split(":")[0] for r in found if r.status != "ok"]
     return {
         "condition": f"{max(r.condition for r in found):.0f}",
+        "worst_by_condition": f"{max(r.by_condition for r in found if r.status == 'ok'):.2g}",
         "worst_conditioned": f"{max(r.conditioned for r in found if r.status == 'ok'):.2g}",
         "peak_coarse": f"{100 * max(r.peak for r in runs[1e-2]):.2g}",
         "above_one": str(sum(r.peak > 0.01 for r in runs[1e-3])),
