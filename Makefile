@@ -51,7 +51,7 @@ test-all: $(VENV)/made-test $(VENV)/core
 
 # all tests as on other processors, and on loaded cores: hours; stopped with Ctrl-C it goes on from there
 test-processors: $(VENV)/made-test $(VENV)/core
-	$(BIN)/python tests/processors.py
+	$(BIN)/python -m tests.processors
 
 # the documentation as a site that works from disk: build/site/index.html
 docs: $(VENV)/made-test

@@ -1,4 +1,4 @@
-"""The project's files as they are checked out, laid into another folder."""
+"""The project's files as they are checked out."""
 
 import shutil
 import subprocess
@@ -7,8 +7,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 
 
-def lay_out(folder, but=()):
-    """Copy what belongs to the project, but for names that begin as one of `but`."""
+def names():
+    """Of the project's files, as they are now: what git knows or would take."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT,
@@ -16,8 +16,13 @@ def lay_out(folder, but=()):
         text=True,
         check=True,
     )
-    for name in filter(None, listed.stdout.split("\0")):
-        if (ROOT / name).is_file() and not name.startswith(tuple(but)):
+    return [name for name in listed.stdout.split("\0") if name and (ROOT / name).is_file()]
+
+
+def lay_out(folder, but=()):
+    """Copy what belongs to the project, but for names that begin as one of `but`."""
+    for name in names():
+        if not name.startswith(tuple(but)):
             target = folder / name
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(ROOT / name, target)

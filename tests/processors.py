@@ -12,7 +12,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from pathlib import Path
+
+from .checkout import ROOT, names
 
 SETTINGS = {
     "Prescott": {"OPENBLAS_CORETYPE": "Prescott"},
@@ -29,19 +30,14 @@ SETTINGS = {
 BUSY = [sys.executable, "-c", "while True: pass"]
 PYTEST = [sys.executable, "-m", "pytest", "-n", "auto", "--dist", "loadfile"]
 EVERY = ["-m", "slow or not slow"]
-PASSED = Path("build/processors.json")
+PASSED = ROOT / "build" / "processors.json"
 
 
 def tree(arguments):
     """What is tested: the files as they are now, and pytest's arguments."""
-    files = subprocess.run(
-        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
-        capture_output=True, check=True, text=True,
-    ).stdout.split("\0")  # fmt: skip
     content = hashlib.sha256(repr(arguments).encode())
-    for file in map(Path, sorted(filter(None, files))):
-        if file.is_file():
-            content.update(f"{file}\0".encode() + file.read_bytes())
+    for name in sorted(names()):
+        content.update(f"{name}\0".encode() + (ROOT / name).read_bytes())
     return content.hexdigest()
 
 

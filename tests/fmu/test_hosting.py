@@ -22,6 +22,12 @@ refs = {v.name: v.valueReference for v in description.modelVariables}
 log = []
 def logger(environment, name, status, category, message):
     log.append((status, message.decode()))
+def resident():  # kB, 0 where there is no /proc
+    try:
+        with open("/proc/self/statm") as file:
+            return 4 * int(file.read().split()[1])
+    except FileNotFoundError:
+        return 0
 def new():
     options = dict(fmi_type="CoSimulation", debug_logging=True, logger=logger)
     return fmpy.instantiate_fmu(folder, description, **options)
@@ -77,18 +83,13 @@ def test_a_hundred_instances_each_give_the_result_they_give_alone(fmu):
         fmu,
         TRAJECTORY
         + """
-def memory():
-    try:
-        return int(open("/proc/self/statm").read().split()[1]) * 4
-    except FileNotFoundError:
-        return 0
 alone = {}
 for i in range(0, 100, 4):
     instance = begin(i)
     alone[i] = run(instance)
     instance.terminate()
     instance.freeInstance()
-before = memory()
+before = resident()
 together = [begin(i) for i in range(100)]
 seen = [[] for _ in together]
 for k in range(STEPS):
@@ -97,7 +98,7 @@ for k in range(STEPS):
         seen[i].append(look(instance))
 assert {i: seen[i] for i in alone} == alone
 assert len({str(one) for one in seen}) == 100
-print(memory() - before)
+print(resident() - before)
 for instance in together:
     instance.terminate()
     instance.freeInstance()

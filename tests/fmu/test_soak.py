@@ -9,9 +9,6 @@ from .test_hosting import in_a_process
 SOAK = """
 CYCLES, STEPS, STATES = {counts}
 H = 1e-4
-def resident():
-    with open("/proc/self/statm") as file:
-        return 4 * int(file.read().split()[1])
 def cycle():
     instance = start(new(), speed=300.0)
     instance.doStep(0.0, H)
