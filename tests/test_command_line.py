@@ -243,7 +243,6 @@ def test_signals_that_end_before_the_run_are_said_to_be_held(command, tmp_path):
     )
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
     done = command(
         *("run-down", "--preset", "paper", "--set", "solver.method=wbz"),

@@ -132,7 +132,6 @@ def test_a_step_past_the_stability_limit_is_told_with_the_longest_that_is_not(tm
     assert "11.81 % is right" in text
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_unstable_and_inconsistent_parameters_are_computed_and_flagged(tmp_path):
     arguments = ("wbz=0.08", "hht=-0.05", "newmark=0.25,0.52", "newmark=0.5,0.5")
     status, text = call(*(f"--scheme={text}" for text in arguments), "--out", tmp_path)

@@ -22,7 +22,8 @@ def made() -> dict[Path, str]:
     commands = runpy.run_path(str(Path(__file__).with_name("commands.py")))
     variables = DOCS / "variables.md"
     head, bar, _ = variables.read_text(encoding="utf-8").partition("| variable |")
-    assert bar, f"{variables}: has no table"
+    if not bar:
+        raise ValueError(f"{variables}: has no table")
     return {
         DOCS / "commands.md": commands["page"](),
         DOCS / "machine.md": machine_page() + "\n",

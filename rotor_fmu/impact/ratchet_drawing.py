@@ -155,6 +155,7 @@ def animate(found: RatchetRun, path: Path, caption: str) -> Path:
     still = canvas.copy_from_bbox(figure.bbox)
 
     def frame(k: int) -> Image.Image:
+        """The picture of the kept shape of this number."""
         scene.show(found.shape_angle[k], found.shapes[k])
         speed = np.interp(found.shape_t[k], found.t, found.wheel_speed)
         clock.set_text(f"t = {1e3 * found.shape_t[k]:5.2f} ms    wheel {speed:+6.1f} rad/s")

@@ -104,7 +104,6 @@ def test_a_penalty_takes_the_place_of_the_hard_contact(tmp_path):
     assert float(soft["rms"]) != pytest.approx(float(hard["rms"]), rel=0.02)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_an_unstable_scheme_is_flagged_computed_and_caught(tmp_path):
     with pytest.raises(RunFailed, match=r"diverged at t = \S+ s, increment \d+, energy \S+ J"):
         call("bars", "--scheme", "wbz=0.3", "--dt", 8e-4, "--opening", 0.01, "--out", tmp_path)
