@@ -13,6 +13,8 @@ from .compiled import Kernel
 from .kept_overloads import keep
 
 _HAS_NRT = hasattr(numba.core.cpu.CPUTargetOptions, "_nrt")
+# Options of every kernel of a process that compiles them for another use than calling them.
+EXTRA: dict[str, bool] = {}
 
 
 def dispatcher(
@@ -20,7 +22,7 @@ def dispatcher(
 ) -> Any:
     """What `numba.njit` makes of a function, its code kept on disk if `to_keep`."""
     without_counts = {"_nrt": False} if _HAS_NRT else {}
-    made = numba.njit(**options, **without_counts)(function)
+    made = numba.njit(**{**options, **without_counts, **EXTRA})(function)
     if to_keep:
         keep(made)
     return made

@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -25,6 +26,18 @@ from ..model.kernels.sealed_folder import make_private
 _HERE = Path(__file__).parent
 SKIN = _HERE / "skin"
 _KEPT_VERSIONS = 8
+# What is emitted in one process: two, of about the same work.
+_EMITTED_TOGETHER = (
+    ("rotor_advance", "rotor_look", "rotor_settle", "rotor_doubt"),
+    (
+        "rotor_start",
+        "rotor_survey",
+        "rotor_no_rest",
+        "rotor_growth",
+        "rotor_hidden",
+        "rotor_outcome",
+    ),
+)
 _FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 
 
@@ -176,7 +189,8 @@ def kernels() -> Path:
     else:
         _forget_old(versions)
         with _unfinished(folder) as work:
-            _run([sys.executable, "-m", f"{__package__}.emit", str(work)], "the kernels")
+            emit = [sys.executable, "-m", f"{__package__}.emit", str(work)]
+            _run_all([[*emit, *names] for names in _EMITTED_TOGETHER], "the kernels")
     return folder
 
 
@@ -243,13 +257,18 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
     command += [str(file) for file in (*sorted(SKIN.glob("*.c")), *parts)]
     if platform.suffix == ".so":
         command.append("-lm")  # of it, what is exact on every system: sqrt, ceil
-    _run(command, f"the library for {platform.name}")
+    _run_all([command], f"the library for {platform.name}")
 
 
-def _run(command: list[str], what: str) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        lines = [line for line in done.stderr.splitlines() if "error" in line] or [
-            "no reason given"
-        ]
-        raise CoreError(f"{what} could not be made: {lines[-1].strip()}")
+def _run_all(commands: list[list[str]], what: str) -> None:
+    """Run commands at the same time. Raises `CoreError` if one fails."""
+    with ThreadPoolExecutor(len(commands)) as pool:
+        for done in pool.map(_run, commands):
+            if done.returncode:
+                lines = [line for line in done.stderr.splitlines() if "rror" in line]
+                reason = lines[-1].strip() if lines else "no reason given"
+                raise CoreError(f"{what} could not be made: {reason}")
+
+
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, capture_output=True, text=True, check=False)

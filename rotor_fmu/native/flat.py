@@ -8,6 +8,8 @@ of the sentence, `TOLD` at most.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 from numba import types
 
@@ -67,16 +69,6 @@ def rotor_settle(block, given, told):
 def rotor_doubt(block, given, own, told, slot):
     """What makes a run with one of them doubtful, or, behind the last, with all of them."""
     return doubt(_view(block), given, own, told, slot)
-
-
-def rotor_start(block, speed, drive, rate):
-    """`entries.start`; returns its status, as the next three do."""
-    return entries.start(block, speed, drive, rate)
-
-
-def rotor_advance(block, t_end, drive, rate):
-    """`entries.advance`."""
-    return entries.advance(block, t_end, drive, rate)
 
 
 def rotor_survey(block, speed, is_start):
@@ -213,15 +205,21 @@ def rotor_outcome(block, status, told):
     return say.WHIRLED_APART if _whirled_apart(run, told) else say.DIVERGED
 
 
+def _source(kernel: Any) -> Callable[..., Any]:
+    """The function that a kernel is made of: compiled once, as the library's own."""
+    function: Callable[..., Any] = kernel.py_func
+    return function
+
+
 FUNCTIONS = {
-    rotor_settle: (_BLOCK, _NUMBERS, _NUMBERS),
-    rotor_doubt: (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
-    rotor_start: (_BLOCK, _REAL, _REAL, _REAL),
-    rotor_advance: (_BLOCK, _REAL, _REAL, _REAL),
-    rotor_survey: (_BLOCK, _REAL, types.int64),
-    rotor_look: (_BLOCK,),
-    rotor_no_rest: (_BLOCK, types.int64, _NUMBERS),
-    rotor_growth: (_BLOCK, _NUMBERS),
-    rotor_hidden: (_BLOCK, _NUMBERS),
-    rotor_outcome: (_BLOCK, types.int64, _NUMBERS),
+    "rotor_settle": (rotor_settle, (_BLOCK, _NUMBERS, _NUMBERS)),
+    "rotor_doubt": (rotor_doubt, (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64)),
+    "rotor_start": (_source(entries.start), (_BLOCK, _REAL, _REAL, _REAL)),
+    "rotor_advance": (_source(entries.advance), (_BLOCK, _REAL, _REAL, _REAL)),
+    "rotor_survey": (rotor_survey, (_BLOCK, _REAL, types.int64)),
+    "rotor_look": (rotor_look, (_BLOCK,)),
+    "rotor_no_rest": (rotor_no_rest, (_BLOCK, types.int64, _NUMBERS)),
+    "rotor_growth": (rotor_growth, (_BLOCK, _NUMBERS)),
+    "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
+    "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
 }
