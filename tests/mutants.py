@@ -99,6 +99,7 @@ MUTANTS = (
     Mutant(_ENERGY, "gravity -= m_x * g.real", "gravity += m_x * g.real", _LEDGER),
     Mutant(_ENERGY, "elastic += 0.5 * (housing.kx", "elastic += 0.4 * (housing.kx", _LEDGER),
     Mutant(_OBSERVE, "residual -= flows[0] + flows[1]", "residual -= flows[0]", _LEDGER),
+    Mutant(_OBSERVE, "LAW_LOSSES[i] for i in losses", "LAW_LOSSES[-i] for i in losses", _LEDGER),
 )  # fmt: skip
 
 

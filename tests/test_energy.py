@@ -1,5 +1,6 @@
 """The energy ledger closes, and the torque is what keeps the speed."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -7,9 +8,13 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.bearing import Bearing
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
+from rotor_fmu.model.parts.support import Support
+from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.step.laws import STORES
+from rotor_fmu.model.structure.ledger import STORES
 
 from .machines import METHODS, STEEL, balanced, losses, overhung
 
@@ -146,3 +151,40 @@ def test_a_balanced_rotor_climbs_by_the_angle_of_friction(omega):
     # N = W / sqrt(1 + mu^2) stands on the rotor with its friction
     torque = 7.5e-3 * weight * math.sin(friction_angle)
     assert sim.read("tau") == pytest.approx(torque, rel=1e-3)
+
+
+WALL = {"journal_radius": 0.01, "clearance": 2e-5, "mu": 0.2, "k": 2e7}
+STILL = {"race_inertia": 1e9}
+# A part with a law and its entries of the ledger; such a part, and what acts as it does.
+KINDS = {
+    "contact": (
+        ClearanceContact(node=2, **WALL),
+        ("compression", "contact_loss", "friction_loss"),
+        (ClearanceContact(node=2, **WALL), TouchdownBearing(node=2, **WALL, **STILL)),
+    ),
+    "touchdown_bearing": (
+        TouchdownBearing(node=3, **WALL, race_inertia=1e-4, race_drag=0.01),
+        ("races", "drag_loss", "compression", "contact_loss", "friction_loss"),
+        (TouchdownBearing(node=3, **WALL, **STILL), ClearanceContact(node=3, **WALL)),
+    ),
+    "linear_bearing": (
+        LinearBearing(node=3, kxx=1e5, kxy=2e4, kyy=1e5, cxx=50.0, cyy=50.0),
+        ("bearings", "bearings_loss", "circulation_loss"),
+        (LinearBearing(node=3, kxx=1e5, kyy=1e5, cxx=50.0, cyy=50.0), Support(3, 1e5, 50.0)),
+    ),
+}
+
+
+def entries(*parts):
+    sim = run(overhung(others=parts), choose("robust", h=2e-5), 0.05, speed=200.0)
+    return {n.removeprefix("energy."): sim.read(n) for n in sim.names if n.startswith("energy.")}
+
+
+@pytest.mark.parametrize(("kind", "other"), list(itertools.permutations(KINDS, 2)))
+def test_an_entry_is_its_own_whatever_stands_beside_it(kind, other):
+    part, names, _ = KINDS[kind]
+    beside, alike = KINDS[other][2]
+    found, expected = entries(part, beside), entries(part, alike)
+    for name in names:
+        assert abs(found[name]) > 0
+        assert found[name] == pytest.approx(expected[name], rel=1e-5)

@@ -11,8 +11,9 @@ from ..parts import LAWS
 from ..schemes.family import Scheme
 from ..stability.memory import Survey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
-from ..step.laws import FLOWS, MOST_LOSSES, STORES
+from ..step.laws import MOST_LOSSES
 from ..step.step import Motion, Workspace
+from ..structure.ledger import FLOWS, STORES
 from ..structure.structure import Structure, sizes_of
 from .control import Control
 from .memory import Memory

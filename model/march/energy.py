@@ -11,12 +11,15 @@ from ..kernels.band import form
 from ..kernels.compiled import compiled
 from ..parts.housing import masses
 from ..step.excitation import at_load, at_place, circulation, drive_torque, internal_torque
-from ..step.laws import OWN_FLOWS, OWN_STORES, add_energy, add_losses, relative
+from ..step.laws import add_energy, add_losses, relative
+from ..structure.ledger import OWN_FLOWS, OWN_STORES
+
+_OWN_STORES, _OWN_FLOWS = len(OWN_STORES), len(OWN_FLOWS)
 
 
 @compiled
 def powers(structure, spin, loads, motion, scratch, out):
-    """Fill out, shape (flows,) [W], in the order of `laws.FLOWS`; returns the drive torque [N.m].
+    """Fill out, shape (flows,) [W], in the order of `ledger.FLOWS`; returns the drive torque [N.m].
 
     Inflows: drive, external loads. Dissipations: shaft and supports, housing dampers, what the laws
     of the interfaces dissipate. The torque takes the accelerations of the equation of motion: those
@@ -40,7 +43,7 @@ def powers(structure, spin, loads, motion, scratch, out):
         moving = v[n + h]
         damper = structure.housings[h]
         housing += damper.cx * moving.real**2 + damper.cy * moving.imag**2
-    for i in range(len(OWN_FLOWS), len(out)):
+    for i in range(_OWN_FLOWS, len(out)):
         out[i] = 0.0
     braking = 0.0
     for j in range(len(structure.interfaces)):
@@ -75,7 +78,7 @@ def _momentum(structure, spin, v):
 
 @compiled
 def total_energy(structure, spin, motion, out):
-    """Energy of the machine [J]. Fills out, shape (stores,) [J], in the order of `laws.STORES`:
+    """Energy of the machine [J]. Fills out, shape (stores,) [J], in the order of `ledger.STORES`:
     kinetic (lateral, spin and what couples them), elastic (shaft, supports, housing springs),
     gravity, and what the laws of the interfaces store."""
     n = structure.M.shape[0]
@@ -104,7 +107,7 @@ def total_energy(structure, spin, motion, out):
     out[0] = kinetic
     out[1] = elastic
     out[2] = gravity
-    for i in range(len(OWN_STORES), len(out)):
+    for i in range(_OWN_STORES, len(out)):
         out[i] = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]

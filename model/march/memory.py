@@ -67,7 +67,7 @@ RECORD = np.dtype(
 class Memory(NamedTuple):
     """What a run remembers besides the motion; every array changes in place.
 
-    record: of dtype `RECORD`; work, power: of `laws.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
+    record: of dtype `RECORD`; work, power: of `ledger.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
     and squared distance [m2] from rest of the probes in the present revolution, in the one before,
     and since the last communication point; once: of their z from rest, z exp(-i theta) and
     z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the

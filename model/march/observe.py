@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled, inlined
 from ..kernels.functions import angle, modulus
 from ..machine.rotor import Name, Rotor, spelled
-from ..parts import LAWS
-from ..protocol.law import losses_of, stores_of
 from ..protocol.part import outputs_of
 from ..quantities import ALL, SPEED, Output
 from ..step.excitation import at_place, spin_of
 from ..step.laws import law_observe, relative
+from ..structure.ledger import (
+    INFLOWS,
+    LAW_LOSSES,
+    LAW_STORES,
+    OWN_FLOWS,
+    OWN_LOSSES,
+    OWN_STORES,
+    law_entries,
+)
 from .energy import total_energy
 
 SHAFT = (
@@ -74,20 +82,6 @@ SOLVER = (
         nominal=1.0,
     ),
 )
-_STORES = (
-    Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0, reached_by=SPEED),
-    Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
-    Output("gravity", "J", "potential energy of gravity", nominal=0.01),
-)
-_WORK = (
-    # a jump of the speed is work
-    Output("drive_work", "J", "work of the drive since the start", nominal=100.0, reached_by=SPEED),
-    Output("external_work", "J", "work of the external forces since the start", nominal=1.0),
-)
-_LOSSES = (
-    Output("structure", "J", "dissipated in the shaft since the start", nominal=1.0),
-    Output("housing", "J", "dissipated in the housings' dampers", nominal=1.0),
-)
 _RESIDUAL = Output(
     "residual", "J", "energy that the integrator made (or, negative, lost)", nominal=0.1
 )
@@ -125,17 +119,16 @@ def _of_parts(rotor: Rotor) -> list[Observed]:
 
 
 def _ledger(rotor: Rotor) -> list[Output]:
-    used = [law for law in LAWS if any(part.LAW is law for part in rotor.parts)]
-    losses = [
-        Output(f"{loss.name}_loss", loss.unit, loss.text, nominal=loss.nominal)
-        for loss in (*_LOSSES, *losses_of(used))
-    ]
-    return [*_STORES, *stores_of(used), *_WORK, *losses, _RESIDUAL]
+    stores, losses = law_entries(rotor)
+    inflows = [replace(inflow, name=f"{inflow.name}_work") for inflow in INFLOWS]
+    dissipated = (*OWN_LOSSES, *(LAW_LOSSES[i] for i in losses))
+    lost = [replace(loss, name=f"{loss.name}_loss") for loss in dissipated]
+    return [*OWN_STORES, *(LAW_STORES[i] for i in stores), *inflows, *lost, _RESIDUAL]
 
 
 # Places in `out` where the parts' outputs begin; and how many the solver has.
 _PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
-_OWN_STORES, _OWN_FLOWS = len(_STORES), len(_WORK) + len(_LOSSES)
+_OWN_STORES, _OWN_FLOWS = len(OWN_STORES), len(OWN_FLOWS)
 
 
 @compiled

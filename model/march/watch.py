@@ -9,7 +9,8 @@ import math
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
 from ..step.excitation import at_place
-from ..step.laws import FLOWS, OWN_FLOWS, relative
+from ..step.laws import relative
+from ..structure.ledger import FLOWS, INFLOWS
 from .energy import total_energy
 from .memory import spin_now
 
@@ -32,7 +33,7 @@ COARSE = 0.5
 SLOW, MOST = 300_000, 10_000_000
 TURN = 2.0 * math.pi
 _FRICTION = FLOWS.index("friction")
-_LOSSES = OWN_FLOWS.index("external") + 1
+_LOSSES = len(INFLOWS)
 
 
 @compiled

@@ -97,21 +97,6 @@ class Law:
         return np.dtype([*((name, "f8") for name in quantities(self.kind)), *places])
 
 
-def unique(entries: Sequence[Output]) -> tuple[Output, ...]:
-    """The entries of the ledger without those of an earlier one's name."""
-    return tuple({entry.name: entry for entry in reversed(entries)}.values())[::-1]
-
-
-def stores_of(laws: Sequence[Law]) -> tuple[Output, ...]:
-    """Energies that the laws store, each once."""
-    return unique([store for law in laws for store in law.stores])
-
-
-def losses_of(laws: Sequence[Law]) -> tuple[Output, ...]:
-    """Powers that the laws dissipate, each once."""
-    return unique([loss for law in laws for loss in law.losses])
-
-
 def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
     """Calls `function` for interfaces of the law `code`, `rest` for the others."""
     if rest is None:

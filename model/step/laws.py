@@ -7,13 +7,9 @@ from collections.abc import Callable
 
 from ..kernels.compiled import compiled
 from ..parts import LAWS
-from ..protocol.law import Law, dispatcher, losses_of, stores_of
+from ..protocol.law import Law, dispatcher
+from ..structure.ledger import FLOWS, STORES
 
-# What the ledger has of the machine itself; behind these come the laws' own.
-OWN_STORES = ("kinetic", "elastic", "gravity")
-OWN_FLOWS = ("drive", "external", "structure", "housing")
-STORES = (*OWN_STORES, *(store.name for store in stores_of(LAWS)))
-FLOWS = (*OWN_FLOWS, *(loss.name for loss in losses_of(LAWS)))
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
 
 

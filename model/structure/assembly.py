@@ -24,7 +24,6 @@ from ..kernels.compiled import plain
 from ..machine.rotor import Rotor
 from ..parts import LAWS
 from ..parts.housing import HousingQuantities
-from ..protocol.law import losses_of, stores_of
 from ..protocol.part import (
     BASE,
     GROUND,
@@ -42,6 +41,7 @@ from ..protocol.part import (
 )
 from ..quantities import QuantityError, quantities
 from .beam import shaft_element
+from .ledger import law_entries
 from .parameters import prepare
 from .structure import (
     HOUSING,
@@ -89,7 +89,7 @@ def assemble(rotor: Rotor) -> Structure:
     plain(factorize)(M_factors)
     outputs = _places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
-    used = [law for law, rows in zip(LAWS, laws, strict=False) if len(rows)]
+    stores, losses = law_entries(rotor)
     numbers = np.zeros(1, NUMBERS).view(np.recarray)
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
@@ -133,8 +133,8 @@ def assemble(rotor: Rotor) -> Structure:
         housings=housings,
         interfaces=interfaces,
         laws=laws,
-        stores=_entries(stores_of(LAWS), stores_of(used)),
-        losses=_entries(losses_of(LAWS), losses_of(used)),
+        stores=np.array(stores, dtype=np.int64),
+        losses=np.array(losses, dtype=np.int64),
         numbers=numbers,
     )
     plain(prepare)(structure)
@@ -225,13 +225,6 @@ def _numbers(kind: type, source: Any) -> tuple[float, ...]:
     """The quantities of a part, those in its table 0."""
     values = [getattr(source, name) for name in quantities(kind)]
     return tuple(0.0 if isinstance(value, tuple) else value for value in values)
-
-
-def _entries(every: tuple, used: tuple) -> np.ndarray:
-    """Places in the ledger of the entries that a machine has."""
-    names = [entry.name for entry in used]
-    found = [i for i, entry in enumerate(every) if entry.name in names]
-    return np.array(found, dtype=np.int64)
 
 
 def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:

@@ -1,0 +1,59 @@
+"""The entries of the energy ledger: what is stored [J], what flows in and what is dissipated [W].
+
+The machine's own come first, then those of the laws. Kernels sum them in this order, of all laws
+that there are; a machine has those of its own laws, in the same order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..machine.rotor import Rotor, spelled
+from ..parts import LAWS
+from ..protocol.part import Interface
+from ..quantities import SPEED, Output
+
+
+def _each_once(entries: Sequence[Output]) -> tuple[Output, ...]:
+    """The entries in their order; of those that share a name, the first."""
+    by_name: dict[str, Output] = {}
+    for entry in entries:
+        by_name.setdefault(entry.name, entry)
+    return tuple(by_name.values())
+
+
+OWN_STORES = (
+    Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0, reached_by=SPEED),
+    Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
+    Output("gravity", "J", "potential energy of gravity", nominal=0.01),
+)
+# a jump of the speed is work
+INFLOWS = (
+    Output("drive", "J", "work of the drive since the start", nominal=100.0, reached_by=SPEED),
+    Output("external", "J", "work of the external forces since the start", nominal=1.0),
+)
+OWN_LOSSES = (
+    Output("structure", "J", "dissipated in the shaft since the start", nominal=1.0),
+    Output("housing", "J", "dissipated in the housings' dampers", nominal=1.0),
+)
+OWN_FLOWS = (*INFLOWS, *OWN_LOSSES)
+LAW_STORES = _each_once([store for law in LAWS for store in law.stores])
+LAW_LOSSES = _each_once([loss for law in LAWS for loss in law.losses])
+STORES = tuple(entry.name for entry in (*OWN_STORES, *LAW_STORES))
+FLOWS = tuple(entry.name for entry in (*OWN_FLOWS, *LAW_LOSSES))
+
+
+def law_entries(rotor: Rotor) -> tuple[list[int], list[int]]:
+    """Places in `LAW_STORES` and `LAW_LOSSES` of the entries that a machine's laws have."""
+    laws = [
+        element.law
+        for key, part in rotor.indexed_parts()
+        for element in part.elements(spelled(*key), rotor.material.density)
+        if isinstance(element, Interface)
+    ]
+    stores = {store.name for law in laws for store in law.stores}
+    losses = {loss.name for law in laws for loss in law.losses}
+    return (
+        [i for i, store in enumerate(LAW_STORES) if store.name in stores],
+        [i for i, loss in enumerate(LAW_LOSSES) if loss.name in losses],
+    )
