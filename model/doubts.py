@@ -41,5 +41,11 @@ DOUBTS = (
         "too coarse since t = {:.4g} s: steps of solver.h_min, below which none is made, miss the "
         "tolerance; take a smaller solver.h_min, or a larger solver.tolerance",
     ),
+    Doubt(
+        "blind_at",
+        "too coarse in contact since t = {:.4g} s: a contact closed in a step whose local error is "
+        "above a tenth of the motion, and the run may have gone over to another solution; take a "
+        "smaller solver.h or the preset controlled, and compare them with --verify",
+    ),
 )
 STALLED = f"a cycle of the motion takes more than {MOST:,} iterations; {_FASTER}"

@@ -21,7 +21,13 @@ from .march.tape import Record, channels_of
 from .refusal import Refusal
 from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.sentences import grows_at_rest, hidden_whirls, nearest, whirled_apart
+from .stability.sentences import (
+    grows_at_rest,
+    grows_in_the_open,
+    hidden_whirls,
+    nearest,
+    whirled_apart,
+)
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
 from .structure.assembly import assemble, interface_names
@@ -130,7 +136,9 @@ class Simulation:
         self._speed = self._run.memory.record["omega"]
         self._contacts = interface_names(rotor)
         self._has_warned_of_whirls = False
-        self._surveyed_to = self._run.memory.record["surveyed_to"]
+        self._has_warned_of_growth = False
+        record = self._run.memory.record
+        self._surveyed_from, self._surveyed_to = record["surveyed_from"], record["surveyed_to"]
         self._survey(True)
 
     @property
@@ -186,7 +194,7 @@ class Simulation:
             raise StepFailure(self._failure(status))
         if self._tables:
             self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
-        if abs(self._speed[0]) > self._surveyed_to[0]:
+        if not self._surveyed_from[0] <= abs(self._speed[0]) <= self._surveyed_to[0]:
             self._survey(False)
         for entry in tuple(self._doubts):
             since, words = entry
@@ -235,6 +243,10 @@ class Simulation:
         root = complex(survey.rest[0])
         if root == root:
             self._warn(grows_at_rest(root))
+        unstable = grows_in_the_open(self._whirls, float(self._speed[0]))
+        if unstable and not self._has_warned_of_growth:
+            self._has_warned_of_growth = True
+            self._warn(unstable)
         settings = self.settings
         if survey.counted[0] == 0 or settings.mode == "controlled":
             return

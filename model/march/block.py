@@ -59,6 +59,7 @@ _SIZES = (
     *(
         "n",
         "width",
+        "weights_width",
         "housings",
         "size",
         "deflections",
@@ -119,7 +120,7 @@ def new_block(
         starts = LAWS[interface.law].states
         run.motion.own[interface.own : interface.own + len(starts)] = starts
     run.memory.record[0].trapped_at = np.nan
-    for instant in ("overdamped_at", "slow_at", "coarse_at"):
+    for instant in ("overdamped_at", "slow_at", "coarse_at", "blind_at"):
         run.memory.record[0][instant] = np.nan
     for name, value in Control._field_defaults.items():
         run.memory.record[0][name] = value

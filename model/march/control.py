@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from ..kernels.compiled import compiled
-from .error_control import contact_error, local_error, next_length, repeated_length
+from .error_control import next_length, repeated_length, whirl_error
 from .paper_control import error_indicator, next_step, shorter_step
 
 FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
@@ -21,7 +21,8 @@ class Control(NamedTuple):
     LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
     MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of
     h^2 (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to
-    the motion (`fitting`); h_in_contact: longest of CONTROLLED while a journal touches [s];
+    the motion (`fitting`); h_in_contact, h_in_the_open: longest of CONTROLLED while a
+    journal touches, and while none does [s];
     overdamping: what the integrator may take of the energy of a rub, over what the dampers do [1].
     """
 
@@ -39,18 +40,18 @@ class Control(NamedTuple):
     error_constant: float
     is_fitted: bool
     h_in_contact: float = math.inf
+    h_in_the_open: float = math.inf
     overdamping: float = 1.0
 
 
 @compiled
-def step_error(structure, control, pace, h, is_first, old, new):
-    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated. pace: of
-    the motion, in the sense of the rotation [rad/s]."""
+def step_error(structure, control, local, h, is_first, old, new):
+    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated. local:
+    its `local_error` [1]."""
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
     if control.mode == CONTROLLED:
-        error = local_error(structure, control, pace, h, old, new)
-        return max(error, contact_error(structure, control, h, new))
+        return max(local, whirl_error(structure, control, h, new))
     return 0.0
 
 

@@ -13,6 +13,7 @@ from . import march, tape
 from .block import LAYOUT
 from .control import Control
 from .equilibrium import HELD, find_equilibrium, release
+from .error_control import first_size
 from .observe import observe
 
 _view = LAYOUT.view
@@ -40,6 +41,7 @@ def _control(numbers, r):
         numbers.error_constant,
         numbers.is_fitted != 0,
         r.h_in_contact,
+        r.h_in_the_open,
         r.overdamping,
     )
 
@@ -66,6 +68,7 @@ def start(block, speed, drive, rate):
     for i in range(len(run.structure.probes)):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
+    first_size(run.structure, speed, run.motion, run.memory)
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
     tape.start(run.structure, run.motion, run.memory, run.work, run.tape, run.reading.observed)
     return HELD

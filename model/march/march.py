@@ -10,13 +10,22 @@ from __future__ import annotations
 import math
 
 from ..kernels.compiled import compiled, inlined
+from ..kernels.functions import direction
 from ..step.fitting import fitted, pace_after, unfitted
 from ..step.step import accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
 from .energy import powers, total_energy
+from .error_control import NOTHING, local_error, measure, steady_length, update_size
 from .memory import spin_at, spin_now
 from .tape import is_due, write
-from .watch import open_window, watch_bounces, watch_losses, watch_revolution, watch_work
+from .watch import (
+    open_window,
+    watch_bounces,
+    watch_errors,
+    watch_losses,
+    watch_revolution,
+    watch_work,
+)
 
 DONE, NOT_CONVERGED, NOT_FINITE, STALLED = 0, 1, 2, 3
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
@@ -118,7 +127,7 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, 
     status, total, torque = NOT_CONVERGED, 0, 0.0
     fit = unfitted()
     for correction in range(SPIN_ITERATIONS):
-        if control.is_fitted:
+        if control.is_fitted and control.h_in_the_open == math.inf:
             fit = fitted(scheme, math.sqrt(r.pace2) * h)
         status, iterations = try_step(
             structure, scheme, fit, spin, h, loads, motion, trial, work, problem
@@ -162,11 +171,16 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
     memory.peaks[2, :, :] = 0.0
     varies = control.mode != FIXED
     shortest = control.h_min * (1.0 + 1e-5)
+    # of a machine that is unstable with its contacts open
+    is_steady = control.mode == CONTROLLED and control.h_in_the_open < math.inf
+    if is_steady:
+        r.h = min(r.h, max(control.h_min, control.h_in_the_open))
     parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0
     while parts >= 1.0:
         h = (t_end - r.t) / parts
         wished = r.h
         was_rejected = False
+        measures, local = NOTHING, 0.0
         while True:
             if varies and watch_work(structure, memory):
                 r.failed_at = r.t
@@ -182,7 +196,9 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             error = 0.0
             if status == DONE:
                 pace = math.copysign(math.sqrt(r.pace2), spin.omega)
-                error = step_error(structure, control, pace, h, r.steps == 0, motion, trial)
+                measures = measure(structure.weights, direction(pace * h), motion, trial)
+                local = local_error(structure, control, r.size, pace, h, measures)
+                error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break
                 if h <= shortest:
@@ -198,12 +214,16 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             wished = shorter_length(structure, control, h, error, status == DONE, motion, trial)
             parts = max(1.0, math.ceil((t_end - r.t) / wished - 1e-6))
             h = (t_end - r.t) / parts
-        if control.is_fitted or control.mode == CONTROLLED:
-            r.pace2 = pace_after(structure, spin.omega, h, motion, trial, r.pace2)
+        r.pace2 = pace_after(structure, spin.omega, h, measures, r.pace2)
+        watch_errors(structure, control, local, spin, motion, trial, memory)
+        update_size(structure, spin.omega, h, trial, memory)
         r.t = t
         r.h_carried = h
         r.damping = fit.damping
-        r.h = wished_length(control, wished, h, error, r.error, was_rejected)
+        if is_steady and r.error_touched == 0 and not was_rejected:
+            r.h = steady_length(structure, control, spin.omega, wished, h, error, memory)
+        else:
+            r.h = wished_length(control, wished, h, error, r.error, was_rejected)
         r.error = error
         r.h_smallest = wished if r.h_smallest == 0.0 else min(r.h_smallest, wished)
         r.h_largest = max(r.h_largest, wished)

@@ -24,10 +24,17 @@ RECORD = np.dtype(
             "h_last",
             "h_carried",  # to which the carried accelerations belong
             "pace2",  # square of the motion's `pace_after` [rad2/s2]
+            "size",  # of the motion, see `error_control.update_size` [m]
             "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
             "h_largest",
-            "error",  # of the last step, relative [1]
+            "error",  # of the last step in the terms of the mode, see `control.step_error` [1]
+            "error_largest",  # local error of a step, in tolerances [1]: the largest in the present
+            "error_largest_before",  # revolution and in the last, the angle swept of the present
+            "error_swept",  # one [rad], the integral of the square over it [rad], and the root mean
+            "error_square",  # square over the last
+            "error_rms",
+            "error_peak",  # see `error_control.steady_length` [1]
             "energy_at_start",  # of the machine [J]
             "torque",  # that the motion needs at t [N.m]
             "drive",  # torque on a free rotor [N.m]
@@ -37,6 +44,7 @@ RECORD = np.dtype(
             "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
             "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
             "coarse_at",  # time of the first step at h_min that misses the tolerance [s], or NaN
+            "blind_at",  # time of the first too coarse step in which a contact closed [s], or NaN
             "cycle_end",  # when the work of a cycle is counted anew [s]
             "window_begin",  # of the losses looked at, and when they are looked at next [s]
             "window_end",
@@ -49,15 +57,18 @@ RECORD = np.dtype(
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
             "h_in_contact",  # see `Control`
+            "h_in_the_open",
             "overdamping",
-            "surveyed_at",  # speed up to which growing whirls were looked for [rad/s], and the one
-            "surveyed_to",  # past which they are looked for anew
+            "surveyed_at",  # speed at which growing whirls were looked for [rad/s], and the sizes
+            "surveyed_from",  # of speed below and above which they are looked for anew
+            "surveyed_to",
         )
     ]
     + [
         (name, "i8")
         for name in (
             *("steps", "rejected", "newton", "trapped", "touched", "continues", "is_free"),
+            "error_touched",  # whether a wall was touched in the present revolution
             "cycle_newton",  # iterations when the present cycle began
         )
     ]
@@ -72,7 +83,8 @@ class Memory(NamedTuple):
     and since the last communication point; once: of their z from rest, z exp(-i theta) and
     z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
     one before [m]; bounce: of each interface the direction of the last contact (cos, sin), steps
-    since then, score of crossings; rest: the probes under the loads at the start [m]; loads: on the
+    since then, score of crossings; rest: the probes under the loads at the start [m]; center: the
+    mean position of the last revolutions [m]; loads: on the
     ports [N].
     """
 
@@ -83,6 +95,7 @@ class Memory(NamedTuple):
     once: Annotated[np.ndarray, complex, "3", "2", "probes"]
     bounce: Annotated[np.ndarray, float, "interfaces", "4"]
     rest: Annotated[np.ndarray, complex, "probes"]
+    center: Annotated[np.ndarray, complex, "n"]
     loads: Annotated[np.ndarray, complex, "loads"]
 
 

@@ -60,7 +60,14 @@ SOLVER = (
     Output(
         "error",
         "1",
-        "error of the last step over the one tolerated, or as the indicator has it",
+        "largest local error of a step over the last revolution, over the one tolerated",
+        nominal=1.0,
+    ),
+    Output(
+        "error_rms",
+        "1",
+        "root mean square of the steps' local errors over the last revolution, over the one "
+        "tolerated",
         nominal=0.1,
     ),
     Output("h_min_used", "s", "shortest step length chosen", nominal=1e-3),
@@ -149,12 +156,13 @@ def observe(structure, motion, memory, work, out):
     out[at + 1] = r.steps
     out[at + 2] = r.rejected
     out[at + 3] = r.newton
-    out[at + 4] = r.error
-    out[at + 5] = r.h_smallest
-    out[at + 6] = r.h_largest
-    out[at + 7] = r.trapped
-    out[at + 8] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
-    out[at + 9] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
+    out[at + 4] = max(r.error_largest, r.error_largest_before)
+    out[at + 5] = r.error_rms
+    out[at + 6] = r.h_smallest
+    out[at + 7] = r.h_largest
+    out[at + 8] = r.trapped
+    out[at + 9] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
+    out[at + 10] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
     _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
 
 

@@ -31,6 +31,10 @@ COARSE = 0.5
 # Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
 # tolerance some hundreds; a run that takes more than SLOW says so, and at MOST it is given up.
 SLOW, MOST = 300_000, 10_000_000
+# What error control with a tolerance of 0.1 keeps to: the error of a step, and about the root mean
+# square of all. A coarser step in which a contact closes, or a coarser revolution with a touch, may
+# put a run on another branch of solutions without any other sign.
+COARSEST, COARSEST_RMS = 0.1, 0.03
 TURN = 2.0 * math.pi
 _FRICTION = FLOWS.index("friction")
 _LOSSES = len(INFLOWS)
@@ -74,6 +78,33 @@ def watch_revolution(structure, spin, motion, memory):
                 peaks[0, axis, i] = 0.0
             peaks[0, axis, i] = max(peaks[0, axis, i], size[axis])
             peaks[2, axis, i] = max(peaks[2, axis, i], size[axis])
+
+
+@compiled
+def watch_errors(structure, control, local, spin, old, new, memory):
+    """Keep the local errors of the last revolution, after a step from `old` to `new` whose own is
+    `local`, in tolerances; see whether a contact closed in a step too coarse to tell what follows.
+    """
+    r = memory.record[0]
+    by_step = abs(spin.theta - r.theta)
+    r.error_largest = max(r.error_largest, local)
+    r.error_swept += by_step
+    r.error_square += by_step * local * local
+    has_closed = False
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
+            r.error_touched = 1
+            has_closed = has_closed or old.force[j] == 0.0
+    is_coarse = has_closed and local * control.tolerance > COARSEST
+    if r.error_swept >= TURN:
+        r.error_rms = math.sqrt(r.error_square / r.error_swept)
+        rms = r.error_rms * control.tolerance
+        is_coarse = is_coarse or (r.error_touched == 1 and rms > COARSEST_RMS)
+        r.error_largest_before = r.error_largest
+        r.error_largest, r.error_swept, r.error_square = 0.0, 0.0, 0.0
+        r.error_touched = 0
+    if is_coarse and math.isnan(r.blind_at):
+        r.blind_at = r.t
 
 
 @compiled

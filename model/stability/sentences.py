@@ -26,6 +26,7 @@ HIDES = (
     f"solver steps of {{h:.3g}} s hide an instability: {WHIRL}, and the integrator, at omega h = "
     "{radians:.2g}, {does}; take steps of at most {longest:g} s, or the preset controlled"
 )
+UNSTABLE = f"unstable: {WHIRL}; the machine itself is past its threshold of stability"
 OSCILLATES = (
     "a mode of {hz:.4g} Hz ({omega:.4g} rad/s) grows, its logarithmic decrement being "
     "{decrement:.3g}"
@@ -66,6 +67,13 @@ def hidden_whirls(
         does=DOES[seen < 0].format(seen=abs(seen)),
         longest=plain(whirls.rounded_down)(longest_step(method, hidden), TWO_DIGITS),
     )
+
+
+def grows_in_the_open(found: Sequence[Whirl], speed: float) -> str | None:
+    """A sentence about the whirl that grows fastest at a speed [rad/s] with all contacts open, None
+    where there is none."""
+    whirl = next((w for w in found if not w.closed and w.speed == speed), None)
+    return UNSTABLE.format(**_told(whirl, ())) if whirl else None
 
 
 def grows_at_rest(root: complex) -> str:

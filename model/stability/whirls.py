@@ -33,13 +33,14 @@ from .resolution import is_stable, resolving_step
 
 # Less than this share of a growth left by the integrator is called hidden; what a step that
 # resolves it must leave, and more of it where a tolerance is small.
-HIDDEN, RESOLVED = 0.5, 0.9
-# Speeds at which growing whirls are looked for, in shares of the highest; one that is passed by
-# this factor is looked at anew. At rest another growth is looked for.
+HIDDEN, RESOLVED = 0.5, 0.97
+# Speeds at which growing whirls are looked for, in shares of the present one; where it is passed by
+# this factor they are looked for anew. At rest another growth is looked for.
 _HALF, _PASSED = 0.5, 1.25
+_BISECTIONS = 7  # to where something begins to grow, in a quarter of the speed
 _SHARES = (0.0, 1.0, _HALF)
 # Of what a machine with growing whirls dissipates, the share that the integrator may take besides.
-_OVERDAMPING = 0.05
+_OVERDAMPING, _OVERDAMPING_OF_NONE = 0.05, 1.0
 _GROWING = 1e-5  # least Re lambda / |lambda| of what is called growing: below it is rounding
 _SLOW = 1e-3  # of the machine's lowest frequency: a root below it is a motion as a rigid body
 _ALIKE = 5e-10  # ratios that differ by less differ in rounding
@@ -88,64 +89,139 @@ def rounded_down(x, least):
 
 @called
 def look_for_whirls(run, speed, is_start):
-    """Find the whirls that grow up to this speed of rotation [rad/s], with all contacts open, each
-    alone closed, and all; keep the steps that a tolerance chooses short enough to see them, and
-    judge what the integrator takes more strictly. At the start find what grows at rest too."""
+    """Find the whirls that grow at this speed of rotation [rad/s] and at half of it, with all
+    contacts open, each alone closed, and all; keep the steps that a tolerance chooses short enough
+    to see them, and judge what the integrator takes more strictly. At the start find what grows at
+    rest too.
+
+    With all contacts open it is the machine itself that is unstable: what grows there within the
+    speeds for which this survey stands bounds the steps from now on, and the survey ends where
+    something begins to grow.
+    """
     structure, survey, r = run.structure, run.survey, run.memory.record[0]
     r.surveyed_at = speed
-    r.surveyed_to = _PASSED * max(abs(speed), structure.numbers[0].lowest_omega)
     survey.counted[0] = 0
     survey.rest[0] = complex(math.nan, math.nan)
     walls = 0
     for j in range(len(structure.interfaces)):
         walls += 1 if is_wall(structure.interfaces[j]) else 0
-    shortest = math.inf
+    r.h_in_contact = r.h_in_the_open = math.inf
+    r.overdamping = _OVERDAMPING_OF_NONE
     take_matrices(run)
     for share in _SHARES:
         if (share == 0.0 and is_start == 0) or (share == _HALF and speed == 0.0):
             continue
-        if share != _HALF:
-            take_tangents(run, share * speed)
+        take_tangents(run, share * speed)
         for case in range(ALL, len(structure.interfaces)):
             if share == 0.0 and case != OPEN:
                 continue
             is_one = case >= 0 and is_wall(structure.interfaces[case])
             if not (is_one or case == OPEN or (case == ALL and walls > 1)):
                 continue
-            take_machine(run, share * speed, case)
-            for i in range(len(survey.A)):
-                for k in range(len(survey.A)):
-                    survey.work[i, k] = survey.A[i, k]
-            eigenvalues(survey.work, survey.re, survey.im)
+            _take_roots(run, share * speed, case)
             if share == 0.0:
                 _take_growth_at_rest(run)
             else:
-                shortest = min(shortest, _take_whirls(run, share * speed, case))
-    numbers = run.method.numbers[0]
-    if survey.counted[0] > 0 and is_stable(numbers):
-        r.overdamping = _OVERDAMPING
-        r.h_in_contact = rounded_down(shortest, _DIGITS) if shortest < math.inf else math.inf
+                shortest = _take_whirls(run, share * speed, case)
+                if case == OPEN and share == 1.0:
+                    r.h_in_the_open = shortest
+                elif case != OPEN:
+                    r.h_in_contact = min(r.h_in_contact, shortest)
+    _look_around(run, speed)
+    if is_stable(run.method.numbers[0]):
+        if survey.counted[0] > 0:
+            r.overdamping = _OVERDAMPING
+        if r.h_in_contact < math.inf:
+            r.h_in_contact = rounded_down(r.h_in_contact, _DIGITS)
+        if r.h_in_the_open < math.inf:
+            r.h_in_the_open = rounded_down(r.h_in_the_open, _DIGITS)
+    else:
+        r.h_in_contact = r.h_in_the_open = math.inf
+
+
+@compiled
+def _take_roots(run, speed, case):
+    """Fill in all roots at one speed [rad/s] in one case."""
+    survey = run.survey
+    take_machine(run, speed, case)
+    for i in range(len(survey.A)):
+        for k in range(len(survey.A)):
+            survey.work[i, k] = survey.A[i, k]
+    eigenvalues(survey.work, survey.re, survey.im)
+
+
+@compiled
+def _look_around(run, speed):
+    """Say for which speeds the survey stands, up to where a whirl begins to grow with all contacts
+    open, and bound the steps by what grows there."""
+    r = run.memory.record[0]
+    sign = -1.0 if speed < 0.0 else 1.0
+    size, lowest = abs(speed), run.structure.numbers[0].lowest_omega
+    r.surveyed_to = _edge(run, sign, size, _PASSED * max(size, lowest))
+    below = size / _PASSED if size > lowest else 0.0
+    r.surveyed_from = _edge(run, sign, size, below)
+
+
+@compiled
+def _edge(run, sign, size, far):
+    """From which size of speed on, towards `far` from `size` [rad/s], something grows with all
+    contacts open, or `far`."""
+    r = run.memory.record[0]
+    step = _step_in_the_open(run, sign * far)
+    if step == math.inf or r.h_in_the_open < math.inf:
+        r.h_in_the_open = min(r.h_in_the_open, step)
+        return far
+    calm, growing = size, far
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (calm + growing)
+        if _step_in_the_open(run, sign * middle) < math.inf:
+            growing = middle
+        else:
+            calm = middle
+    return growing
+
+
+@compiled
+def _step_in_the_open(run, speed):
+    """Longest step that resolves what grows at a speed [rad/s] with all contacts open [s]."""
+    take_tangents(run, speed)
+    _take_roots(run, speed, OPEN)
+    survey = run.survey
+    longest = math.inf
+    for i in range(len(survey.re)):
+        root = complex(survey.re[i], survey.im[i])
+        if is_growing(root):
+            longest = min(longest, _longest_step(run, root))
+    return longest
+
+
+@compiled
+def is_growing(root):
+    """Whether a root, over the machine's lowest frequency, is a whirl that grows, not rounding."""
+    return root.imag > _SLOW and root.real > _GROWING * modulus(root)
+
+
+@compiled
+def _longest_step(run, root):
+    """Longest step that leaves a growth its share [s]; root: over the lowest frequency."""
+    method = run.method.numbers[0]
+    share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
+    return resolving_step(method, root * run.structure.numbers[0].lowest_omega, share)
 
 
 @compiled
 def _take_whirls(run, speed, case):
-    """Take up what grows at one speed in one case; the longest step that resolves it if a contact
-    is closed [s]."""
+    """Take up what grows at one speed in one case; the longest step that resolves it [s]."""
     structure, survey = run.structure, run.survey
-    scale = structure.numbers[0].lowest_omega
     shortest = math.inf
-    method = run.method.numbers[0]
-    share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
     for i in range(len(survey.re)):
         root = complex(survey.re[i], survey.im[i])
-        if not (root.imag > _SLOW and root.real > _GROWING * modulus(root)):
+        if not is_growing(root):
             continue
         take_vector(survey, root)
         is_backward = _turns_back(structure, survey, case) == (speed >= 0.0)
-        root = root * scale
-        if case != OPEN:
-            shortest = min(shortest, resolving_step(method, root, share))
-        _keep(survey, root, is_backward, case, speed)
+        shortest = min(shortest, _longest_step(run, root))
+        _keep(survey, root * structure.numbers[0].lowest_omega, is_backward, case, speed)
     return shortest
 
 

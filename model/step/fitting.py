@@ -54,23 +54,16 @@ def fitted(scheme, w):
 
 
 @compiled
-def pace_after(structure, omega, h, old, new, before):
+def pace_after(structure, omega, h, measures, before):
     """Square of the angular frequency of the motion [rad2/s2], at most that of the rotation or of
-    the machine's slowest motion, whichever is faster, after a step of length h [s]; before: after
-    the last step.
+    the machine's slowest motion, whichever is faster, after a step of length h [s]; measures: of
+    the step (`error_control.measure`); before: after the last step.
 
     Of q ~ exp(i p t), and of a swing along a line as well, p^2 = (|jerk|^2 + p^2 |a|^2) over
     (|a|^2 + p^2 |v|^2), weighted with the masses; of a free fall p is 0.
     """
-    share = structure.mass_share
-    above, below = 0.0, 0.0
-    for i in range(len(share)):
-        jerk = (new.a[i] - old.a[i]) * (1.0 / h)
-        a = 0.5 * (new.a[i] + old.a[i])
-        v = 0.5 * (new.v[i] + old.v[i])
-        square = a.real * a.real + a.imag * a.imag
-        above += share[i] * (jerk.real * jerk.real + jerk.imag * jerk.imag + before * square)
-        below += share[i] * (square + before * (v.real * v.real + v.imag * v.imag))
+    a, v = measures.acceleration, measures.velocity
+    above, below = measures.change / (h * h) + before * a, a + before * v
     slowest = structure.numbers[0].slowest
     most = max(omega * omega, slowest * slowest)
     if below == 0.0:

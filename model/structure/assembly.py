@@ -113,7 +113,7 @@ def assemble(rotor: Rotor) -> Structure:
         K_shaft=to_band(K_shaft, HALF_BANDWIDTH),
         K_axial=to_band(K_axial, HALF_BANDWIDTH),
         M_factors=M_factors,
-        mass_share=_mass_share(M),
+        weights=_weights(M),
         mass_sum=M[:, ::2].sum(axis=1),
         weight=np.zeros(n, dtype=complex),
         releases=_rows(RELEASE, [tuple(element) for _, element in _of(Release, elements)]),
@@ -236,9 +236,9 @@ def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:
     return np.array([along, tilt])
 
 
-def _mass_share(M: np.ndarray) -> np.ndarray:
-    lumped = np.zeros(len(M))
-    lumped[::2] = M[::2, ::2].sum(axis=1)
+def _weights(M: np.ndarray) -> np.ndarray:
+    lumped = np.zeros((len(M), 1))
+    lumped[::2, 0] = M[::2, ::2].sum(axis=1)
     return lumped / lumped.sum()
 
 

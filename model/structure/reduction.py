@@ -70,14 +70,12 @@ def reduced(structure: Structure, modes: int) -> Structure:
     # a motion as one body needs no mode
     one_body = np.zeros((2, size))
     one_body[:, : len(kept)] = structure.one_body[:, kept]
-    share = np.zeros(size)
-    moving = deflections[:, 0]  # a slope that is kept has no share
-    share[moving] = np.maximum(dense["M"][np.ix_(moving, moving)].sum(axis=1), 0.0)
+    weights = T.T @ to_dense(structure.weights) @ T
     return structure._replace(
         **bands,
         **at,
         M_factors=M_factors,
-        mass_share=share / share.sum(),
+        weights=to_band(weights, size - 1),
         mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
         one_body=one_body,

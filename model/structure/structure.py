@@ -47,8 +47,9 @@ class Structure(NamedTuple):
     M, C, K: mass, damping, stiffness; G: gyroscopic (real, symmetric); K_shaft: the shaft's elastic
     part, K_axial: that of its axial forces; each in band storage, shape (n, width);
     M_factors: M's, from `band.factorize`.
-    mass_share: of the deflections' lumped masses in the rotor's [1]; mass_sum: force of a unit
-    acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
+    weights: of the norm by which motions and errors are measured, the mean square of the
+    deflections weighted with their lumped masses [1], shape (n, weights_width); mass_sum: force of
+    a unit acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
     releases: what the machine starts with in the place of equilibrium, if at all; one_body: its
     motions as one body, by a unit displacement and by a unit tilt about the centre of mass.
     deflections: dof and node number, from 1, of every deflection.
@@ -67,7 +68,7 @@ class Structure(NamedTuple):
     K_shaft: Annotated[np.ndarray, float, "n", "width"]
     K_axial: Annotated[np.ndarray, float, "n", "width"]
     M_factors: Annotated[np.ndarray, float, "n", "width"]
-    mass_share: Annotated[np.ndarray, float, "n"]
+    weights: Annotated[np.ndarray, float, "n", "weights_width"]
     mass_sum: Annotated[np.ndarray, float, "n"]
     weight: Annotated[np.ndarray, complex, "n"]
     releases: Annotated[np.ndarray, RELEASE, "releases"]
@@ -95,6 +96,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
     return {
         "n": n,
         "width": width,
+        "weights_width": structure.weights.shape[1],
         "housings": housings,
         "size": n + housings + 1,
         "deflections": len(structure.deflections),

@@ -102,7 +102,7 @@ def _last_doubt(r, told):
     the others when they began."""
     code = say.GOOD
     told[0] = -math.inf
-    for i, since in enumerate((r.trapped_at, r.overdamped_at, r.slow_at, r.coarse_at)):
+    for i, since in enumerate((r.trapped_at, r.overdamped_at, r.slow_at, r.coarse_at, r.blind_at)):
         if since >= told[0]:
             told[0] = since
             code = -(say.DOUBTFUL + i)
