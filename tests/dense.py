@@ -35,7 +35,7 @@ def dense_matrices(
         return full
 
     return (
-        both_planes(structure.M, housings.mass, housings.mass),
+        both_planes(structure.M, housings.mass, housings.mass * housings.mass_ratio),
         both_planes(structure.C, housings.cx, housings.cy),
         both_planes(structure.K, housings.kx, housings.ky),
         skew(structure.G),

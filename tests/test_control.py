@@ -39,7 +39,7 @@ def shown_to_true(method, indicator, h=5e-6, steps=300):
         before = np.concatenate([sim.motion.q[:-1], sim.motion.v[:-1]])
         sim.advance(i * h, OMEGA, loads)
         exact = rest + propagator @ (before - rest)
-        shown = sim.read("solver.error") * np.linalg.norm(sim.motion.q[:-1] - before[:n])
+        shown = sim._run.memory.record["error"][0] * np.linalg.norm(sim.motion.q[:-1] - before[:n])
         ratios.append(shown / np.linalg.norm(sim.motion.q[:-1] - exact[:n]))
     return np.array(ratios)
 

@@ -9,12 +9,14 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.march import error_control
 from rotor_fmu.model.march.block import LAYOUT, new_block
 from rotor_fmu.model.march.error_control import GROWTH, SHRINKAGE
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
 
-from .machines import balanced, overhung
+from .machines import DISCS, balanced, overhung
+from .whip import overhung_machine
 
 next_length = plain(error_control.next_length)
 repeated_length = plain(error_control.repeated_length)
@@ -74,6 +76,83 @@ def test_twenty_phases_give_the_same_peaks_and_no_false_state():
         peaks.append(largest)
         assert sim.read("solver.trapped") == 0
     assert np.all(np.ptp(peaks, axis=0) < 2e-3 * np.median(peaks, axis=0))
+
+
+FAR = ClearanceContact(node=3, journal_radius=0.02, clearance=1.0, mu=0.1, k=1e7)
+
+
+@pytest.mark.parametrize("clearance", [1e-4, 2.5e-4, 3e-3, 2e-2])
+@pytest.mark.parametrize("e", [1e-7, 1e-5])
+def test_a_tolerance_is_of_the_motion_whatever_the_clearance(clearance, e):
+    """A machine that touches nothing, through its resonance: peak and phase by the same machine
+    with a tolerance of 1e-5, and steps that do not depend on the wall."""
+    wall = replace(FAR, clearance=clearance)
+    discs = (replace(DISCS[0], e=e), DISCS[1])
+    rotor = overhung(discs=discs, others=(wall,), gravity=0.0)
+    peaks, orbits = [], []
+    for tolerance in (1e-2, 1e-3, 1e-5):
+        seen, _ = through_resonance(rotor, tolerance)
+        orbits.append(seen)
+        peaks.append(np.abs(seen).max())
+    assert peaks[-1] < 0.5 * clearance
+    assert peaks[0] == pytest.approx(peaks[-1], rel=0.1)
+    assert peaks[1] == pytest.approx(peaks[-1], rel=0.02)
+    assert np.abs(orbits[1] - orbits[-1]).max() < 10 * 1e-3 * peaks[-1]
+
+
+def through_resonance(rotor, tolerance):
+    """The last disc's orbit of a run-up [m], and the simulation."""
+    sim = Simulation(rotor, choose(tolerance=tolerance), speed=100.0, rate=100.0)
+    node = 2 * (rotor.discs[-1].node - 1)
+    seen = []
+    for k in range(200):
+        sim.advance(0.005 * (k + 1), 100.0 + 0.5 * k)
+        seen.append(sim.motion.q[node])
+    return np.array(seen), sim
+
+
+@pytest.mark.parametrize("modes", [0, 40])
+def test_a_tolerance_means_the_same_in_component_modes(modes):
+    """All modes are the machine itself in other coordinates."""
+    seen, sim = orbit(choose(tolerance=1e-2, reduction=modes))
+    exact, whole = orbit(choose(tolerance=1e-2))
+    assert sim.read("solver.steps") == pytest.approx(whole.read("solver.steps"), rel=0.05)
+    assert np.abs(seen - exact).max() < 10 * 1e-2 * np.abs(exact).max()
+
+
+WRONG_BRANCH = {
+    "paper, 1 ms": choose("paper", h=1e-3),
+    "paper, 0.5 ms": choose("paper", h=5e-4),
+    "paper, 0.4 ms": choose("paper", h=4e-4),
+    "Newmark, 1 ms": choose("robust", method="newmark", h=1e-3),
+    "Newmark, 0.5 ms": choose("robust", method="newmark", h=5e-4),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_BRANCH)
+def test_a_fixed_step_that_ends_on_another_branch_is_called_too_coarse(name):
+    """The overhung machine at 400 rad/s moves by 224 um by tolerances from 1e-2 to 1e-4 alike."""
+    said = []
+    rotor, settings = overhung_machine(), WRONG_BRANCH[name]
+    sim = Simulation(rotor, settings, speed=400.0, warn=said.append)
+    peak = 0.0
+    for k in range(100):
+        sim.advance(0.01 * (k + 1), 400.0)
+        peak = max(peak, sim.read("disc[1].r_amp")) if k > 50 else 0.0
+    assert peak != pytest.approx(224e-6, rel=0.1)
+    assert any(message.startswith("too coarse in contact") for message in said)
+
+
+def test_a_fixed_step_that_is_fine_enough_is_not():
+    said = []
+    sim = Simulation(
+        overhung_machine(mu=0.05), choose("robust", h=2e-4), speed=300.0, warn=said.append
+    )
+    for k in range(100):
+        sim.advance(0.01 * (k + 1), 300.0)
+    assert sim.read("disc[1].r_amp") == pytest.approx(150.4e-6, rel=0.01)
+    assert said == []
+    assert 0.0 < sim.read("solver.error_rms") < sim.read("solver.error")
 
 
 def test_short_communication_steps_do_not_spoil_the_step_length():

@@ -100,7 +100,7 @@ def update_size(structure, omega, h, new, memory):
             velocity += weight * _product(new.v[i], new.v[k])
     seen = math.sqrt(0.5 * (apart + velocity / (fastest * fastest)))
     floor = FLOOR * min(numbers.clearance, numbers.small)
-    r.size = max(floor, seen, (1.0 - share) * r.size)
+    r.motion_size = max(floor, seen, (1.0 - share) * r.motion_size)
 
 
 @compiled
@@ -112,7 +112,7 @@ def first_size(structure, omega, motion, memory):
         memory.center[i] = motion.q[i]
     # the start taken as both ends of a step
     start = measure(structure.weights, 1.0 + 0.0j, motion, motion)
-    memory.record[0].size = math.sqrt(start.acceleration) / (fastest * fastest)
+    memory.record[0].motion_size = math.sqrt(start.acceleration) / (fastest * fastest)
     update_size(structure, omega, 0.0, motion, memory)
 
 

@@ -197,7 +197,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
             if status == DONE:
                 pace = math.copysign(math.sqrt(r.pace2), spin.omega)
                 measures = measure(structure.weights, direction(pace * h), motion, trial)
-                local = local_error(structure, control, r.size, pace, h, measures)
+                local = local_error(structure, control, r.motion_size, pace, h, measures)
                 error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break

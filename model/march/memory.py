@@ -24,7 +24,7 @@ RECORD = np.dtype(
             "h_last",
             "h_carried",  # to which the carried accelerations belong
             "pace2",  # square of the motion's `pace_after` [rad2/s2]
-            "size",  # of the motion, see `error_control.update_size` [m]
+            "motion_size",  # see `error_control.update_size` [m]
             "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
             "h_largest",
@@ -46,8 +46,8 @@ RECORD = np.dtype(
             "coarse_at",  # time of the first step at h_min that misses the tolerance [s], or NaN
             "blind_at",  # time of the first too coarse step in which a contact closed [s], or NaN
             "cycle_end",  # when the work of a cycle is counted anew [s]
-            "window_begin",  # of the losses looked at, and when they are looked at next [s]
-            "window_end",
+            "touched_at",  # time of the first touch in the window of the losses looked at, or NaN
+            "window_end",  # when they are looked at next [s]
             "window_residual",  # of the ledger, what was dissipated, and that without friction [J]
             "window_losses",
             "window_vibration",
@@ -67,7 +67,7 @@ RECORD = np.dtype(
     + [
         (name, "i8")
         for name in (
-            *("steps", "rejected", "newton", "trapped", "touched", "continues", "is_free"),
+            *("steps", "rejected", "newton", "trapped", "continues", "is_free"),
             "error_touched",  # whether a wall was touched in the present revolution
             "cycle_newton",  # iterations when the present cycle began
         )

@@ -11,6 +11,7 @@ from ..kernels.functions import modulus
 from ..step.excitation import at_place
 from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
+from .control import CONTROLLED
 from .energy import total_energy
 from .memory import spin_now
 
@@ -34,7 +35,7 @@ SLOW, MOST = 300_000, 10_000_000
 # What error control with a tolerance of 0.1 keeps to: the error of a step, and about the root mean
 # square of all. A coarser step in which a contact closes, or a coarser revolution with a touch, may
 # put a run on another branch of solutions without any other sign.
-COARSEST, COARSEST_RMS = 0.1, 0.03
+COARSEST, COARSEST_RMS = 0.1, 0.02
 TURN = 2.0 * math.pi
 _FRICTION = FLOWS.index("friction")
 _LOSSES = len(INFLOWS)
@@ -95,11 +96,12 @@ def watch_errors(structure, control, local, spin, old, new, memory):
         if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
             r.error_touched = 1
             has_closed = has_closed or old.force[j] == 0.0
-    is_coarse = has_closed and local * control.tolerance > COARSEST
+    is_bound = control.mode == CONTROLLED and control.tolerance <= COARSEST
+    is_coarse = has_closed and local * control.tolerance > COARSEST and not is_bound
     if r.error_swept >= TURN:
         r.error_rms = math.sqrt(r.error_square / r.error_swept)
         rms = r.error_rms * control.tolerance
-        is_coarse = is_coarse or (r.error_touched == 1 and rms > COARSEST_RMS)
+        is_coarse |= r.error_touched == 1 and rms > COARSEST_RMS and not is_bound
         r.error_largest_before = r.error_largest
         r.error_largest, r.error_swept, r.error_square = 0.0, 0.0, 0.0
         r.error_touched = 0
@@ -152,19 +154,25 @@ def open_window(structure, memory):
     """Begin a window of `watch_losses` at the time reached."""
     r = memory.record[0]
     fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
-    r.window_begin = r.t
     r.window_end = r.t + WINDOW_CYCLES * 2.0 * math.pi / fastest
-    r.touched = 0
+    r.touched_at = math.nan
 
 
 @compiled
 def watch_losses(structure, control, motion, memory, work):
     """Compare what the integrator took of the energy of a machine that touched, once in a window,
-    with what the machine's dampers did."""
+    with what the machine's dampers did.
+
+    Not of error control: its steps resolve what the survey knows to grow, and what they take of
+    anything else is within the tolerance.
+    """
+    if control.mode == CONTROLLED:
+        return
     r = memory.record[0]
-    for j in range(len(structure.interfaces)):
-        if structure.interfaces[j].has_wall == 1 and motion.force[j] != 0.0:
-            r.touched = 1
+    if math.isnan(r.touched_at):
+        for j in range(len(structure.interfaces)):
+            if structure.interfaces[j].has_wall == 1 and motion.force[j] != 0.0:
+                r.touched_at = r.t
     if r.t < r.window_end:
         return
     flows = memory.work
@@ -184,8 +192,9 @@ def watch_losses(structure, control, motion, memory, work):
     is_seen = r.leaky_taken > LEAST_LOSS * r.leaky_losses
     # friction feeds a whirl where the rotor turns
     is_fine = 0.0 < abs(r.omega) * r.h_last < COARSE and losses > vibration
-    if r.touched == 1 and is_large and is_seen and is_fine and math.isnan(r.overdamped_at):
-        r.overdamped_at = r.window_begin
+    has_touched = not math.isnan(r.touched_at)
+    if has_touched and is_large and is_seen and is_fine and math.isnan(r.overdamped_at):
+        r.overdamped_at = r.touched_at
     r.window_residual = residual
     r.window_losses = losses
     r.window_vibration = vibration

@@ -1,6 +1,5 @@
-"""Machines with clearance contacts, touchdown bearings and bearings told by tables: their
-equations written anew for CVODE (SUNDIALS). They share the matrices of shaft and bodies with this
-project, and no law.
+"""Machines of every kind of part: their equations written anew for CVODE (SUNDIALS). They share the
+matrices of shaft and bodies with this project, and no law.
 
 Of a race of inertia J under friction T, its surface at the radius R + s:
 
@@ -9,13 +8,16 @@ Of a race of inertia J under friction T, its surface at the radius R + s:
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.housing import Housing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
 from rotor_fmu.model.structure.assembly import assemble
@@ -25,53 +27,75 @@ from sksundae.cvode import CVODE
 from ..dense import dense_matrices
 
 COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy")
-OF_A_WALL = ("journal_radius", "clearance", "mu", "k", "c", "delta_c", "v_s")
+OF_A_WALL = (
+    *("journal_radius", "clearance", "mu", "k", "c", "delta_c", "v_s"),
+    *("exponent", "mu_rise", "v_stribeck", "wear", "wear_angle", "wear_power"),
+)
 OF_A_RACE = ("race_inertia", "race_drag", "race_damping", "race_w_s")
-Wall = ClearanceContact | TouchdownBearing
+Wall = Bearing | ClearanceContact | TouchdownBearing
 
 
 class Equations:
     """y' = f(t, y) with y = (x and y of all dofs and housings, their velocities, the speeds
     of the walls, all but races at rest) at the speed of rotation speed + rate t [rad/s]."""
 
-    def __init__(self, rotor: Rotor, speed: float, rate: float) -> None:
+    def __init__(self, rotor: Rotor, speed: float, rate: float, unbalance: float = 1.0) -> None:
         structure = assemble(rotor)
-        M, C, K, G, _ = dense_matrices(structure)
+        M, C, K, G, circulatory = dense_matrices(structure)
         inverse = np.linalg.inv(M)
         self.size = n = len(M) // 2
-        names = [part.name for part in rotor.parts if part.KIND == "housing"]
-        masses = [part.mass for part in rotor.parts if part.KIND == "housing"]
         first = len(structure.weight)
+        named = dict(rotor.named_parts())
+        mounts = {
+            (part.name if isinstance(part, Housing) else where): part
+            for where, part in named.items()
+            if isinstance(part, (Bearing, Housing))
+        }
+        names = list(mounts)
 
-        def ends(parts: Sequence[Wall | LinearBearing]):
+        def ends(parts: dict[str, Wall | LinearBearing]) -> np.ndarray:
             """Node and what it is held by, -1 for ground."""
-            held = [first + names.index(p.housing) if p.housing else -1 for p in parts]
-            nodes = [2 * (p.node - 1) for p in parts]
-            return np.array([nodes, held], int).T
+            held = [where if isinstance(p, Bearing) else p.housing for where, p in parts.items()]
+            at = [first + names.index(name) if name else -1 for name in held]
+            nodes = [2 * (part.node - 1) for part in parts.values()]
+            return np.array([nodes, at], int).T
 
-        walls = [part for part in rotor.parts if isinstance(part, Wall)]
-        bearings = [p for p in rotor.parts if isinstance(p, LinearBearing)]
-        fall = [structure.weight, 1j * -rotor.gravity * np.array(masses)]
-        weight = np.concatenate([np.zeros(0), *fall])
-        speeds, cubics = _tables(bearings)
-        self.walls = walls
+        walls = {where: part for where, part in named.items() if isinstance(part, Wall)}
+        bearings = {w: part for w, part in named.items() if isinstance(part, LinearBearing)}
+        pull = -1j * cmath.exp(1j * rotor.gravity_angle) * math.cos(rotor.inclination)
+        pull *= rotor.gravity
+        masses = np.array([[part.mass, part.mass * part.mass_ratio] for part in mounts.values()])
+        masses = masses.reshape(-1, 2)
+        shaft = M[:first, :first:2].sum(axis=1)
+        weight = np.concatenate(
+            [
+                shaft * pull.real,
+                masses[:, 0] * pull.real,
+                shaft * pull.imag,
+                masses[:, 1] * pull.imag,
+            ]
+        )
+        turning = structure.numbers[0]
+        speeds, cubics = _tables(list(bearings.values()))
+        self.walls = list(walls.values())
         self._given = (
-            np.array([speed, rate]),
+            np.array([speed, rate, turning.kappa_v, turning.kappa_h]),
             inverse,
             inverse @ C,
             inverse @ K,
             inverse @ G,
-            np.concatenate([weight.real, weight.imag]),
+            inverse @ circulatory,
+            weight,
             structure.unbalances.dof.astype(np.int64),
-            structure.unbalance,
+            unbalance * structure.unbalance,
             ends(walls),
-            np.array([[getattr(wall, name) for name in OF_A_WALL] for wall in walls]),
-            np.array([[getattr(wall, name, 0.0) for name in OF_A_RACE] for wall in walls]),
+            np.array([[getattr(wall, name) for name in OF_A_WALL] for wall in self.walls]),
+            np.array([[getattr(wall, name, 0.0) for name in OF_A_RACE] for wall in self.walls]),
             ends(bearings),
             speeds,
             cubics,
         )
-        assert len(weight) == n
+        assert len(weight) == 2 * n
 
     def slope(self, t: float, state: np.ndarray, out: np.ndarray) -> None:
         """Fill `out` with the derivative of the state."""
@@ -100,8 +124,8 @@ def _tables(bearings: Sequence[LinearBearing]) -> tuple[np.ndarray, np.ndarray]:
 
 @njit
 def _slope(
-    t, state, out, turning, inverse, C, K, G, weight, places, unbalance, ends, walls, races, held,
-    speeds, cubics,
+    t, state, out, turning, inverse, C, K, G, circulatory, weight, places, unbalance, ends, walls,
+    races, held, speeds, cubics,
 ):  # fmt: skip
     n = len(inverse) // 2
     q, v = state[: 2 * n], state[2 * n : 4 * n]
@@ -124,21 +148,35 @@ def _slope(
         f_y = -(k[2] * x + k[3] * y + k[6] * u_x + k[7] * u_y)
         _push(f, dof, end, f_x, f_y)
     for j in range(len(walls)):
-        radius, clearance, mu, stiffness, c, delta_c, v_s = walls[j]
+        radius, clearance, mu, stiffness, c, delta_c, v_s = walls[j, :7]
+        exponent, mu_rise, v_stribeck, wear, wear_angle, wear_power = walls[j, 7:]
         inertia, drag, viscous, w_s = races[j]
         dof, end = ends[j]
         w = state[4 * n + j]
         torque = 0.0
         d_x, d_y, u_x, u_y = _relative(q, v, dof, end)
         r = math.hypot(d_x, d_y)
-        depth = r - clearance
+        gap, by_angle = clearance, 0.0
+        if wear > 0.0:
+            half = 0.5 * (math.atan2(d_y, d_x) - wear_angle)
+            gap += wear * (math.cos(half) ** 2) ** wear_power
+            by_angle = -wear * wear_power * (math.cos(half) ** 2) ** (wear_power - 1)
+            by_angle *= math.cos(half) * math.sin(half)
+        depth = r - gap
         if depth > 0:
+            # gradient of the depth: along the radius 1, across it -s'(psi) / r
             e_x, e_y = d_x / r, d_y / r
+            g_x, g_y = e_x + by_angle / r * e_y, e_y - by_angle / r * e_x
+            steep = math.hypot(g_x, g_y)
+            n_x, n_y = g_x / steep, g_y / steep
             grown = min(1.0, depth / delta_c)
-            normal = max(0.0, stiffness * depth + c * grown * (u_x * e_x + u_y * e_y))
-            sliding = u_y * e_x - u_x * e_y + radius * omega - (radius + clearance) * w
-            rubbing = mu * normal * sliding / math.hypot(sliding, v_s)
-            _push(f, dof, end, -normal * e_x + rubbing * e_y, -normal * e_y - rubbing * e_x)
+            rate_of_depth = u_x * g_x + u_y * g_y
+            pressed = stiffness * depth**exponent + c * grown * rate_of_depth
+            normal = steep * max(0.0, pressed)
+            sliding = u_y * n_x - u_x * n_y + radius * omega - (radius + clearance) * w
+            coefficient = mu + mu_rise * math.exp(-((sliding / v_stribeck) ** 2))
+            rubbing = coefficient * normal * sliding / math.hypot(sliding, v_s)
+            _push(f, dof, end, -normal * n_x + rubbing * n_y, -normal * n_y - rubbing * n_x)
             torque = (radius + clearance) * rubbing
         if inertia > 0.0:
             torque -= drag * w / math.hypot(w, w_s) + viscous * w
@@ -146,7 +184,10 @@ def _slope(
         else:
             out[4 * n + j] = 0.0
     out[: 2 * n] = v
+    kappa = turning[2] * omega + turning[3] * np.sign(omega)
     out[2 * n : 4 * n] = inverse @ f - C @ v - omega * (G @ v) - K @ q - 0.5 * rate * (G @ q)
+    if kappa != 0.0:
+        out[2 * n : 4 * n] -= kappa * (circulatory @ q)
 
 
 @njit

@@ -1,0 +1,2 @@
+"""Machines drawn at random with every kind of part, what CVODE finds of them, and what this project
+does: `python -m tests.population`."""

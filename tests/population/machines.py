@@ -1,0 +1,278 @@
+"""Machines drawn at random: every kind of part, responses of all sizes, constant speeds, ramps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from rotor_fmu.model.linear import unbalance_response
+from rotor_fmu.model.machine.rotor import Rotor
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.simulation import Simulation
+
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True)
+class Case:
+    """A machine that turns at speed + rate t [rad/s] until `stop` [s]; kind: of its contact or
+    bearing; node: whose motion is looked at."""
+
+    name: str
+    kind: str
+    rotor: Rotor
+    speed: float
+    rate: float
+    stop: float
+    node: int
+
+
+class _Draw:
+    """Random numbers of one machine."""
+
+    def __init__(self, seed: int) -> None:
+        self.rng = np.random.default_rng([20261122, seed])
+
+    def log(self, low: float, high: float) -> float:
+        """Between two positive numbers, even in the logarithm."""
+        return math.exp(self.rng.uniform(math.log(low), math.log(high)))
+
+    def between(self, low: float, high: float) -> float:
+        """Between two numbers."""
+        return float(self.rng.uniform(low, high))
+
+    def one(self, *choices: float) -> float:
+        """One of some numbers."""
+        return float(self.rng.choice(choices))
+
+
+def _table(heading: str, /, **quantities: object) -> str:
+    lines = [f"{key} = {_spelled(value)}" for key, value in quantities.items()]
+    return "\n".join([f"[[{heading}]]", *lines, ""])
+
+
+def _spelled(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, list):
+        return f"[{', '.join(_spelled(v) for v in value)}]"
+    return repr(float(value)) if isinstance(value, float) else str(value)
+
+
+@dataclass(frozen=True)
+class _Shaft:
+    """What every machine has: a shaft of four to seven elements with one or two discs."""
+
+    text: str
+    nodes: int
+    disc: int
+    length: float
+    diameter: float
+    mass: float
+
+
+def _shaft(draw: _Draw, eta_v: float, others: str = "") -> _Shaft:
+    nodes = int(draw.rng.integers(5, 9))
+    length, diameter = draw.log(0.3, 1.5), draw.log(0.012, 0.04)
+    z = np.linspace(0.0, length, nodes)
+    z[1:-1] += draw.rng.uniform(-0.2, 0.2, nodes - 2) * length / (nodes - 1)
+    outer = [diameter * draw.between(0.9, 1.3) for _ in range(nodes - 1)]
+    sections = ""
+    for i, d in enumerate(outer):
+        shape: dict[str, object] = {"length": float(z[i + 1] - z[i])}
+        if draw.between(0, 1) < 0.25:
+            shape |= {"outer_left": d, "outer_right": d * draw.between(0.8, 1.2)}
+        else:
+            shape |= {"outer": d}
+        if draw.between(0, 1) < 0.25:
+            shape |= {"bore": 0.3 * d}
+        sections += _table("section", **shape)
+    disc = int(draw.rng.integers(2, nodes))
+    width, disc_diameter = draw.between(0.02, 0.05), diameter * draw.between(5, 10)
+    mass = 7800.0 * math.pi / 4 * disc_diameter**2 * width
+    text = (
+        f'name = "drawn"\n{others}\n[material]\nyoung = 2.1e11\ndensity = 7800.0\n'
+        f"[shaft]\neta_v = {eta_v!r}\n{sections}"
+        + _table("disc", node=disc, diameter=disc_diameter, width=width, e=1e-5, phase=0.4)
+    )
+    if draw.between(0, 1) < 0.4:
+        other = 1 + disc % (nodes - 1)
+        text += _table(
+            "disc", node=other, diameter=0.6 * disc_diameter, width=width, e=5e-6, phase=2.0
+        )
+    return _Shaft(text, nodes, disc, length, diameter, mass)
+
+
+def _contact(draw: _Draw, stiffness: float, clearance: float, **more: object) -> dict[str, object]:
+    """What a clearance contact is; stiffness: of the shaft, that of the contact is some of it."""
+    return {
+        "journal_radius": 0.01,
+        "clearance": clearance,
+        "mu": draw.log(0.02, 0.3),
+        "k": stiffness * draw.log(3.0, 100.0),
+        "c": draw.log(10.0, 300.0),
+        **more,
+    }
+
+
+def _held(draw: _Draw, shaft: _Shaft, stiffness: float) -> str:
+    """Supports at both ends, or linear bearings."""
+    text = ""
+    for node in (1, shaft.nodes):
+        k = stiffness * draw.log(1.0, 10.0)
+        c = 2 * draw.log(0.03, 0.3) * math.sqrt(k * shaft.mass)
+        if draw.between(0, 1) < 0.5:
+            text += _table("support", node=node, stiffness=k, damping=c)
+        else:
+            other = k * draw.between(0.5, 1.0)
+            text += _table("linear_bearing", node=node, kxx=k, kyy=other, cxx=c, cyy=0.7 * c)
+    return text
+
+
+def _tabulated(draw: _Draw, kind: str, shaft: _Shaft, k: float, crossed: float, top: float) -> str:
+    """A bearing whose coefficients follow the speed, cross coupled by `crossed` [N/m] at the top
+    speed [rad/s]."""
+    speeds = [0.1 * top, 0.4 * top, 0.7 * top, 1.1 * top]
+    rise = [0.2, 0.5, 0.8, 1.2]
+    c = 2 * draw.log(0.02, 0.1) * math.sqrt(k * shaft.mass)
+    return _table(
+        kind,
+        node=shaft.disc if kind == "seal" else 1,
+        speed=speeds,
+        kxx=[k * (1 + 0.2 * r) for r in rise],
+        kyy=[k * (1 + 0.1 * r) for r in rise],
+        kxy=[crossed * r for r in rise],
+        kyx=[-crossed * r for r in rise],
+        cxx=[c] * 4,
+        cyy=[c] * 4,
+    )
+
+
+def _stiffness(shaft: _Shaft) -> float:
+    """Of the shaft between its ends, about [N/m]."""
+    return 48 * 2.1e11 * math.pi / 64 * shaft.diameter**4 / shaft.length**3
+
+
+def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
+    """What the kind adds to the shaft: how it is held, and what it touches."""
+    k, near = _stiffness(shaft), max(2, min(shaft.nodes - 1, shaft.disc + 1))
+    if kind == "bearing":
+        return "".join(
+            _table(
+                "bearing",
+                node=node,
+                **_contact(draw, k, clearance),
+                mass=0.2 * shaft.mass * draw.between(0.3, 1.0),
+                kx=k * draw.log(3, 30),
+                ky=k * draw.log(30, 1000),
+                cx=0.1 * math.sqrt(k * shaft.mass),
+                cy=0.1 * math.sqrt(k * shaft.mass),
+            )
+            for node in (1, shaft.nodes)
+        )
+    if kind == "touchdown":
+        return "".join(
+            _table(
+                "touchdown_bearing",
+                node=node,
+                **_contact(draw, k, clearance),
+                race_inertia=draw.log(1e-5, 1e-3),
+                race_drag=draw.log(1e-4, 1e-2),
+            )
+            for node in (1, shaft.nodes)
+        ) + _table("start", y=0.0).replace("[[start]]", "[start]")
+    if kind == "housing":
+        mass, stiff = 0.3 * shaft.mass, k * draw.log(3, 30)
+        text = _table(
+            "housing", name="pedestal", mass=mass, mass_ratio=1.3, kx=stiff, ky=2 * stiff,
+            cx=0.1 * math.sqrt(stiff * mass), cy=0.1 * math.sqrt(stiff * mass),
+        )  # fmt: skip
+        text += _table(
+            "linear_bearing", node=1, housing="pedestal", kxx=2 * k, kyy=3 * k,
+            cxx=0.1 * math.sqrt(k * shaft.mass), cyy=0.1 * math.sqrt(k * shaft.mass),
+        )  # fmt: skip
+        text += _table("support", node=shaft.nodes, stiffness=3 * k, damping=20.0)
+        return text + _table(
+            "contact", node=near, housing="pedestal", **_contact(draw, k, clearance)
+        )
+    more: dict[str, object] = {}
+    if kind == "hertz":
+        # as stiff as a linear contact at a tenth of the clearance
+        more = {"exponent": 1.5, "k": 10 * k / math.sqrt(0.1 * clearance)}
+    if kind == "stribeck":
+        more = {"mu_rise": draw.between(0.05, 0.3), "v_stribeck": draw.log(0.01, 0.3)}
+    if kind == "worn":
+        more = {"wear": clearance * draw.between(0.1, 1.0), "wear_angle": draw.between(0, 6)}
+    text = _held(draw, shaft, k)
+    return text + _table("contact", node=near, **(_contact(draw, k, clearance) | more))
+
+
+KINDS = (
+    *("stator", "bearing", "hertz", "stribeck", "worn", "touchdown"),
+    *("housing", "table", "seal", "rotating", "tilted"),
+)
+
+
+def drawn(seed: int) -> Case:
+    """The machine of this number."""
+    draw = _Draw(seed)
+    kind = KINDS[seed % len(KINDS)]
+    gravity = draw.one(0.0, GRAVITY) if kind not in ("touchdown", "bearing") else GRAVITY
+    others = f"gravity = {gravity}\n"
+    if kind == "tilted":
+        others = (
+            f"gravity = {GRAVITY}\ngravity_angle = {draw.between(-1, 1)!r}\n"
+            f"inclination = {draw.between(0, 1.2)!r}\n"
+        )
+    eta_v = draw.log(1e-6, 3e-5) if kind != "rotating" else draw.log(1e-5, 1e-4)
+    shaft = _shaft(draw, eta_v, others)
+    text = shaft.text
+    if kind == "rotating":
+        text = text.replace("[shaft]\n", "[shaft]\nrotating_damping = true\n")
+    k = _stiffness(shaft)
+    lowest = math.sqrt(k / (shaft.mass * 1.3))
+    top = lowest * draw.between(0.4, 2.5)
+    if kind == "table":
+        text += _tabulated(draw, "linear_bearing", shaft, 3 * k, k * draw.log(0.02, 0.3), top)
+    if kind == "seal":
+        text += _tabulated(draw, "seal", shaft, 0.05 * k, k * draw.log(0.01, 0.1), top)
+    ramp = draw.one(0.0, 1.0, -1.0)
+    stop = 40 * 2 * math.pi / lowest
+    speed, rate = top, 0.0
+    if ramp:
+        other = top * draw.between(0.3, 0.7)
+        first, last = (other, top) if ramp > 0 else (top, other)
+        speed, rate = first, (last - first) / stop
+    clearance = _clearance(kind, draw, shaft, text, (speed, speed + rate * stop))
+    rotor = parse_rotor(text + _around(kind, draw, shaft, clearance))
+    return Case(f"{kind} {seed}", kind, rotor, speed, rate, stop, shaft.disc)
+
+
+def _clearance(
+    kind: str, draw: _Draw, shaft: _Shaft, text: str, speeds: tuple[float, float]
+) -> float:
+    """A clearance that the linear response to unbalance is a thousandth to a hundred times of."""
+    if kind in ("bearing", "touchdown"):
+        return draw.log(2e-5, 3e-4)
+    held = _Draw(0)
+    machine = parse_rotor(text + _held(held, shaft, _stiffness(shaft)))
+    low, high = sorted(speeds)
+    at = np.linspace(low, high, 30) if high > low else [low]
+    response = unbalance_response(machine, at, contacts="open")
+    near = max(2, min(shaft.nodes - 1, shaft.disc + 1)) - 1
+    size = float(response.major[:, near].max())
+    return size / draw.log(1e-3, 1e2)
+
+
+def at_start(case: Case):
+    """The motion in which a case begins."""
+    return Simulation(
+        case.rotor, speed=case.speed, rate=case.rate, warn=lambda message: None
+    ).motion
+
+
+Drawing = Callable[[int], Case]

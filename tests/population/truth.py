@@ -1,0 +1,81 @@
+"""What CVODE finds of a drawn machine, and how much it depends on what nobody knows exactly.
+
+CVODE (SUNDIALS) solves the equations of `tests.parts.equations`, which share the matrices of shaft
+and bodies with this project and nothing else.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from sksundae.cvode import CVODE
+
+from ..parts.equations import Equations
+from .machines import Case, at_start
+
+RTOL = 1e-9
+SLIGHTLY = 1e-5  # relative change of the start, the unbalance and the speed
+SAMPLES = 401
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The orbit of the node that is looked at, from where it starts, at `times` [s], complex [m];
+    condition: its largest change, relative to its size, by a relative change of start, unbalance
+    or speed, over that [1]."""
+
+    times: np.ndarray
+    orbit: np.ndarray
+    condition: float
+
+    @property
+    def size(self) -> float:
+        """Largest displacement from the start [m]."""
+        return float(np.abs(self.orbit).max())
+
+
+def truth(case: Case, rtol: float = RTOL) -> Truth:
+    """CVODE's orbit of a case and its condition."""
+    times = np.linspace(0.0, case.stop, SAMPLES + 1)
+    exact = _orbit(case, times, rtol)
+    size = np.abs(exact).max()
+    changed = (
+        _orbit(case, times, rtol, shift=SLIGHTLY * size),
+        _orbit(case, times, rtol, unbalance=1 + SLIGHTLY),
+        _orbit(case, times, rtol, faster=1 + SLIGHTLY),
+    )
+    largest = max(float(np.abs(other - exact).max()) for other in changed)
+    return Truth(times, exact, largest / (SLIGHTLY * size))
+
+
+def _orbit(
+    case: Case,
+    times: np.ndarray,
+    rtol: float,
+    *,
+    shift: float = 0.0,
+    unbalance: float = 1.0,
+    faster: float = 1.0,
+) -> np.ndarray:
+    """The node's way from its start at the angles of rotation that belong to the times.
+
+    shift: of the rotor at the start [m]; unbalance, faster: factors of the unbalance and the speed.
+    """
+    equations = Equations(
+        case.rotor, faster * case.speed, faster**2 * case.rate, unbalance=unbalance
+    )
+    start = at_start(case)
+    n = equations.size
+    q, v = start.q[:n].copy(), start.v[:n]
+    at = 2 * (case.node - 1)
+    origin = q[at]
+    q[: 2 * len(case.rotor.nodes) : 2] += shift
+    state = np.concatenate([q.real, q.imag, v.real, v.imag, np.zeros(len(equations.walls))])
+    floor = 1e-8 * max(abs(origin), 1e-6)
+    atol = np.repeat(
+        [floor * rtol * 1e2, floor * rtol * 1e5, rtol], [2 * n, 2 * n, len(equations.walls)]
+    )
+    solver = CVODE(equations.slope, rtol=rtol, atol=atol, max_num_steps=10**8)
+    y = solver.solve(times / faster, state).y
+    return y[:, at] + 1j * y[:, n + at] - origin
