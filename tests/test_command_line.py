@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import re
 import signal
 import subprocess
@@ -15,7 +14,7 @@ import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 
 from rotor_fmu.cli import COMMANDS, main
-from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.signals import read_signals
 
 
@@ -335,26 +334,3 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
     assert "Traceback" not in said
     assert not (tmp_path / "summary.json").exists()
     assert not (tmp_path / "run_down.csv").exists()
-
-
-@pytest.mark.slow
-def test_warm_compiles_ahead_so_that_the_next_process_need_not(tmp_path):
-    environment = {
-        **os.environ,
-        "ROTOR_FMU_CACHE": str(tmp_path),
-        "ROTOR_FMU_KERNELS": "numba",
-    }
-    command = [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "warm"]
-
-    def said():
-        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-        assert "RotorBearing.fmu: ready" in done.stdout
-        return done.stderr
-
-    assert "compiling the solver" in said()
-    assert "compiling the solver" not in said()
-
-
-def test_warm_refuses_what_is_no_fmu(refusal, tmp_path):
-    (tmp_path / "text.fmu").write_text("no")
-    assert "text.fmu: is no FMU" in refusal("warm", "text.fmu")

@@ -9,7 +9,7 @@ from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
 
-from rotor_fmu.native import sentences
+from rotor_fmu.library import messages as sentences
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.run_down import run_direct
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import RunFailed
-from ..fmu.binding import build_simulation, load_names
-from ..fmu.variables import Variable
+from ..fmi.binding import build_simulation, load_names
+from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure

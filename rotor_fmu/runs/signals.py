@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..fmu.variables import Variable
+from ..fmi.variables import Variable
 from ..units import units_for
 
 # Paper A's run-down: 400 - 10 t rad/s, over 40 s.

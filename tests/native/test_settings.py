@@ -19,9 +19,9 @@ def compare():
     from rotor_fmu.model.settings import SettingsError
     from rotor_fmu.model.structure.assembly import assemble
 
-    from rotor_fmu.fmu.solver_parameters import settings_of, solver_parameters
-    from rotor_fmu.native.sentences import SENTENCES
-    from rotor_fmu.native.settle import SLOTS, doubt, settle
+    from rotor_fmu.fmi.solver_parameters import settings_of, solver_parameters
+    from rotor_fmu.library.messages import SENTENCES
+    from rotor_fmu.library.resolve_settings import SLOTS, doubt, settle
 
     draw = random.Random(4)
     block = new_block(assemble(rig()), 1)
