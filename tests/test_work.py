@@ -3,13 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from rotor_fmu.model.doubts import DOUBTS
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
 
-from rotor_fmu.library import messages as sentences
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.run_down import run_direct
 
@@ -53,8 +51,3 @@ def test_a_run_whose_shortest_steps_miss_the_tolerance_is_not_ok():
     run = run_direct(job.rotor, job)
     assert run.status == "too coarse since t = 0 s"
     assert any("take a smaller solver.h_min" in message for message in run.messages)
-
-
-def test_the_native_fmu_has_the_words_of_every_doubt_in_their_order():
-    told = sentences.SENTENCES[sentences.DOUBTFUL : sentences.DOUBTFUL + len(DOUBTS)]
-    assert [text.replace("{.4g}", "{:.4g}") for text in told] == [d.words for d in DOUBTS]

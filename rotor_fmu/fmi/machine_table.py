@@ -1,6 +1,6 @@
-"""The table of a machine that the instance in C reads (`c/instance.h`): the
-variables and what they are to the run, limits and sentences, and the block of memory itself as it
-is before the parameters are set.
+"""The table of a machine that the instance in C reads (`c/instance.h`): the variables and what they
+are to the run, limits and sentences, and the block of memory itself as it is before the parameters
+are set.
 """
 
 from __future__ import annotations
@@ -12,52 +12,42 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..library.messages import SENTENCES, closed_at
-from ..library.resolve_settings import CHOICES, SLOTS
-from ..model.machine.rotor import Rotor
+from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
 from ..model.machine.speed_tables import tables_of
 from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
-from ..model.quantities import ANY, NOT_NEGATIVE, POSITIVE, Quantity
+from ..model.messages import SENTENCES, closed_at
+from ..model.quantities import ANY, LARGEST, Quantity
+from ..model.settings import messages as of_settings
+from ..model.settings.table import NAMES
 from ..model.structure.assembly import assemble, interface_names
 from ..model.structure.places import places
 from ..model.structure.reduction import reduced
-from .interface import ports
+from .binding import load_names
+from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
 from .variables import Variable
 
 MAGIC, FILE = b"ROTORFMU", "machine.table"
 KINDS = ("Real", "Integer", "Boolean")
-(DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCTION, READ, INSTANT, TIME) = range(11)
-REDUCTION_NAME = "solver.reduction"
+(DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCED, READ, INSTANT, TIME) = range(11)
 _ROLES = {
     "speed": DRIVE,
     "tau_drive": DRIVE,
     "speed_rate": RATE,
     "speed_continuation": HOLD,
     "w_start": START_SPEED,
-    REDUCTION_NAME: REDUCTION,
+    REDUCTION.name: REDUCED,
     "solver.trapped_at": INSTANT,
     "solver.overdamped_at": INSTANT,
     "time": TIME,
 }
-_SOLVER = "solver."
-# What the FMU calls otherwise than the settings do.
-_SETTINGS = {"adaptive": "mode"}
-# What a rule allows: more than this, or this too.
-_LEAST = {POSITIVE: (0.0, True), NOT_NEGATIVE: (0.0, False), ANY: (-math.inf, False)}
+_SETTINGS = {variable.name: at for at, variable in enumerate(GIVEN)}
 # (variable, what it asks for, why): what parameters ask of each other.
-_NEEDS = (
-    (
-        "shaft.eta_h",
-        "shaft.rotating_damping",
-        "shaft.eta_h = {g}: must be 0 unless shaft.rotating_damping is true "
-        "(hysteretic damping has no stationary form in the time domain)",
-    ),
-)
+_NEEDS = (("shaft.eta_h", "shaft.rotating_damping", HYSTERETIC_AT_REST),)
 # As in c/instance.h.
-_HEAD = struct.Struct("<8s16s40s 5q 5q 2q 4q 4q 6q")
-_VARIABLE = struct.Struct("<3q 4q 6d")
+_HEAD = struct.Struct("<8s16s40s d 5q 5q 2q 4q 4q 6q")
+_VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
 _SPAN = struct.Struct("<q2d")
 
@@ -90,7 +80,7 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
     index = {variable.name: i for i, variable in enumerate(face.table)}
-    block = _block(face.rotor, int(face.table[index[REDUCTION_NAME]].start or 0))
+    block = _block(face.rotor, int(face.table[index[REDUCTION.name]].start or 0))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
     record = where["memory.record"]
     texts = _Texts()
@@ -104,8 +94,9 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     ]
     beyond = tables_of(face.rotor)
     warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
-    where_closed = _closed_at(face.rotor, block)
-    own = [text.replace("{where}", where_closed) for text in SENTENCES]
+    closed = closed_at(interface_names(face.rotor), LAYOUT.look(block).structure.interfaces)
+    known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
+    own = [text.replace("{where}", closed) for text in known]
     sentences = [_HEAD.size + texts.place(text) for text in (*own, *warnings)]
     spans = b"".join(
         _SPAN.pack(code, table.low, table.high) for code, table in enumerate(beyond, len(SENTENCES))
@@ -126,10 +117,10 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     parts.append(block.tobytes())
     body = b"".join(parts)
     head = _HEAD.pack(
-        *(MAGIC, core.encode(), guid.encode()),
+        *(MAGIC, core.encode(), guid.encode(), LARGEST),
         *(_HEAD.size + len(body), len(face.table), observed_at),
         *(index["tau_drive" if face.is_free else "speed"], face.is_free),
-        *(1 + len(SLOTS), 1 + SLOTS.index("tolerance")),
+        *(len(GIVEN), 1 + NAMES.index("tolerance")),
         *(len(writes) // _ROW.size, len(needs), len(sentences)),
         *(len(block), LAYOUT.extent(block, "memory").stop),
         *(record + _field(RECORD, "is_free")[1], record + _field(RECORD, "continues")[1]),
@@ -159,13 +150,6 @@ def _block(rotor: Rotor, modes: int) -> np.ndarray:
     return new_block(structure, len(observed_names(rotor)))
 
 
-def _closed_at(rotor: Rotor, block: np.ndarray) -> str:
-    """Which contacts are closed, in words."""
-    interfaces = LAYOUT.look(block).structure.interfaces
-    walls = np.flatnonzero((interfaces.has_wall == 1) & (interfaces.states == 0)).tolist()
-    return closed_at(interface_names(rotor), walls)
-
-
 def _offset(block: np.ndarray, i: int) -> int:
     """Where an array of the layout begins in a block [bytes]."""
     header = block[: 8 * LAYOUT.header_length].view(np.int64)
@@ -174,7 +158,7 @@ def _offset(block: np.ndarray, i: int) -> int:
 
 def _rows(face: Face, texts: _Texts, observed_at: int) -> list[bytes]:
     quantities = {str(name): told for name, told, _ in face.rotor.parameters()}
-    loads = [f"{name}.f{axis}" for name, _ in ports(face.rotor) for axis in "xy"]
+    loads = [name for pair in load_names(face.rotor) for name in pair]
     rows = []
     for i, v in enumerate(face.table):
         role, at, unset, shift = MACHINE, 0, math.nan, 0.0
@@ -182,8 +166,8 @@ def _rows(face: Face, texts: _Texts, observed_at: int) -> list[bytes]:
             role = _ROLES[v.name]
         elif v.causality == "input":
             role, at = LOAD, loads.index(v.name)
-        elif v.name.startswith(_SOLVER) and not v.is_observed:
-            role, at, unset, shift = _setting(v)
+        elif v.name in _SETTINGS:
+            role, at, (unset, shift) = SETTING, _SETTINGS[v.name], meaning(v)
         elif v.is_observed:
             role = READ
         if v.is_observed:
@@ -199,28 +183,18 @@ def _row(
     role: tuple[int, int],
     setting: tuple[float, float],
 ) -> bytes:
-    least, is_strict = _LEAST[told.rule] if told else (-math.inf, False)
+    rule = told.rule if told else ANY
     unit = f" {told.unit}" if told and told.unit != "1" else ""
     return _VARIABLE.pack(
-        *(_HEAD.size + texts.place(t) for t in (v.name, unit, told.rule.words if told else "")),
-        *(KINDS.index(v.kind), *role, is_strict),
+        *(_HEAD.size + texts.place(t) for t in (v.name, unit, rule.words)),
+        *(KINDS.index(v.kind), *role, rule.is_strict),
         float(v.start or 0.0),
         -math.inf if v.low is None else v.low,
         math.inf if v.high is None else v.high,
         *setting,
-        least,
+        rule.least,
+        rule.most,
     )
-
-
-def _setting(v: Variable) -> tuple[int, int, float, float]:
-    """Role, place among the given settings, value that leaves it to the preset, and what counts
-    before the first name of a choice."""
-    name = v.name.removeprefix(_SOLVER)
-    if name == "preset":
-        return SETTING, 0, math.nan, 0.0
-    name = _SETTINGS.get(name, name)
-    unset = float(v.start or 0.0) if v.is_unset_at_start else math.nan
-    return SETTING, 1 + SLOTS.index(name), unset, 1.0 if name in CHOICES else 0.0
 
 
 def _writes(rotor: Rotor, index: dict[str, int], where: dict[str, int]) -> list[bytes]:

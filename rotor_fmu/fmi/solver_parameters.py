@@ -1,4 +1,4 @@
-"""The solver's parameters of the FMU, `solver.*`: how its Integers and Reals stand for settings.
+"""The FMU's variables that choose the integration, `solver.*`, and how they stand for settings.
 
 A host that sets every start value must change nothing: so a start value that is no setting of any
 run means "as the preset".
@@ -6,57 +6,19 @@ run means "as the preset".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from typing import NamedTuple
+import math
+from collections.abc import Callable, Mapping
 
-from ..model.settings import (
-    DEFAULT_PRESET,
-    INDICATORS,
-    METHODS,
-    MODES,
-    NORMS,
-    PRESETS,
-    Settings,
-    SettingsError,
-    choose,
-    without_effect,
-)
+import numpy as np
+
+from ..model.settings import DEFAULT_PRESET, PRESETS, Settings, SettingsError, settings_of_given
+from ..model.settings.table import MOST_MODES, SETTINGS, Choice, Number
 from .variables import Variable
 
 AS_PRESET = "as the preset"
-_PREFIX = "solver."
-_BIG = 1e9
-_MOST_MODES = 10_000
-
-Value = str | float | bool
-
-
-class _Choice(NamedTuple):
-    """An Integer that counts the values of a setting, from 1; 0 leaves it to the preset."""
-
-    name: str
-    setting: str
-    values: Mapping[str, Value]
-    text: str
-
-
-class _Number(NamedTuple):
-    """A Real that its start value leaves to the preset."""
-
-    name: str
-    unit: str
-    start: float
-    low: float
-    high: float
-    text: str
-
-
-def _names(values: Iterable[str]) -> dict[str, Value]:
-    return {name: name for name in values}
-
-
+PREFIX = "solver."
 _PRESET = Variable(
-    f"{_PREFIX}preset",
+    f"{PREFIX}preset",
     "Integer",
     "parameter",
     "named set of settings: " + ", ".join(f"{i} {name}" for i, name in enumerate(PRESETS)),
@@ -65,56 +27,30 @@ _PRESET = Variable(
     high=len(PRESETS) - 1,
     choices=tuple(PRESETS),
 )
-_TABLE = (
-    _Choice("method", "method", _names(METHODS), "integrator"),
-    # 1 leaves no implicit equation, so that it is free to mean "as the preset"
-    _Number("alpha_f", "1", 1.0, -1.0, 1.0, "alpha_f of hht and generalized-alpha"),
-    _Number("alpha_m", "1", 1.0, -1.0, 1.0, "alpha_m of wbz and generalized-alpha"),
-    _Number("rho", "1", -1.0, -1.0, 1.0, "spectral radius at infinity of chung-hulbert"),
-    _Choice("adaptive", "mode", _names(MODES), "step length"),
-    _Choice(
-        "fitted", "fitted", {"no": False, "yes": True}, "whether fitted to the pace of the motion"
-    ),
-    _Number("tolerance", "1", 0.0, 0.0, 1.0, "relative tolerance of the controlled mode"),
-    _Number("h", "s", 0.0, 0.0, 1.0, "step length, the first one where it varies"),
-    _Number("h_min", "s", 0.0, 0.0, 1.0, "shortest step where it varies"),
-    _Number("h_max", "s", 0.0, 0.0, 1.0, "longest step where it varies"),
-    _Number("eps_min", "1", 0.0, 0.0, _BIG, "adaptive mode: error below which the step grows"),
-    _Number("eps_max", "1", 0.0, 0.0, _BIG, "adaptive mode: error above which it is repeated"),
-    _Choice("indicator", "indicator", _names(INDICATORS), "error indicator of the adaptive mode"),
-    _Choice("norm", "norm", _names(NORMS), "what its error is relative to"),
-    _Number("atol", "m", 0.0, 0.0, 1.0, "absolute part of the mixed norm"),
-    _Number("rtol", "1", 0.0, 0.0, 1.0, "relative part of the mixed norm"),
-)
-_REDUCTION = Variable(
-    f"{_PREFIX}reduction",
+REDUCTION = Variable(
+    f"{PREFIX}reduction",
     "Integer",
     "parameter",
     "Craig-Bampton modes kept of the shaft beside the deflections of bearings, discs and coupling; "
     "0: all of the shaft; chosen when an FMU is built",
     start=0,
     low=0,
-    high=_MOST_MODES,
+    high=MOST_MODES,
 )
 
 
-def solver_parameters() -> list[Variable]:
-    """The FMU's variables that choose the integration."""
-    return [_PRESET, *(_variable(row) for row in _TABLE), _REDUCTION]
-
-
-def _variable(row: _Choice | _Number) -> Variable:
-    name = f"{_PREFIX}{row.name}"
+def _variable(setting: Choice | Number) -> Variable:
+    name = f"{PREFIX}{setting.variable or setting.name}"
     choices: tuple[str, ...] = ()
-    if isinstance(row, _Number):
-        text = f"{row.text}; {row.start:g}: {AS_PRESET}"
-        start, low, high = row.start, row.low, row.high
-        kind, unit = "Real", row.unit
+    if isinstance(setting, Number):
+        text = f"{setting.text}; {setting.unset:g}: {AS_PRESET}"
+        kind, unit, start = "Real", setting.unit, setting.unset
+        low, high = min(setting.range.low, start), max(setting.range.high, start)
     else:
-        choices = (AS_PRESET, *row.values)
-        text = f"{row.text}: " + ", ".join(f"{i} {choice}" for i, choice in enumerate(choices))
-        start, low, high = 0, 0, len(row.values)
-        kind, unit = "Integer", "1"
+        choices = (AS_PRESET, *setting.values)
+        text = f"{setting.text}: " + ", ".join(f"{i} {name}" for i, name in enumerate(choices))
+        kind, unit, start = "Integer", "1", 0
+        low, high = 0, len(setting.values)
     return Variable(
         name,
         kind,
@@ -129,9 +65,20 @@ def _variable(row: _Choice | _Number) -> Variable:
     )
 
 
-def is_solvers(name: str) -> bool:
-    """Whether a parameter of this name is one of the solver's."""
-    return name.startswith(_PREFIX)
+# In the order in which the resolver takes them, the preset first (`settings.resolver.resolve`).
+GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
+
+
+def solver_parameters() -> list[Variable]:
+    """The FMU's variables that choose the integration."""
+    return [*GIVEN, REDUCTION]
+
+
+def meaning(variable: Variable) -> tuple[float, float]:
+    """Of one of `GIVEN`: the value that leaves it to the preset, NaN where none does, and what is
+    to be taken from any other."""
+    unset = float(variable.start or 0.0) if variable.is_unset_at_start else math.nan
+    return unset, 1.0 if variable.is_unset_at_start and variable.choices else 0.0
 
 
 def settings_of(
@@ -145,28 +92,15 @@ def settings_of(
     nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an impossible value, by
     the parameter's name.
     """
-    changes: dict[str, Value] = {}
-    limited: dict[str, tuple[float, float]] = {}
-    for row in _TABLE:
-        value = values[f"{_PREFIX}{row.name}"]
-        if isinstance(row, _Number):
-            if value != row.start:
-                changes[row.name] = value
-                limited[row.name] = value, row.high
-        elif value != 0:
-            changes[row.setting] = list(row.values.values())[int(value) - 1]
-    own = dict(changes)
-    if tolerance is not None:
-        changes.setdefault("tolerance", tolerance)
-    preset = list(PRESETS)[int(values[_PRESET.name])]
-    reduction = int(values[_REDUCTION.name])
+    given = np.full(len(GIVEN), np.nan)
+    for at, variable in enumerate(GIVEN):
+        unset, shift = meaning(variable)
+        if values[variable.name] != unset:
+            given[at] = values[variable.name] - shift
     try:
-        settings = choose(preset, **changes, reduction=reduction)
+        settings, said = settings_of_given(given, int(values[REDUCTION.name]), tolerance)
     except SettingsError as error:
-        raise SettingsError(f"{_PREFIX}{error}") from error
-    for name, (value, high) in limited.items():
-        if value > high:
-            raise SettingsError(f"{_PREFIX}{name} = {value:g}: must be at most {high:g}")
-    for sentence in without_effect(settings, own):
-        warn(f"{_PREFIX}{sentence}")
+        raise SettingsError(f"{PREFIX}{error}") from error
+    for sentence in said:
+        warn(f"{PREFIX}{sentence}")
     return settings

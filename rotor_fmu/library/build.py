@@ -28,9 +28,7 @@ _HERE = Path(__file__).parent
 _FMI = _HERE.parent / "fmi"
 C_SOURCES = _FMI / "c"
 # What the kernels' IR is made of beside the kernels, and what the table is that the instance reads.
-_ENTRIES = tuple(
-    _HERE / f"{name}.py" for name in ("entry_points", "resolve_settings", "messages", "emit")
-)
+_ENTRIES = tuple(_HERE / f"{name}.py" for name in ("entry_points", "emit"))
 _TABLE = _FMI / "machine_table.py"
 _KEPT_VERSIONS = 8
 # What is emitted in one process: two, of about the same work.

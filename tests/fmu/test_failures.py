@@ -57,7 +57,7 @@ FAILURES = {
         ("setup 0", "enter", "real solver.alpha_f 0"), "exit", "solver.alpha_f = 0"
     ),
     "negative solver step": Failure(
-        ("setup 0", "enter", "real solver.h -1"), "exit", "solver.h = -1: must be > 0"
+        ("setup 0", "enter", "real solver.h -1"), "exit", "solver.h = -1 s: must be > 0"
     ),
     "spectral radius above 1": Failure(
         ("setup 0", "enter", "real solver.rho 2"), "exit", "rho = 2"

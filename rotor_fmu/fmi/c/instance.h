@@ -23,9 +23,9 @@ typedef enum {
     RATE,           /* of the speed over the first step */
     HOLD,           /* 1: the speed is held between two values */
     START_SPEED,    /* of a rotor that a torque drives */
-    MACHINE,        /* a parameter of the machine, whose value `least` and `strict` limit */
+    MACHINE,        /* a parameter of the machine, whose value `least`, `strict`, `most` limit */
     SETTING,        /* at: which of the solver's parameters; `unset` leaves it to the preset */
-    REDUCTION,      /* modes kept of the shaft: chosen when the FMU is built */
+    REDUCED,        /* modes kept of the shaft: chosen when the FMU is built */
     READ,           /* at: which of what the model computes */
     INSTANT,        /* the same, an instant */
     TIME            /* the independent variable of FMI 3.0, the last of all */
@@ -34,7 +34,7 @@ typedef enum {
 typedef struct {
     int64_t name, unit, rule; /* texts: places in the table's file */
     int64_t kind, role, at, strict;
-    double start, low, high, unset, shift, least;
+    double start, low, high, unset, shift, least, most;
 } Variable;
 
 typedef struct {
@@ -52,6 +52,7 @@ typedef struct {
 
 typedef struct {
     char magic[8], core[16], guid[40];
+    double largest; /* of a machine's parameter, in size */
     int64_t bytes, variables, observed_at, drive_at, is_free;
     int64_t settings, tolerance_at, writes, needs, sentences;
     int64_t block, state_bytes;                       /* sizes of the block, and of the run in it */

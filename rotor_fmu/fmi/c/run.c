@@ -11,7 +11,6 @@ enum { MOST_SETTINGS = 64 };
 /* What a master's time may be off by, in communication steps: its round-off, its idea of the end. */
 static const double SLACK = 1e-6, SLACK_AT_STOP = 1e-3;
 static const double RESOLVED = 100.0; /* spacings of the numbers near t that a step has to span */
-static const double HUGE_VALUE = 1e30; /* beyond it, products of such numbers overflow */
 
 static Status check_machine(Instance *m)
 {
@@ -21,15 +20,15 @@ static Status check_machine(Instance *m)
         const Variable *v = variables(t) + i;
         double value = m->values[i];
         char shown[LONGEST] = "";
-        if (v->role == REDUCTION && value != v->start)
+        if (v->role == REDUCED && value != v->start)
             return refuse(m,
                           "%s = %g: this FMU has %g; build one with --reduction %g",
                           text(t, v->name), value, v->start, value);
         if (v->role != MACHINE || value == v->start)
             continue;
-        if (fabs(value) > HUGE_VALUE)
-            return refuse(m, "%s: must not exceed 1e+30 in size", text(t, v->name));
-        if (value > v->least || (!v->strict && value == v->least))
+        if (fabs(value) > t->largest)
+            return refuse(m, "%s: must not exceed %g in size", text(t, v->name), t->largest);
+        if ((value > v->least || (!v->strict && value == v->least)) && value <= v->most)
             continue;
         add_number(shown, value, 6);
         return refuse(m, "%s = %s%s: %s", text(t, v->name), shown, text(t, v->unit),
@@ -58,13 +57,6 @@ static Status settle(Instance *m)
         return refuse(m, "internal error in the solver's settings");
     if (code)
         return say(m, ERROR, sentence(t, code), numbers);
-    for (int64_t i = 0; i < t->observed_at; i++) {
-        const Variable *v = variables(t) + i;
-        if (v->role == SETTING && v->kind == A_REAL && m->values[i] != v->unset
-            && m->values[i] > v->high)
-            return refuse(m, "%s = %g: must be at most %g", text(t, v->name), m->values[i],
-                          v->high);
-    }
     for (int64_t slot = 0; slot < t->settings; slot++)
         if ((code = rotor_doubt(m->block, given, own, numbers, slot)) != 0)
             warn(m, code, numbers);

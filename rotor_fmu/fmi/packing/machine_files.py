@@ -10,7 +10,8 @@ from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor, rig_toml
 from ..description import TIME, Described, description, guid
 from ..interface import interface
-from ..machine_table import FILE, REDUCTION_NAME, Face, table_bytes
+from ..machine_table import FILE, Face, table_bytes
+from ..solver_parameters import REDUCTION
 from ..variables import Variable
 from .archive import DESCRIPTION, xml_bytes
 from .documents import documents
@@ -39,7 +40,7 @@ def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:
     toml = rig_toml() if toml is None else toml
     rotor = parse_rotor(toml)
     table = tuple(
-        replace(variable, start=reduction) if variable.name == REDUCTION_NAME else variable
+        replace(variable, start=reduction) if variable.name == REDUCTION.name else variable
         for variable in interface(rotor, is_free)
     )
     return Machine(toml, rotor, table, is_free)
