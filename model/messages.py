@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .doubts import DOUBTS, STALLED
+from .doubts import DOUBTS, UNFINISHED
 from .settings import messages as settings
 from .spelling import choice
 from .stability import sentences as whirls
@@ -48,7 +48,7 @@ _SENTENCES = {
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
-    "TOO_SLOW": f"{_WHERE}{STALLED}",
+    "STOPPED": f"{_WHERE}{UNFINISHED}",
     "OSCILLATES_AT_REST": _positional(whirls.AT_REST, how=whirls.OSCILLATES),
     "MOVES_AT_REST": _positional(whirls.AT_REST, how=whirls.MOVES_AWAY),
     "HIDES": _positional(whirls.HIDES, way=_WAY, does=_DOES),
@@ -64,7 +64,7 @@ _FIRST = len(settings.SENTENCES)
     DIVERGED,
     DIVERGED_UNSTABLE,
     WHIRLED_APART,
-    TOO_SLOW,
+    STOPPED,
     OSCILLATES_AT_REST,
     MOVES_AT_REST,
     HIDES,

@@ -154,8 +154,9 @@ def failure(run, status, told):
     told[0], told[1], told[2] = r.failed_at, r.omega, r.failed_h
     if status == march.NOT_CONVERGED:
         return say.NOT_CONVERGED
-    if status == march.STALLED:
-        return say.TOO_SLOW
+    if status == march.UNFINISHED:
+        told[3] = r.max_iterations
+        return say.STOPPED
     told[3] = run.structure.deflections[_farthest(run), 1]
     told[4] = run.structure.numbers[0].bound
     if not is_stable(run.method.numbers[0]):

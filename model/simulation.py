@@ -101,6 +101,7 @@ class Simulation:
         numbers = self._run.memory.record[0]
         numbers.t = t
         numbers.h = settings.h
+        numbers.max_iterations = settings.max_iterations
         numbers.continues = continues_speed
         self._is_free = drive_torque is not None
         numbers.is_free = self._is_free
@@ -110,6 +111,7 @@ class Simulation:
         self._time = self._run.memory.record["t"]
         self._doubts = [(self._run.memory.record[doubt.since], doubt.words) for doubt in DOUBTS]
         self._loads = self._run.memory.loads
+        self._load_rates = self._run.memory.load_rates
         self._observed = self._run.reading.observed
         self._told = np.zeros(TOLD)
         self._where = messages.closed_at(interface_names(rotor), self._run.structure.interfaces)
@@ -154,26 +156,41 @@ class Simulation:
         """One observed quantity by its name, as in `observed_names`."""
         return float(self.observed[self.names.index(name)])
 
-    def advance(self, to: float, drive: float, loads: np.ndarray | None = None) -> None:
+    def advance(
+        self,
+        to: float,
+        drive: float,
+        loads: np.ndarray | None = None,
+        *,
+        rate: float | None = None,
+        load_rates: np.ndarray | None = None,
+    ) -> None:
         """March to time `to` [s].
 
-        drive: the speed at the present time [rad/s], or a free rotor's drive torque, constant until
-        `to` [N.m]; loads: complex forces x + i y on the discs and, last, on
-        the coupling, shape (bodies,) [N], constant until `to`. Raises `ValueError` for what is not
-        finite or lies in the past, without a step, and `StepFailure`, the state then
-        being that after the last good step.
+        drive: the speed now [rad/s], or a free rotor's drive torque [N.m]; loads: complex forces
+        x + i y on the machine's ports, in the order of `Structure.load_dof`, now [N], of a base its
+        acceleration [m/s2]; None: as they are. rate, load_rates: of these until `to`, over which
+        they are linear in time [rad/s2, N.m/s], [N/s]; without them loads and torque are constant,
+        and the speed goes on as its last two values say.
+
+        Raises `ValueError` for what is not finite or lies in the past, without a step, and
+        `StepFailure`, the state then being that after the last good step. After the settings'
+        `max_iterations` it is raised too, and a further call goes on from there.
         """
         if not math.isfinite(to):
             raise ValueError(f"to = {to}: must be finite")
-        if not math.isfinite(drive):
-            raise ValueError(f"{'torque' if self.is_free else 'speed'} = {drive}: must be finite")
+        for name, value in (("torque" if self.is_free else "speed", drive), ("rate", rate or 0.0)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value}: must be finite")
         if to < self.time:
             raise ValueError(f"to = {to:.9g} s: must not lie before {self.time:.9g} s, now")
+        for name, values in (("loads", loads), ("load_rates", load_rates)):
+            if values is not None and not np.isfinite(values).all():
+                raise ValueError(f"{name} = {values}: must be finite")
         if loads is not None:
-            if not np.isfinite(loads).all():
-                raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = self._code.advance(float(to), float(drive), math.nan)
+        self._load_rates[:] = 0.0 if load_rates is None else load_rates
+        status = self._code.advance(float(to), float(drive), math.nan if rate is None else rate)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._tables:

@@ -21,7 +21,7 @@ def rubbing(**bearing):
 
 def test_friction_that_no_step_resolves_ends_the_run_with_what_to_try():
     sim = Simulation(rubbing(mu=5.0), speed=400.0, rate=-10.0, warn=lambda message: None)
-    with pytest.raises(StepFailure, match=r"more than 10,000,000 iterations; .* less friction"):
+    with pytest.raises(StepFailure, match=r"stopped after 10000000 iterations .* less friction"):
         sim.advance(0.01, 400.0)
     assert 0 < sim.time < 0.01
     assert sim.read("solver.newton") > 1e7
@@ -32,7 +32,7 @@ def test_a_contact_stiffer_than_any_step_is_slow_too_coarse_and_given_up():
     said = []
     sim = Simulation(rubbing(k=1e20), speed=400.0, rate=-10.0, warn=said.append)
     sim.advance(0.004, 400.0)
-    with pytest.raises(StepFailure, match=r"iterations; .* softer contacts"):
+    with pytest.raises(StepFailure, match=r"stopped after 10000000 iterations .* softer contacts"):
         sim.advance(0.04, 400.0)
     assert {message.split(" since")[0] for message in said} >= {"slow", "too coarse"}
 

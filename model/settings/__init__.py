@@ -56,7 +56,8 @@ class Settings:
     mode: `fixed`, `adaptive` (paper A's) or `controlled`; h: step length, where it varies the first
     [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
     relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
-    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative, at most 1 [1].
+    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
+    max_iterations: of the interfaces' problem in one call of `Simulation.advance`.
     fitted: whether the method is fitted to the pace of the motion (`fitting`).
     reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
 
@@ -79,6 +80,7 @@ class Settings:
     rtol: float = DEFAULTS["rtol"]
     tolerance: float = DEFAULTS["tolerance"]
     fitted: bool = DEFAULTS["fitted"]
+    max_iterations: int = DEFAULTS["max_iterations"]
     reduction: int = 0
 
     def __post_init__(self) -> None:
@@ -139,7 +141,7 @@ def _chosen(given: np.ndarray, reduction: int) -> Settings:
     values: dict[str, Any] = {}
     for setting, number in zip(SETTINGS, given[1:].tolist(), strict=True):
         if isinstance(setting, Number):
-            values[setting.name] = number
+            values[setting.name] = int(number) if setting.is_whole else number
         else:
             names = list(setting.values)
             is_switch = isinstance(setting, table.Switch)

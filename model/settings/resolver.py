@@ -35,8 +35,9 @@ _METHOD, _SHAPE, _MODE, _FITTED, _TOLERANCE, _H, _H_MIN, _H_MAX = (
     NAMES.index(name)
     for name in ("method", SHAPES[0], "mode", "fitted", "tolerance", "h", "h_min", "h_max")
 )
-_EPS_MIN, _EPS_MAX, _INDICATOR, _NORM, _ATOL, _RTOL = (
-    NAMES.index(name) for name in ("eps_min", "eps_max", "indicator", "norm", "atol", "rtol")
+_EPS_MIN, _EPS_MAX, _INDICATOR, _NORM, _ATOL, _RTOL, _MAX_ITERATIONS = (
+    NAMES.index(name)
+    for name in ("eps_min", "eps_max", "indicator", "norm", "atol", "rtol", "max_iterations")
 )
 _SHAPES = len(SHAPES)
 _NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT = (
@@ -151,9 +152,10 @@ def _fill(numbers, given, mode, scheme):
 
 
 @compiled
-def first_step(given):
-    """The length of the first step among the settings chosen [s]."""
-    return given[1 + _H]
+def begin(given, r):
+    """Write what a run begins with into its record, from the settings chosen."""
+    r.h = given[1 + _H]
+    r.max_iterations = given[1 + _MAX_ITERATIONS]
 
 
 @compiled

@@ -70,7 +70,7 @@ class Number:
     """A setting that is a number of a range.
 
     unset: what stands for "as the preset" in an FMU, where a host may set every start value: a
-    number outside the range.
+    number outside the range; is_whole: whether it is an integer.
     """
 
     name: str
@@ -80,6 +80,7 @@ class Number:
     unset: float
     text: str
     variable: str = ""
+    is_whole: bool = False
 
     @property
     def rule(self) -> str:
@@ -92,6 +93,8 @@ class Number:
             raise ValueError(f"{self.name} = {value!r}: must be a number")
         if math.isnan(value):
             raise ValueError(f"{self.name} = nan: {self.rule}")
+        if self.is_whole and value != math.inf and value != int(value):
+            raise ValueError(f"{self.name} = {value:g}: must be an integer")
         return float(value)
 
 
@@ -109,7 +112,12 @@ SETTINGS: tuple[Choice | Number, ...] = (
     Choice("mode", MODES, "fixed", "step length", "adaptive"),
     Switch("fitted", {"no": False, "yes": True}, False, "whether fitted to the pace of the motion"),
     Number(
-        "tolerance", "1", _positive(1.0), 1e-3, 0.0, "relative tolerance of the controlled mode"
+        "tolerance",
+        "1",
+        Range(1e-9, 1.0),  # below it steps are of the size of what rounds
+        1e-3,
+        0.0,
+        "relative tolerance of the controlled mode",
     ),
     Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one where it varies"),
     Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step where it varies"),
@@ -124,6 +132,16 @@ SETTINGS: tuple[Choice | Number, ...] = (
     Choice("norm", NORMS, "increment", "what its error is relative to"),
     Number("atol", "m", _positive(1.0), 1e-6, 0.0, "absolute part of the mixed norm"),
     Number("rtol", "1", _positive(1.0), 1e-3, 0.0, "relative part of the mixed norm"),
+    Number(
+        "max_iterations",
+        "1",
+        Range(1, 2e9),
+        10_000_000,
+        0,
+        "iterations of the interfaces' problem, each step counting for one at least, after which a "
+        "communication step ends early",
+        is_whole=True,
+    ),
 )
 NAMES = tuple(setting.name for setting in SETTINGS)
 BY_NAME = dict(zip(NAMES, SETTINGS, strict=True))

@@ -72,8 +72,9 @@ def simulate_fmu(
     """Drive an FMU that `build_fmu` made, through FMPy; arguments and result are those of
     `simulate`, but what is recorded are the outputs at the communication points, `step` [s] apart.
 
-    With the same step the numbers are the same. Raises `InputError` for another file, or for an FMU
-    that a torque drives.
+    With the same step the numbers are the same, unless loads vary or the speed bends: an FMU holds
+    its loads, and goes on with its speed, from one communication point to the next. Raises
+    `InputError` for another file, or for an FMU that a torque drives.
 
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:

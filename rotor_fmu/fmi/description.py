@@ -154,8 +154,8 @@ def _fmi2(of: Described, table: Sequence[Variable]) -> Element:
     root = _root(of, is_free, fmiVersion="2.0", guid=of.guid)
     abilities = _abilities(
         of,
-        # pythonfmu's wrapper takes no derivatives
-        canInterpolateInputs=not (is_free or of.needs_python),
+        # pythonfmu's wrapper refuses derivatives before it asks the slave
+        canInterpolateInputs=not of.needs_python,
         canNotUseMemoryManagementFunctions=True,
         canGetAndSetFMUstate=True,
         canSerializeFMUstate=True,

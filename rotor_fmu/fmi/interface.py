@@ -10,6 +10,7 @@ from ..model.quantities import ANY, Quantity
 from .solver_parameters import solver_parameters
 from .variables import Variable
 
+_HELD = "held until the next communication point, or continued by its derivative"
 _DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
 
@@ -27,8 +28,8 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
         "speed",
         "Real",
         "input",
-        "speed of rotation about z, x towards y; continued until the next communication point as "
-        "speed_continuation says",
+        "speed of rotation about z, x towards y; continued until the next communication point by "
+        "its derivative, without one as speed_continuation says",
         "rad/s",
         400.0,
         nominal=100.0,
@@ -38,7 +39,7 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
             "tau_drive",
             "Real",
             "input",
-            "torque of the drive on the rotor about z, x towards y",
+            f"torque of the drive on the rotor about z, x towards y; {_HELD}",
             "N.m",
             0.0,
             nominal=0.1,
@@ -65,7 +66,7 @@ def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
                 f"{name}.a{axis}",
                 "Real",
                 "input",
-                f"acceleration of {port.where}, {direction}",
+                f"acceleration of {port.where}, {direction}; {_HELD}",
                 "m/s2",
                 0.0,
                 nominal=1.0,
@@ -78,7 +79,7 @@ def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
             f"{name}.f{axis}",
             "Real",
             "input",
-            f"external force on {where}, {direction}",
+            f"external force on {where}, {direction}; {_HELD}",
             "N",
             0.0,
             nominal=10.0,

@@ -18,9 +18,9 @@ from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
 from ..model.messages import SENTENCES, closed_at
-from ..model.quantities import ANY, LARGEST, Quantity
+from ..model.quantities import ANY, LARGEST, Quantity, Rule
 from ..model.settings import messages as of_settings
-from ..model.settings.table import NAMES
+from ..model.settings.table import NAMES, SETTINGS, Number
 from ..model.structure.assembly import assemble, interface_names
 from ..model.structure.places import places
 from ..model.structure.reduction import reduced
@@ -43,10 +43,16 @@ _ROLES = {
     "time": TIME,
 }
 _SETTINGS = {variable.name: at for at, variable in enumerate(GIVEN)}
+_SETTING_RULES = {
+    variable.name: Rule(of.range.low, of.range.is_above, of.rule, of.range.high)
+    for variable, of in zip(GIVEN[1:], SETTINGS, strict=True)
+    if isinstance(of, Number)
+}
 # (variable, what it asks for, why): what parameters ask of each other.
 _NEEDS = (("shaft.eta_h", "shaft.rotating_damping", HYSTERETIC_AT_REST),)
 # As in c/instance.h.
-_HEAD = struct.Struct("<8s16s40s d 5q 5q 2q 4q 4q 6q")
+_HEAD = struct.Struct("<8s16s40s d Q 6q 6q 2q 9q 6q")
+_CHECKSUM_AT = struct.calcsize("<8s16s40s d")
 _VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
 _SPAN = struct.Struct("<q2d")
@@ -116,20 +122,36 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     begins.append(_HEAD.size + sum(map(len, parts)))
     parts.append(block.tobytes())
     body = b"".join(parts)
+    inputs = sum(v.causality == "input" for v in face.table)
+    assert all(v.causality == "input" for v in face.table[:inputs])
     head = _HEAD.pack(
-        *(MAGIC, core.encode(), guid.encode(), LARGEST),
-        *(_HEAD.size + len(body), len(face.table), observed_at),
+        *(MAGIC, core.encode(), guid.encode(), LARGEST, 0),
+        *(_HEAD.size + len(body), len(face.table), observed_at, inputs),
         *(index["tau_drive" if face.is_free else "speed"], face.is_free),
         *(len(GIVEN), 1 + NAMES.index("tolerance")),
-        *(len(writes) // _ROW.size, len(needs), len(sentences)),
+        *(len(writes) // _ROW.size, len(needs), len(sentences), len(beyond)),
         *(len(block), LAYOUT.extent(block, "memory").stop),
-        *(record + _field(RECORD, "is_free")[1], record + _field(RECORD, "continues")[1]),
-        *(where["memory.loads"], where["reading.observed"]),
-        *(len(beyond), record + _field(RECORD, "omega")[1]),
-        *(record + _field(RECORD, name)[1] for name in ("surveyed_at", "surveyed_to")),
+        *(record + _field(RECORD, name)[1] for name in ("is_free", "continues")),
+        *(where[f"memory.{name}"] for name in ("loads", "load_rates")),
+        where["reading.observed"],
+        *(
+            record + _field(RECORD, name)[1]
+            for name in ("t", "omega", "surveyed_at", "surveyed_to")
+        ),
         *begins,
     )
-    return head + body
+    sum_of_all = struct.pack("<Q", checksum(head + body, _CHECKSUM_AT))
+    return head[:_CHECKSUM_AT] + sum_of_all + head[_CHECKSUM_AT + len(sum_of_all) :] + body
+
+
+def checksum(content: bytes, but: int) -> int:
+    """Of all but the 8 bytes at the place `but`, as `checksum` in c/table.c."""
+    total = 0xCBF29CE484222325
+    for at, (word,) in enumerate(struct.iter_unpack("<Q", content)):
+        if 8 * at != but:
+            total = ((total ^ word) * 0x9E3779B97F4A7C15) % 2**64
+            total ^= total >> 29
+    return total
 
 
 def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
@@ -183,7 +205,7 @@ def _row(
     role: tuple[int, int],
     setting: tuple[float, float],
 ) -> bytes:
-    rule = told.rule if told else ANY
+    rule = told.rule if told else _SETTING_RULES.get(v.name, ANY)
     unit = f" {told.unit}" if told and told.unit != "1" else ""
     return _VARIABLE.pack(
         *(_HEAD.size + texts.place(t) for t in (v.name, unit, rule.words)),

@@ -46,6 +46,8 @@ def _variable(setting: Choice | Number) -> Variable:
         text = f"{setting.text}; {setting.unset:g}: {AS_PRESET}"
         kind, unit, start = "Real", setting.unit, setting.unset
         low, high = min(setting.range.low, start), max(setting.range.high, start)
+        if setting.is_whole:
+            kind, start, low, high = "Integer", int(start), int(low), int(high)
     else:
         choices = (AS_PRESET, *setting.values)
         text = f"{setting.text}: " + ", ".join(f"{i} {name}" for i, name in enumerate(choices))

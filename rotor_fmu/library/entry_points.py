@@ -31,7 +31,7 @@ def rotor_settle(block, given, told):
     run = _view(block)
     code = resolver.resolve(given, run.method.numbers[0], told)
     if code == say.GOOD:
-        run.memory.record[0].h = resolver.first_step(given)
+        resolver.begin(given, run.memory.record[0])
     return code
 
 

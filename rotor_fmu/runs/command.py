@@ -68,7 +68,8 @@ def run_down(
     label = f"run-down, {preset or 'default'}"
     driven = None if fmu is None else execute(job, fmu, label)
     recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
-    result = driven or recorded
+    # an FMU holds its loads between two communication points
+    result = driven if driven is not None and job.signals.is_held else recorded
     report = summary(result) | {
         "recorded_steps": len(recording.t),
         "recorded_apart": driven and difference(driven, recorded),
@@ -80,9 +81,10 @@ def run_down(
     write_json(report, out / "summary.json")
     write_report(recording, report, out / "report.html")
     if apart := report["recorded_apart"]:
+        why = "" if job.signals.is_held else ", which holds its inputs over a communication step"
         typer.echo(
             f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "
-            "apart from the FMU's; the pictures are of the recorded one",
+            f"apart from the FMU's{why}; the pictures are of the recorded one",
             err=True,
         )
     for key, value in report.items():

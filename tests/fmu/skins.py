@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fmpy
 
-WARNING, ERROR = 1, 3
+WARNING, DISCARD, ERROR = 1, 2, 3
 ARRAYS = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)
 
@@ -21,6 +21,10 @@ def as_c(kind, value):
 
 class Refused(Exception):
     """A call that was refused, and why."""
+
+
+class Discarded(Exception):
+    """A step that ended early, and why."""
 
 
 class Extracted:
@@ -67,6 +71,8 @@ class Native:
 
     def _call(self, name, *arguments):
         status = getattr(self._c, f"fmi2{name}")(self._instance, *arguments)
+        if status == DISCARD:
+            raise Discarded(self.heard[-1][1])
         if status > WARNING:
             raise Refused(self.heard[-1][1])
 
@@ -88,6 +94,21 @@ class Native:
 
     def step(self, t, h):
         self._call("DoStep", c_double(t), c_double(h), c_int(0))
+
+    def slopes(self, references, values, orders=None):
+        """Set derivatives of inputs, of order 1."""
+        count = len(references)
+        self._call(
+            "SetRealInputDerivatives",
+            *((c_uint * count)(*references), c_size_t(count)),
+            *((c_int * count)(*(orders or [1] * count)), (c_double * count)(*values)),
+        )
+
+    @property
+    def last_successful_time(self):
+        value = c_double()
+        self._call("GetRealStatus", 2, byref(value))
+        return value.value
 
     def get(self, kind, references):
         count = len(references)

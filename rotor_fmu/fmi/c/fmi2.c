@@ -31,6 +31,7 @@ static void tell(Instance *m, Status status, const char *category, const char *m
     if (host && host->logger)
         host->logger(m->environment, m->name, status, category, "%s", message);
 }
+static const Skin SKIN = {tell, {"Real", "Integer", "Boolean"}};
 
 EXPORT const char *fmi2GetTypesPlatform(void)
 {
@@ -50,7 +51,7 @@ EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String 
         fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
         return NULL;
     }
-    return create(name, guid, resources, logging, tell, (void *)functions,
+    return create(name, guid, resources, logging, &SKIN, (void *)functions,
                   functions ? functions->componentEnvironment : NULL);
 }
 EXPORT void fmi2FreeInstance(fmi2Component c)
@@ -106,7 +107,8 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
 
 /* --- values --------------------------------------------------------------------------------- */
 
-#define VALUES(KIND, TYPE, NAME)                                                                 \
+/* Integers and Booleans can be read as Reals too, as some masters do with every output. */
+#define VALUES(READ, KIND, TYPE, NAME)                                                           \
     static void put##NAME(void *values, size_t i, double value)                                  \
     {                                                                                            \
         ((TYPE *)values)[i] = (TYPE)value;                                                       \
@@ -119,7 +121,7 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
                                     TYPE values[])                                               \
     {                                                                                            \
         NEEDED(c);                                                                               \
-        return get_values(c, KIND, #NAME, vr, n, values, put##NAME);                             \
+        return get_values(c, READ, #NAME, vr, n, values, put##NAME);                             \
     }                                                                                            \
     EXPORT fmi2Status fmi2Set##NAME(fmi2Component c, const fmi2ValueReference vr[], size_t n,    \
                                     const TYPE values[])                                         \
@@ -127,9 +129,9 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
         NEEDED(c);                                                                               \
         return set_values(c, KIND, #NAME, vr, n, values, item##NAME);                            \
     }
-VALUES(A_REAL, fmi2Real, Real)
-VALUES(AN_INTEGER, fmi2Integer, Integer)
-VALUES(A_BOOLEAN, fmi2Boolean, Boolean)
+VALUES(ANY_KIND, A_REAL, fmi2Real, Real)
+VALUES(AN_INTEGER, AN_INTEGER, fmi2Integer, Integer)
+VALUES(A_BOOLEAN, A_BOOLEAN, fmi2Boolean, Boolean)
 
 /* There are no Strings, so that every reference is refused before a value is touched. */
 EXPORT fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n,
@@ -150,12 +152,7 @@ EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueRe
                                               const fmi2Real values[])
 {
     NEEDED(c);
-    if (n && (!vr || !order || !values))
-        return refuse(c, "setRealInputDerivatives: NULL given");
-    for (size_t i = 0; i < n; i++)
-        if (set_slope(c, vr[i], order[i], values[i]))
-            return ERROR;
-    return OK;
+    return set_slopes(c, vr, n, order, values);
 }
 EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[],
                                                size_t n, const fmi2Integer order[],

@@ -1,5 +1,5 @@
 /* FMI 3.0 for co-simulation, over instance.h; types and functions as in sections 2 and 4 of the
-   standard. There are no clocks, no events and no arrays, and a step is never left early. */
+   standard. There are no clocks, no events, no arrays and no intermediate updates. */
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -35,6 +35,7 @@ static void tell(Instance *m, Status status, const char *category, const char *m
     if (log)
         log(m->environment, status, category, message);
 }
+static const Skin SKIN = {tell, {"Float64", "Int32", "Boolean"}};
 
 EXPORT const char *fmi3GetVersion(void)
 {
@@ -43,12 +44,21 @@ EXPORT const char *fmi3GetVersion(void)
 
 EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token,
                                                 fmi3String resources, fmi3Boolean,
-                                                fmi3Boolean logging, fmi3Boolean, fmi3Boolean,
+                                                fmi3Boolean logging, fmi3Boolean has_events,
+                                                fmi3Boolean may_return_early,
                                                 const fmi3ValueReference[], size_t,
                                                 fmi3InstanceEnvironment environment,
                                                 fmi3LogMessageCallback log, Callback)
 {
-    return create(name, token, resources, logging, tell, (void *)log, environment);
+    Instance *m = create(name, token, resources, logging, &SKIN, (void *)log, environment);
+    if (m && has_events) {
+        refuse(m, "instantiate: the event mode is asked for, and there is none");
+        destroy(m);
+        return NULL;
+    }
+    if (m)
+        m->is_whole = !may_return_early; /* what is discarded then has to have changed nothing */
+    return m;
 }
 EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean,
                                                  fmi3Boolean, fmi3InstanceEnvironment,
@@ -105,16 +115,18 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 si
                              fmi3Float64 *reached)
 {
     NEEDED(c);
+    const Instance *m = c;
     Status status = march(c, current, size);
+    int is_early = status == DISCARD && !m->is_whole;
     if (needs_event)
         *needs_event = false;
     if (terminates)
         *terminates = false;
     if (early)
-        *early = false;
+        *early = is_early;
     if (reached)
-        *reached = ((Instance *)c)->state->now;
-    return status;
+        *reached = m->state->now;
+    return is_early ? WARNING : status;
 }
 
 /* --- values: of the types that there are no variables of, every reference is refused ---------- */

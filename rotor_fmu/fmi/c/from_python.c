@@ -25,9 +25,10 @@ static void hear(Instance *m, Status status, const char *category, const char *m
     (void)category;
     ((Hear)m->host)(m->environment, status, message);
 }
+static const Skin SKIN = {hear, {"Real", "Integer", "Boolean"}};
 /* An instance that tells all to `told`; the rest of its life is FMI 2.0's functions. */
 EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Hear told,
                                    void *environment)
 {
-    return create_of_table(name, table, size, 1, hear, (void *)told, environment);
+    return create_of_table(name, table, size, 1, &SKIN, (void *)told, environment);
 }

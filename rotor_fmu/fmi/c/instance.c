@@ -17,6 +17,7 @@ void begin_anew(Instance *m)
     memcpy(m->state->guid, t->guid, sizeof t->guid);
     for (int64_t i = 0; i < t->observed_at; i++)
         m->values[i] = variables(t)[i].start;
+    forget_slopes(m);
     memset(m->warned, 0, sizeof m->warned);
 }
 
@@ -28,7 +29,8 @@ static Instance *refused(Instance *m, const char *message)
 }
 
 /* An instance that can speak, and nothing more. */
-static Instance *named(const char *name, int is_logging, Tell tell, void *host, void *environment)
+static Instance *named(const char *name, int is_logging, const Skin *skin, void *host,
+                       void *environment)
 {
     const char *called = name && *name ? name : "rotor";
     Instance *m = calloc(1, sizeof *m);
@@ -37,7 +39,7 @@ static Instance *named(const char *name, int is_logging, Tell tell, void *host, 
         return NULL;
     }
     strcpy(m->name, called);
-    m->tell = tell;
+    m->skin = skin;
     m->host = host;
     m->environment = environment;
     m->categories = is_logging ? ~0u : 0u;
@@ -52,16 +54,17 @@ static Instance *furnished(Instance *m)
     if (!m->state || !m->memory)
         return refused(m, "out of memory");
     m->values = (double *)(m->state + 1);
+    m->slopes = m->values + m->table->observed_at;
     m->block = (uint8_t *)(((uintptr_t)m->memory + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
     begin_anew(m);
     return m;
 }
 
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
-                 Tell tell, void *host, void *environment)
+                 const Skin *skin, void *host, void *environment)
 {
     char why[LONGEST] = "out of memory";
-    Instance *m = named(name, is_logging, tell, host, environment);
+    Instance *m = named(name, is_logging, skin, host, environment);
     if (!m)
         return NULL;
     m->file = read_table(resources, why, sizeof why);
@@ -74,14 +77,16 @@ Instance *create(const char *name, const char *guid, const char *resources, int 
 }
 
 Instance *create_of_table(const char *name, const void *table, size_t size, int is_logging,
-                          Tell tell, void *host, void *environment)
+                          const Skin *skin, void *host, void *environment)
 {
-    Instance *m = named(name, is_logging, tell, host, environment);
+    Instance *m = named(name, is_logging, skin, host, environment);
     const char *fault = check_table(table, size);
-    if (!m)
+    if (m && fault) {
+        refuse(m, "%s: %s", TABLE_FILE, fault);
+        destroy(m);
+    }
+    if (!m || fault)
         return NULL;
-    if (fault)
-        return refused(m, fault);
     m->table = table;
     return furnished(m);
 }
@@ -91,6 +96,7 @@ void destroy(Instance *m)
     if (!m)
         return;
     free(m->state);
+    free(m->before);
     free(m->memory);
     free(m->file);
     free(m->name);
@@ -117,6 +123,15 @@ Status allow(Instance *m, const char *call, unsigned phases)
     }
 }
 
+/* The variable of one of the solver's settings. */
+static const Variable *setting(const Table *t, int64_t at)
+{
+    const Variable *v = variables(t);
+    while (v->role != SETTING || v->at != at)
+        v++;
+    return v;
+}
+
 Status set_up(Instance *m, double start, int has_stop, double stop, int has_tolerance,
               double tolerance)
 {
@@ -130,8 +145,15 @@ Status set_up(Instance *m, double start, int has_stop, double stop, int has_tole
                       "setupExperiment: stop time = %g s: must not lie before the start time, "
                       "%g s",
                       stop, start);
-    if (has_tolerance && !(tolerance > 0 && tolerance <= 1))
-        return refuse(m, "setupExperiment: tolerance = %g: must be > 0 and at most 1", tolerance);
+    const Variable *rule = setting(m->table, m->table->tolerance_at);
+    if (has_tolerance && !(tolerance > 0 && tolerance <= rule->most))
+        return refuse(m, "setupExperiment: tolerance = %g: %s", tolerance,
+                      text(m->table, rule->rule));
+    if (has_tolerance && tolerance < rule->least) { /* hosts give one for all FMUs of a system */
+        warn_of(m, "setupExperiment: tolerance = %g: %g is taken, the least that can be held",
+                tolerance, rule->least);
+        tolerance = rule->least;
+    }
     s->start = s->now = start;
     s->has_stop = has_stop != 0;
     s->stop = has_stop ? stop : 0.0;

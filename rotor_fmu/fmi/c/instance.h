@@ -13,7 +13,8 @@
 #endif
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status; /* FMI's numbers */
-typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, NO_KIND } Kind; /* of the last there are no variables */
+/* Of a variable, or what a host asks for: of no kind there are no variables. */
+typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, NO_KIND, ANY_KIND } Kind;
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED } Phase;
 
 /* What a variable is to the run; the places that parameters of the machine take are `Write`s. */
@@ -28,7 +29,8 @@ typedef enum {
     REDUCED,        /* modes kept of the shaft: chosen when the FMU is built */
     READ,           /* at: which of what the model computes */
     INSTANT,        /* the same, an instant */
-    TIME            /* the independent variable of FMI 3.0, the last of all */
+    TIME,           /* the independent variable of FMI 3.0, the last of all */
+    ROLES
 } Role;
 
 typedef struct {
@@ -52,37 +54,45 @@ typedef struct {
 
 typedef struct {
     char magic[8], core[16], guid[40];
-    double largest; /* of a machine's parameter, in size */
-    int64_t bytes, variables, observed_at, drive_at, is_free;
-    int64_t settings, tolerance_at, writes, needs, sentences;
-    int64_t block, state_bytes;                       /* sizes of the block, and of the run in it */
-    int64_t is_free_at, continues_at, loads_at, observed; /* places in the block */
-    int64_t spans, omega_at; /* how many, and the place of the speed in the block */
-    int64_t surveyed_at, surveyed_to; /* places of speeds: see rotor_survey */
+    double largest;    /* of a machine's parameter, in size */
+    uint64_t checksum; /* of all of the file but itself */
+    int64_t bytes, variables, observed_at, inputs, drive_at, is_free; /* the inputs come first */
+    int64_t settings, tolerance_at, writes, needs, sentences, spans;
+    int64_t block, state_bytes; /* sizes of the block, and of the run in it */
+    /* places in the block: of flags, loads and their rates, what is observed, time and speed, and the
+       speeds of rotor_survey */
+    int64_t is_free_at, continues_at, loads_at, rates_at, observed, time_at, omega_at;
+    int64_t surveyed_at, surveyed_to;
+    /* places in the file */
     int64_t first_variable, first_write, first_need, first_sentence, first_span, first_block;
-    /* in the file */
 } Table;
 
 typedef struct {
     char guid[40];
     uint64_t bytes, checksum;
-    int64_t phase, is_built, has_tolerance, has_stop, has_slope;
-    double start, stop, now, tolerance, slope;
+    int64_t phase, is_built, has_tolerance, has_stop;
+    double start, stop, now, tolerance;
     char failure[704];
-} State; /* followed by the values of what can be set, and by the run */
+} State; /* followed by the values of what can be set, the inputs' slopes, and the run */
 
 enum { WARNINGS = 512 };
 typedef struct Instance Instance;
-typedef void (*Tell)(Instance *, Status, const char *category, const char *message);
+/* A version of FMI: how its hosts are told, and what it calls the kinds of variables. */
+typedef struct {
+    void (*tell)(Instance *, Status, const char *category, const char *message);
+    const char *kinds[3];
+} Skin;
 struct Instance {
     const Table *table;
     State *state;
-    double *values;
+    double *values, *slopes; /* NaN where the host has given none for the next step */
+    void *before;            /* the state before a step that has to be done whole or not at all */
+    int is_whole;
     uint8_t *block; /* of the kernels, aligned; its first bytes are the run */
     uint8_t warned[WARNINGS]; /* by the code of the sentence */
     unsigned categories; /* which of CATEGORIES the host wants to hear of */
     char *name;
-    Tell tell;
+    const Skin *skin;
     void *host, *environment; /* of the host's logger */
     void *memory, *file;
 };
@@ -90,12 +100,12 @@ struct Instance {
 enum { CATEGORY_COUNT = 6 };
 extern const char *const CATEGORIES[CATEGORY_COUNT];
 
-/* NULL, with the reason told, for what cannot be instantiated. `host` is called through `tell`. */
+/* NULL, with the reason told, for what cannot be instantiated. `host` is called by the skin. */
 Instance *create(const char *name, const char *guid, const char *resources, int is_logging,
-                 Tell tell, void *host, void *environment);
+                 const Skin *skin, void *host, void *environment);
 /* The same with the table in memory, which has to outlive the instance. */
 Instance *create_of_table(const char *name, const void *table, size_t size, int is_logging,
-                          Tell tell, void *host, void *environment);
+                          const Skin *skin, void *host, void *environment);
 void destroy(Instance *);
 void begin_anew(Instance *);
 Status choose_categories(Instance *, int is_on, size_t count, const char *const *names);
@@ -106,11 +116,13 @@ Status set_up(Instance *, double start, int has_stop, double stop, int has_toler
 Status enter(Instance *);
 Status leave_initialization(Instance *);
 Status terminate(Instance *);
+/* DISCARD where the step has ended early: at state->now, or, is_whole, where it began. */
 Status march(Instance *, double current, double size);
-Status set_slope(Instance *, uint32_t reference, int order, double value);
+Status set_slopes(Instance *, const uint32_t *references, size_t count, const int *orders,
+                  const double *values);
 
-/* Values of one kind; `name` is the kind's in the host's version of FMI. `put` and `item` turn an
-   entry of the host's array into a double and back. */
+/* Values of one kind; `name` is that of the call. `put` and `item` turn an entry of the host's array
+   into a double and back. */
 typedef void (*Put)(void *values, size_t i, double value);
 typedef double (*Item)(const void *values, size_t i);
 Status get_values(Instance *, Kind, const char *name, const uint32_t *references, size_t count,

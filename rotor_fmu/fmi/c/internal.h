@@ -3,12 +3,16 @@
 #define ROTOR_INTERNAL_H
 #include "instance.h"
 
+#define TABLE_FILE "machine.table"
 enum { LONGEST = 704, TOLD = 16 }; /* characters of a message, numbers of a sentence */
+enum { MOST_SETTINGS = 64 };       /* that the solver takes */
 
 /* The table in the folder of an FMU's resources, to be freed; NULL with the reason in `why`. */
 Table *read_table(const char *resources, char *why, size_t room);
 /* What is wrong with a table in memory, or NULL. */
 const char *check_table(const void *table, size_t size);
+/* Of all but the 8 bytes at a place; size and place are multiples of 8. */
+uint64_t checksum(const void *content, size_t size, size_t but);
 
 static inline const char *text(const Table *t, int64_t at)
 {
@@ -30,14 +34,18 @@ static inline double in_block(const Instance *m, int64_t place)
 {
     return *(const double *)(m->block + place);
 }
+/* None of the inputs' slopes are known. */
+void forget_slopes(Instance *);
 
 /* To a text of LONGEST characters. */
 void add(char *out, const char *more);
 void add_number(char *out, double value, int digits);
 /* A sentence of the table with its numbers: {g}, {.4g}, {d} for an integer, and {?one|other}. */
 void spell(char *out, const char *pattern, const double *numbers);
-/* Tell a sentence; the status is returned. */
+/* Tell a message as it is, or a sentence; the status is returned. */
+Status tell_plainly(Instance *, Status, const char *message);
 Status say(Instance *, Status, const char *pattern, const double *numbers);
+void warn_of(Instance *, const char *format, ...);
 /* Say from when the time in a message of the model counts. */
 void add_start(const Instance *, char *message);
 /* Warn with a sentence of this code, once in a run. */

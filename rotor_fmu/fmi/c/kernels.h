@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 enum { BROKEN = 1 << 20 };
+enum { UNFINISHED = 3 }; /* of rotor_advance (`model/march/march.py`) */
 
 int32_t rotor_settle_kernel(int64_t *, void **, uint8_t *, double *, double *);
 int32_t rotor_doubt_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);

@@ -14,26 +14,40 @@ const char *const CATEGORIES[CATEGORY_COUNT] = {"logAll",          "logStatusWar
 /* Errors and warnings go to standard error too, since hosts drop them unless logging is on. */
 static void told(Instance *m, Status status, char *message)
 {
-    const char *level = status == WARNING ? "warning" : "error";
-    int category = status == WARNING ? 1 : 3;
+    static const char *const LEVELS[] = {"note", "warning", "discard", "error"};
+    const char *level = LEVELS[status];
+    int category = (int)status;
     for (char *c = message; *c; c++)
         if (*c == '%' || *c == '\n') /* hosts read it as a printf format */
             *c = ' ';
     fprintf(stderr, "%s: %s: %s\n", m->name, level, message);
     fflush(stderr);
-    if (m->tell && m->categories & (1u | 1u << category))
-        m->tell(m, status, CATEGORIES[category], message);
+    if (m->categories & (1u | 1u << category))
+        m->skin->tell(m, status, CATEGORIES[category], message);
+}
+
+static void vtold(Instance *m, Status status, const char *format, va_list arguments)
+{
+    char message[LONGEST];
+    vsnprintf(message, sizeof message, format, arguments);
+    told(m, status, message);
 }
 
 Status refuse(Instance *m, const char *format, ...)
 {
-    char message[LONGEST];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(message, sizeof message, format, arguments);
+    vtold(m, ERROR, format, arguments);
     va_end(arguments);
-    told(m, ERROR, message);
     return ERROR;
+}
+
+void warn_of(Instance *m, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vtold(m, WARNING, format, arguments);
+    va_end(arguments);
 }
 
 void add(char *out, const char *more)
@@ -81,6 +95,14 @@ void spell(char *out, const char *pattern, const double *numbers)
             add(out, plain);
         }
     }
+}
+
+Status tell_plainly(Instance *m, Status status, const char *text)
+{
+    char message[LONGEST] = "";
+    add(message, text);
+    told(m, status, message);
+    return status;
 }
 
 Status say(Instance *m, Status status, const char *pattern, const double *numbers)

@@ -7,7 +7,6 @@
 
 #include "kernels.h"
 
-enum { MOST_SETTINGS = 64 };
 /* What a master's time may be off by, in communication steps: its round-off, its idea of the end. */
 static const double SLACK = 1e-6, SLACK_AT_STOP = 1e-3;
 static const double RESOLVED = 100.0; /* spacings of the numbers near t that a step has to span */
@@ -84,16 +83,24 @@ static void survey(Instance *m, int is_start)
         warn(m, code, numbers);
 }
 
+/* Hand the inputs over, but the drive. */
 static void take_loads(Instance *m)
 {
     double *loads = (double *)(m->block + m->table->loads_at);
-    for (int64_t i = 0; i < m->table->observed_at; i++) {
+    double *rates = (double *)(m->block + m->table->rates_at);
+    for (int64_t i = 0; i < m->table->inputs; i++) {
         const Variable *v = variables(m->table) + i;
-        if (v->role == LOAD)
-            loads[v->at] = m->values[i];
-        else if (v->role > LOAD)
-            break;
+        if (v->role != LOAD)
+            continue;
+        loads[v->at] = m->values[i];
+        rates[v->at] = isnan(m->slopes[i]) ? 0.0 : m->slopes[i];
     }
+}
+
+void forget_slopes(Instance *m)
+{
+    for (int64_t i = 0; i < m->table->inputs; i++)
+        m->slopes[i] = NAN;
 }
 
 Status build(Instance *m)
@@ -176,6 +183,27 @@ static Status check_step(Instance *m, double current, double size)
     return OK;
 }
 
+/* A step that took more iterations than it may: how far it came. */
+static Status stop_early(Instance *m, const char *why)
+{
+    State *s = m->state;
+    if (m->is_whole) {
+        if (give_state(m, m->before))
+            return ERROR;
+    } else {
+        s->now = s->start + in_block(m, m->table->time_at);
+        forget_slopes(m);
+    }
+    return tell_plainly(m, DISCARD, why);
+}
+
+static Status fail(Instance *m, const char *why)
+{
+    snprintf(m->state->failure, sizeof m->state->failure, "%s", why);
+    m->state->phase = FAILED;
+    return refuse(m, "%s", m->state->failure);
+}
+
 Status march(Instance *m, double current, double size)
 {
     State *s = m->state;
@@ -183,23 +211,24 @@ Status march(Instance *m, double current, double size)
     double numbers[TOLD] = {0};
     if (allow(m, "doStep", 1u << STEPPING) || check_step(m, current, size))
         return ERROR;
+    if (m->is_whole && take_state(m, &m->before))
+        return ERROR;
     take_loads(m);
-    int code = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
-                             s->has_slope ? s->slope : NAN);
-    if (code && code != BROKEN) /* for what it may have come to */
+    int status = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
+                               m->slopes[t->drive_at]);
+    int code = status;
+    if (status && status != BROKEN) /* for what it may have come to */
         rotor_survey(m->block, in_block(m, t->surveyed_at), 0);
-    if (code != BROKEN)
-        code = rotor_outcome(m->block, code, numbers);
-    s->has_slope = 0;
+    if (status != BROKEN)
+        code = rotor_outcome(m->block, status, numbers);
     if (code > 0) {
         char why[LONGEST] = "internal error in a step";
         if (code < t->sentences)
             spell(why, sentence(t, code), numbers);
         add_start(m, why);
-        snprintf(s->failure, sizeof s->failure, "%s", why);
-        s->phase = FAILED;
-        return refuse(m, "%s", s->failure);
+        return status == UNFINISHED ? stop_early(m, why) : fail(m, why);
     }
+    forget_slopes(m);
     if (code < 0)
         warn(m, -code, numbers);
     warn_beyond_tables(m);
@@ -209,16 +238,31 @@ Status march(Instance *m, double current, double size)
     return OK;
 }
 
-Status set_slope(Instance *m, uint32_t reference, int order, double value)
+Status set_slopes(Instance *m, const uint32_t *references, size_t count, const int *orders,
+                  const double *values)
 {
     const Table *t = m->table;
-    if (allow(m, "setRealInputDerivatives", 1u << STEPPING))
+    const char call[] = "setRealInputDerivatives";
+    if (count && (!references || !orders || !values))
+        return refuse(m, "%s: NULL where %zu values are given", call, count);
+    if (allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING))
         return ERROR;
-    if (t->is_free || reference != (uint32_t)t->drive_at || order != 1)
-        return refuse(m, "setRealInputDerivatives: only the first derivative of the speed is used");
-    if (!isfinite(value))
-        return refuse(m, "setRealInputDerivatives: must be a finite number");
-    m->state->has_slope = 1;
-    m->state->slope = value;
+    for (size_t i = 0; i < count; i++) {
+        char shown[LONGEST] = "";
+        if (references[i] >= t->variables)
+            return refuse(m, "%s: value reference %lu: there is none; they go to %d", call,
+                          (unsigned long)references[i], (int)t->variables - 1);
+        if (references[i] >= t->inputs)
+            return refuse(m, "%s: %s: is no input", call, name_of(m, references[i]));
+        if (orders[i] != 1)
+            return refuse(m, "%s: %s: order %d: must be 1", call, name_of(m, references[i]),
+                          orders[i]);
+        add_number(shown, values[i], 17);
+        if (!isfinite(values[i]))
+            return refuse(m, "%s: %s = %s: must be a finite number", call,
+                          name_of(m, references[i]), shown);
+    }
+    for (size_t i = 0; i < count; i++)
+        m->slopes[references[i]] = values[i];
     return OK;
 }

@@ -9,7 +9,8 @@
 size_t state_size(const Instance *m)
 {
     const Table *t = m->table;
-    return sizeof(State) + (size_t)t->observed_at * sizeof(double) + (size_t)t->state_bytes;
+    return sizeof(State) + (size_t)(t->observed_at + t->inputs) * sizeof(double)
+           + (size_t)t->state_bytes;
 }
 
 void free_state(void **state)
@@ -18,20 +19,6 @@ void free_state(void **state)
         return;
     free(*state);
     *state = NULL;
-}
-
-static uint64_t checksum(const void *state, size_t size)
-{
-    const unsigned char *from = state;
-    uint64_t sum = 0xcbf29ce484222325u, word;
-    for (size_t at = 0; at + 8 <= size; at += 8) {
-        if (at == offsetof(State, checksum))
-            continue;
-        memcpy(&word, from + at, 8);
-        sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
-        sum ^= sum >> 29;
-    }
-    return sum;
 }
 
 static uint8_t *run_in(const Instance *m, void *state)
@@ -44,9 +31,11 @@ Status take_state(Instance *m, void **state)
     size_t size = state_size(m);
     if (!state)
         return refuse(m, "getFMUstate: NULL given");
-    if (!*state && !(*state = malloc(size)))
+    void *room = realloc(*state, size); /* what is given may be of another instance */
+    if (!room)
         return refuse(m, "getFMUstate: out of memory");
-    memcpy(*state, m->state, size);
+    *state = room;
+    memcpy(room, m->state, size);
     if (m->state->is_built)
         memcpy(run_in(m, *state), m->block, (size_t)m->table->state_bytes);
     ((State *)*state)->bytes = size;
@@ -78,7 +67,7 @@ Status write_state(Instance *m, const void *state, void *bytes, size_t size)
         return refuse(m, "serializeFMUstate: NULL given");
     if (size < state_size(m))
         return refuse(m, "serializeFMUstate: %zu bytes given, %zu needed", size, state_size(m));
-    uint64_t sum = checksum(state, state_size(m));
+    uint64_t sum = checksum(state, state_size(m), offsetof(State, checksum));
     memcpy(bytes, state, state_size(m));
     memcpy((char *)bytes + offsetof(State, checksum), &sum, sizeof sum); /* it may lie anywhere */
     return OK;
@@ -97,7 +86,7 @@ Status read_state(Instance *m, const void *bytes, size_t size, void **state)
     if (!copy)
         return refuse(m, "deSerializeFMUstate: out of memory");
     memcpy(copy, bytes, size);
-    if (checksum(copy, size) != head.checksum) {
+    if (size % 8 || checksum(copy, size, offsetof(State, checksum)) != head.checksum) {
         free(copy);
         return refuse(m, "the FMU state is truncated or corrupted");
     }

@@ -4,9 +4,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static const char *const KINDS[] = {"Real", "Integer", "Boolean"};
-
-/* Integers and Booleans can be read as Reals too, as some masters do with every output. */
 static Status check_references(Instance *m, int is_set, Kind kind, const char *name,
                                const uint32_t *references, size_t count, const void *values)
 {
@@ -18,9 +15,10 @@ static Status check_references(Instance *m, int is_set, Kind kind, const char *n
         if (references[i] >= t->variables)
             return refuse(m, "%s%s: value reference %lu: there is none; they go to %d", call, name,
                           (unsigned long)references[i], (int)t->variables - 1);
-        if (variables(t)[references[i]].kind != (int64_t)kind && (kind != A_REAL || is_set))
+        int64_t own = variables(t)[references[i]].kind;
+        if (own != (int64_t)kind && kind != ANY_KIND)
             return refuse(m, "%s%s: %s: is of type %s", call, name, name_of(m, references[i]),
-                          KINDS[variables(t)[references[i]].kind]);
+                          m->skin->kinds[own]);
     }
     return OK;
 }
