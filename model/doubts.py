@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .march.watch import MOST, SLOW
+from .march.watch import SLOW
 
 
 class Doubt(NamedTuple):
@@ -33,8 +33,8 @@ DOUBTS = (
     ),
     Doubt(
         "slow_at",
-        f"slow since t = {{:.4g}} s: a cycle of the motion takes more than {SLOW:,} "
-        f"iterations, and at {MOST:,} the run is given up; {_FASTER}",
+        f"slow since t = {{:.4g}} s: a cycle of the motion takes more than {SLOW:,} iterations; "
+        f"{_FASTER}",
     ),
     Doubt(
         "coarse_at",
@@ -48,4 +48,7 @@ DOUBTS = (
         "smaller solver.h or the preset controlled, and compare them with --verify",
     ),
 )
-STALLED = f"a cycle of the motion takes more than {MOST:,} iterations; {_FASTER}"
+UNFINISHED = (
+    "stopped after {d} iterations (solver.max_iterations); go on in shorter communication steps, "
+    f"or {_FASTER}"
+)

@@ -8,26 +8,20 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from . import messages, outcomes
 from .code import Code, calls, chosen
-from .doubts import DOUBTS, STALLED
-from .kernels.compiled import INTERPRETED_WARNING
+from .doubts import DOUBTS
+from .kernels.compiled import INTERPRETED_WARNING, plain
 from .machine.rotor import Rotor
 from .machine.speed_tables import tables_of
 from .march import march
-from .march.block import LAYOUT, RunData, new_block, set_method
-from .march.equilibrium import HELD, NOT_HELD
+from .march.block import LAYOUT, RunData, new_block
+from .march.equilibrium import HELD
 from .march.observe import observed_names
 from .march.tape import Record, channels_of
 from .refusal import Refusal
-from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.sentences import (
-    grows_at_rest,
-    grows_in_the_open,
-    hidden_whirls,
-    nearest,
-    whirled_apart,
-)
+from .spelling import TOLD, spell
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
 from .structure.assembly import assemble, interface_names
@@ -48,10 +42,6 @@ class RotorWarning(UserWarning):
     instability that it hides."""
 
 
-SMALLER_STEP = (
-    "try a smaller solver.h; what diverges at every step length is the machine's own, with loads "
-    "or a speed that it does not bear"
-)
 _has_said_interpreted = False
 
 
@@ -95,13 +85,8 @@ class Simulation:
         if settings.reduction:
             structure = reduced(structure, int(settings.reduction))
         self.names = observed_names(rotor)
-        self._scheme = settings.scheme()
-        if not is_unconditionally_stable(self._scheme):
-            self._warn(
-                f"{settings.method} with alpha_f = {self._scheme.alpha_f:g}, alpha_m = "
-                f"{self._scheme.alpha_m:g} is unstable: its spectral radius for fast oscillations "
-                f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
-            )
+        for warning in settings.warnings:
+            self._warn(warning)
         taped = record if isinstance(record, Record) else Record(record)
         channels = channels_of(rotor, taped)
         rows = taped.rows if channels else 0
@@ -110,12 +95,13 @@ class Simulation:
         self._code = calls(self._block)
         self._run.tape.channels[:] = channels
         self._run.tape.head[0].least = taped.angle
-        set_method(self._run, self._scheme, settings.control())
+        self._run.method.numbers[0] = settings.numbers
         self._tables = tables_of(rotor)
 
         numbers = self._run.memory.record[0]
         numbers.t = t
         numbers.h = settings.h
+        numbers.max_iterations = settings.max_iterations
         numbers.continues = continues_speed
         self._is_free = drive_torque is not None
         numbers.is_free = self._is_free
@@ -125,16 +111,18 @@ class Simulation:
         self._time = self._run.memory.record["t"]
         self._doubts = [(self._run.memory.record[doubt.since], doubt.words) for doubt in DOUBTS]
         self._loads = self._run.memory.loads
+        self._load_rates = self._run.memory.load_rates
         self._observed = self._run.reading.observed
+        self._told = np.zeros(TOLD)
+        self._where = messages.closed_at(interface_names(rotor), self._run.structure.interfaces)
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
         self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
         status = self._code.start(float(speed), float(drive), float(rate))
         if status != HELD:
-            raise EquilibriumError(self._no_rest(status))
+            raise EquilibriumError(self._sentence(outcomes.no_rest, self._run, status))
         self._warn_beyond_tables(speed)
         self._speed = self._run.memory.record["omega"]
-        self._contacts = interface_names(rotor)
         self._has_warned_of_whirls = False
         self._has_warned_of_growth = False
         record = self._run.memory.record
@@ -170,26 +158,41 @@ class Simulation:
         """One observed quantity by its name, as in `observed_names`."""
         return float(self.observed[self.names.index(name)])
 
-    def advance(self, to: float, drive: float, loads: np.ndarray | None = None) -> None:
+    def advance(
+        self,
+        to: float,
+        drive: float,
+        loads: np.ndarray | None = None,
+        *,
+        rate: float | None = None,
+        load_rates: np.ndarray | None = None,
+    ) -> None:
         """March to time `to` [s].
 
-        drive: the speed at the present time [rad/s], or a free rotor's drive torque, constant until
-        `to` [N.m]; loads: complex forces x + i y on the discs and, last, on
-        the coupling, shape (bodies,) [N], constant until `to`. Raises `ValueError` for what is not
-        finite or lies in the past, without a step, and `StepFailure`, the state then
-        being that after the last good step.
+        drive: the speed now [rad/s], or a free rotor's drive torque [N.m]; loads: complex forces
+        x + i y on the machine's ports, in the order of `Structure.load_dof`, now [N], of a base its
+        acceleration [m/s2]; None: as they are. rate, load_rates: of these until `to`, over which
+        they are linear in time [rad/s2, N.m/s], [N/s]; without them loads and torque are constant,
+        and the speed goes on as its last two values say.
+
+        Raises `ValueError` for what is not finite or lies in the past, without a step, and
+        `StepFailure`, the state then being that after the last good step. After the settings'
+        `max_iterations` it is raised too, and a further call goes on from there.
         """
         if not math.isfinite(to):
             raise ValueError(f"to = {to}: must be finite")
-        if not math.isfinite(drive):
-            raise ValueError(f"{'torque' if self.is_free else 'speed'} = {drive}: must be finite")
+        for name, value in (("torque" if self.is_free else "speed", drive), ("rate", rate or 0.0)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value}: must be finite")
         if to < self.time:
             raise ValueError(f"to = {to:.9g} s: must not lie before {self.time:.9g} s, now")
+        for name, values in (("loads", loads), ("load_rates", load_rates)):
+            if values is not None and not np.isfinite(values).all():
+                raise ValueError(f"{name} = {values}: must be finite")
         if loads is not None:
-            if not np.isfinite(loads).all():
-                raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = self._code.advance(float(to), float(drive), math.nan)
+        self._load_rates[:] = 0.0 if load_rates is None else load_rates
+        status = self._code.advance(float(to), float(drive), math.nan if rate is None else rate)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._tables:
@@ -240,20 +243,16 @@ class Simulation:
         """Look for growing whirls up to the present speed; warn of those that the steps hide."""
         self._code.survey(float(self._speed[0]), is_start)
         survey = self._run.survey
-        root = complex(survey.rest[0])
-        if root == root:
-            self._warn(grows_at_rest(root))
-        unstable = grows_in_the_open(self._whirls, float(self._speed[0]))
+        grows = self._sentence(outcomes.growth_at_rest, complex(survey.rest[0]))
+        if grows:
+            self._warn(grows)
+        unstable = self._sentence(outcomes.unstable, self._run)
         if unstable and not self._has_warned_of_growth:
             self._has_warned_of_growth = True
             self._warn(unstable)
-        settings = self.settings
-        if survey.counted[0] == 0 or settings.mode == "controlled":
+        if survey.counted[0] == 0 or self._has_warned_of_whirls:
             return
-        if self._has_warned_of_whirls or not is_unconditionally_stable(self._scheme):
-            return
-        h = settings.h if settings.mode == "fixed" else settings.h_max
-        hidden = hidden_whirls(self._scheme, h, self._whirls, self._contacts)
+        hidden = self._sentence(outcomes.hidden, self._run)
         if hidden:
             self._has_warned_of_whirls = True
             self._warn(hidden)
@@ -271,65 +270,12 @@ class Simulation:
                 self._tables.remove(table)
                 self._warn(table.beyond.format(speed=speed))
 
-    def _no_rest(self, status: int) -> str:
-        springs = self.structure.springs
-        holding = {*springs.dof[springs.stiffness > 0].tolist()}
-        holding |= {*self.structure.interfaces.dof.tolist()}
-        if len(holding) < 2:
-            return (
-                f"no static equilibrium: the rotor is held at {len(holding)} of its nodes and "
-                "would tilt under gravity; at least 2 bearings or supports are needed"
-            )
-        if status == NOT_HELD:
-            bound = self.structure.numbers[0].bound
-            return (
-                "no static equilibrium under gravity and the loads at the start: it would lie "
-                f"beyond {bound:.3g} m, a tenth of the shaft's length; clearances and loads must "
-                "be smaller, or springs stiffer"
-            )
-        return "no static equilibrium under gravity and the loads at the start was found"
-
     def _failure(self, status: int) -> str:
-        record = self._run.memory.record[0]
-        where = (
-            f"t = {record.failed_at:.6g} s, speed {record.omega:.4g} rad/s, "
-            f"step {record.failed_h:.3g} s"
-        )
-        if status == march.NOT_CONVERGED:
-            reason = "the contact forces did not converge"
-            advice = "try a smaller solver.h, or the preset robust"
-        elif status == march.STALLED:
-            return f"{where}: {STALLED}"
-        else:
-            dofs, nodes = self.structure.deflections.T
-            q = np.abs(self.motion.q[dofs])
-            node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
-            past = f"node {node} past {self.structure.numbers[0].bound:.3g} m or not finite"
-            apart = self._whirled_apart(dofs, int(node))
-            if not is_unconditionally_stable(self._scheme):
-                reason = f"the solution diverged ({past})"
-                advice = (
-                    "the scheme is unstable (spectral radius "
-                    f"{self._scheme.rho_infinity:.4g} > 1): "
-                    "take alpha_m <= alpha_f <= 0.5"
-                )
-            elif apart:
-                return f"{where}: {apart}"
-            else:
-                reason = f"the solution diverged ({past})"
-                advice = SMALLER_STEP
-        return f"{where}: {reason}; {advice}"
+        """Why a step failed."""
+        self._code.survey(float(self._run.memory.record[0].surveyed_at), False)
+        return self._sentence(outcomes.failure, self._run, status)
 
-    def _whirled_apart(self, dofs: np.ndarray, node: int) -> str:
-        """What is said if there are growing whirls, of the one most like the motion reached."""
-        record = self._run.memory.record[0]
-        self._code.survey(float(record.surveyed_at), False)
-        if not self._whirls:
-            return ""
-        q, v = self.motion.q[dofs], self.motion.v[dofs]
-        speed = float(record.omega)
-        largest = np.argmax(np.abs(q))
-        rate = float((q[largest].conjugate() * v[largest]).imag / abs(q[largest]) ** 2)
-        whirl = nearest(self._whirls, rate, speed)
-        bound = self.structure.numbers[0].bound
-        return whirled_apart(node, bound, whirl, self._contacts, rate, speed)
+    def _sentence(self, kernel: Callable[..., int], *arguments: object) -> str:
+        """What a kernel of `outcomes` has to say, "" where it is nothing."""
+        code = plain(kernel)(*arguments, self._told)
+        return spell(messages.SENTENCES[code].replace("{where}", self._where), self._told)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...model.simulation import Simulation
-from ...runs.signals import Signals
+from ...runs.signals import Driver, Signals
 
 
 class Number(NamedTuple):
@@ -292,20 +292,26 @@ def _ramp(simulation: Simulation, how: Drive) -> Iterator[float]:
     top = abs(n["to"] - n["from"]) / n["rate"]
     stop = 2 * top if how.kind == "up-and-down" else top
     _kick_off(simulation, how, n["from"])
+
+    def speed(now: float) -> float:
+        return n["from"] + way * (now if now <= top else 2 * top - now)
+
     for t in _instants(simulation.time, stop, n["step"]):
-        now = simulation.time
-        speed = n["from"] + way * (now if now <= top else 2 * top - now)
-        simulation.advance(t, speed)
+        now, rate = simulation.time, None
+        if now < top < t:
+            simulation.advance(top, speed(now))
+        if now <= top < t:  # where it turns round
+            now, rate = top, -way
+        simulation.advance(t, speed(now), rate=rate)
         yield t
 
 
 def _by_signals(simulation: Simulation, how: Drive) -> Iterator[float]:
     signals = how.signals
     assert signals is not None  # the reader sees to it
+    driver = Driver(signals, how.loads)
     for t in _instants(0.0, how.numbers["stop"], how.numbers["step"]):
-        now = simulation.time
-        loads = np.array([complex(signals.at(x, now), signals.at(y, now)) for x, y in how.loads])
-        simulation.advance(t, signals.at("speed", now), loads)
+        driver.advance(simulation, simulation.time, t)
         yield t
 
 
