@@ -125,8 +125,8 @@ class Simulation:
         self._speed = self._run.memory.record["omega"]
         self._has_warned_of_whirls = False
         self._has_warned_of_growth = False
-        record = self._run.memory.record
-        self._surveyed_from, self._surveyed_to = record["surveyed_from"], record["surveyed_to"]
+        self._surveyed_from = self._run.memory.record["surveyed_from"]
+        self._surveyed_to = self._run.memory.record["surveyed_to"]
         self._survey(True)
 
     @property
