@@ -52,11 +52,13 @@ def test_steps_too_coarse_are_mended_by_a_smaller_least_step_or_a_larger_toleran
     (told,) = outcome(rig(), choose(**coarse), 0.1)
     assert "take a smaller solver.h_min, or a larger solver.tolerance" in told
     assert outcome(rig(), choose(**coarse | {"h_min": 1e-9}), 0.1) == []
-    assert outcome(rig(), choose(**coarse | {"tolerance": 1.0}), 0.1) == []
+    larger = outcome(rig(), choose(**coarse | {"tolerance": 1.0}), 0.1)
+    assert not [message for message in larger if "solver.h_min" in message]
 
 
 def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step():
-    (told,) = doubts_on_the_rig(choose("moderate"))
+    *_, told = doubts_on_the_rig(choose("moderate"))
+    assert told.startswith("false state")
     assert "take the preset robust, or a smaller solver.h" in told
     assert doubts_on_the_rig(choose("robust")) == []
     assert doubts_on_the_rig(choose("moderate", h=1e-4)) == []
@@ -71,11 +73,12 @@ def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step()
 )
 def test_a_scheme_that_diverges_is_mended_by_what_is_advised(told, advice, followed):
     assert advice in outcome(rig(), told, 0.5, interval=0.5)[-1]
-    assert outcome(rig(), followed, 0.5) == []
+    assert not [message for message in outcome(rig(), followed, 0.5) if "unstable" in message]
 
 
 def test_an_overdamped_rub_is_seen_by_the_preset_controlled_and_by_a_smaller_step():
     told = outcome(overhung_machine(), choose("robust"), 1.0)
-    assert "take the preset controlled, or a smaller solver.h" in told[-1]
+    (overdamped,) = (message for message in told if message.startswith("overdamped"))
+    assert "take the preset controlled, or a smaller solver.h" in overdamped
     for settings in (choose("controlled"), choose("robust", h=2e-5)):
         assert outcome(overhung_machine(), settings, 1.0) == []

@@ -149,5 +149,5 @@ def test_a_finer_limit_of_the_error_takes_more_steps():
         sim = Simulation(overhung(), settings, speed=OMEGA)
         sim.advance(1.0, OMEGA)
         steps.append(sim.read("solver.steps"))
-        assert sim.read("solver.error") <= 0.3 * scale
+        assert sim._run.memory.record[0].error <= 0.3 * scale
     assert steps[0] < steps[1] < steps[2]

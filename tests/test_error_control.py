@@ -94,7 +94,7 @@ def test_a_tolerance_is_of_the_motion_whatever_the_clearance(clearance, e):
         seen, _ = through_resonance(rotor, tolerance)
         orbits.append(seen)
         peaks.append(np.abs(seen).max())
-    assert peaks[-1] < 0.5 * clearance
+    assert peaks[-1] < 0.9 * clearance
     assert peaks[0] == pytest.approx(peaks[-1], rel=0.1)
     assert peaks[1] == pytest.approx(peaks[-1], rel=0.02)
     assert np.abs(orbits[1] - orbits[-1]).max() < 10 * 1e-3 * peaks[-1]

@@ -156,7 +156,8 @@ def test_the_false_state_is_reported_where_it_happens_and_only_there(preset, is_
     sim = Simulation(RIG, choose(preset, h=5e-4), speed=400.0, rate=-10.0, warn=said.append)
     run_down(sim, 20.0)
     assert (sim.read("solver.trapped") > 0) == is_false
-    assert [message.startswith("false state since t = ") for message in said] == [True] * is_false
+    false = [message for message in said if message.startswith("false state since t = ")]
+    assert len(false) == is_false
     # in the false state the ledger no longer closes, else it does
     lost = sim.read("energy.friction_loss")
     assert (abs(sim.read("energy.residual")) > 0.1 * lost) == is_false

@@ -1,12 +1,9 @@
-"""No run is wrong in silence: a machine whose journal whips, machines drawn at random, examples."""
+"""No run is wrong in silence: a machine whose journal whips, the rig."""
 
-import numpy as np
 import pytest
 from rotor_fmu.model.settings import PRESETS, choose
 from rotor_fmu.model.simulation import RotorWarning, Simulation, StepFailure
 
-from . import known
-from .population import by_cvode, condition, judged, machine
 from .whip import overhung_machine, run_down
 from .windows import rig
 
@@ -36,7 +33,7 @@ def test_fixed_steps_that_hide_the_whip_say_so_before_and_after(preset):
     sim, peak = run_down(overhung_machine(), choose(preset), STOP, said.append)
     assert peak < 3e-4  # it looks calm
     assert "hide an instability" in said[0]
-    assert said[1].startswith("overdamped since t = ")
+    assert any(message.startswith("overdamped since t = ") for message in said[1:])
     assert 0.0 <= sim.read("solver.overdamped_at") < STOP
 
 
@@ -56,9 +53,9 @@ def test_with_little_friction_the_machine_is_stable_and_error_control_silent():
 
 
 RIGHT = {
-    **{name: PRESETS[name] for name in PRESETS if name != "moderate"},
+    **{name: PRESETS[name] for name in ("controlled", "robust")},
     "tolerance 0.1": choose(tolerance=0.1),
-    "robust, 0.7 ms": choose("robust", h=7e-4),
+    "robust, 0.2 ms": choose("robust", h=2e-4),
 }
 
 
@@ -71,13 +68,22 @@ def doubts_on_the_rig(settings):
 
 
 @pytest.mark.parametrize("name", RIGHT)
-def test_of_no_run_of_the_rig_anything_is_said_but_of_the_preset_in_the_false_state(name):
+def test_of_no_fine_run_of_the_rig_anything_is_said(name):
     assert doubts_on_the_rig(RIGHT[name]) == []
 
 
-def test_of_the_preset_that_falls_into_the_false_state_that_is_said():
-    (said,) = doubts_on_the_rig(PRESETS["moderate"])
-    assert said.startswith("false state since t = ")
+@pytest.mark.parametrize(
+    ("settings", "doubts"),
+    [
+        (PRESETS["paper"], ["too coarse in contact"]),
+        (PRESETS["paper-adaptive"], ["too coarse in contact"]),
+        (choose("robust", h=7e-4), ["too coarse in contact"]),
+        (PRESETS["moderate"], ["too coarse in contact", "false state"]),
+    ],
+)
+def test_of_coarse_steps_that_is_said_and_of_one_preset_the_false_state(settings, doubts):
+    said = doubts_on_the_rig(settings)
+    assert [message.partition(" since t = ")[0] for message in said] == doubts
 
 
 def test_when_the_rub_is_overdamped_is_part_of_the_state():
@@ -87,42 +93,3 @@ def test_when_the_rub_is_overdamped_is_part_of_the_state():
     assert other.read("solver.overdamped_at") == -1.0
     other.restore(kept)
     assert other.read("solver.overdamped_at") == at >= 0.0
-
-
-def promised(tolerance, told):
-    """The largest error of an orbit, by the machine's condition; see docs/integrators.md."""
-    return tolerance * min(10 * (1 + told), 14 * told)
-
-
-def check(seed):
-    rotor, speed = machine(seed)
-    exact = by_cvode(rotor, speed)
-    told = condition(rotor, speed, exact[0])
-    for tolerance in (1e-2, 1e-3, 1e-4):
-        run = judged(rotor, speed, choose(tolerance=tolerance), exact)
-        if run.status == "ok":
-            assert run.peak < 0.1, tolerance
-            assert run.beyond < 0.01 or tolerance > 1e-3, tolerance
-            assert run.orbit < promised(tolerance, told), tolerance
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_no_machine_that_ends_well_is_far_from_what_cvode_finds(seed):
-    check(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(5, 50))
-def test_none_of_fifty_machines_that_ends_well_is_far_from_what_cvode_finds(seed):
-    check(seed)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("run", [*known.examples()], ids=lambda run: run.name)
-def test_the_examples_keep_to_the_tolerance_as_the_fifty_machines_do(run):
-    exact = run.exact()
-    told = known.condition(run, exact)
-    for tolerance in (1e-2, 1e-3, 1e-4):
-        status, orbit = run.found(choose(tolerance=tolerance))
-        assert status == "ok"
-        assert np.abs(orbit - exact).max() < promised(tolerance, told) * np.abs(exact).max()

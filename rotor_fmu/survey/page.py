@@ -65,6 +65,7 @@ def page_text(findings: Findings) -> str:
         "work_table": _work_table(findings),
         "hidden_table": _table(hidden_head(), hidden_rows()),
         "tolerance_table": _table(tolerances.head(), tolerances.table(tolerances.rows())),
+        "worst_table": _table(tolerances.worst_head(), tolerances.worst(tolerances.rows())),
         **tolerances.in_words(tolerances.rows()),
     }
     return Template(template).substitute(numbers)

@@ -376,7 +376,8 @@ def test_all_start_values_set_change_nothing_and_are_not_spoken_of(new, preset):
     for each in (plain, host):
         each.start(tolerance=1e-4).steps(0.0, 2, 0.02)
     assert host.get("disc[3].y") == plain.get("disc[3].y")
-    assert host.fmu.heard == plain.fmu.heard == []
+    assert host.fmu.heard == plain.fmu.heard
+    assert not [text for _, text in host.fmu.heard if "no effect" in text]
 
 
 def test_the_tolerance_of_a_host_counts_unless_the_fmu_has_its_own(new):

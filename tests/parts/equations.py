@@ -39,7 +39,16 @@ class Equations:
     """y' = f(t, y) with y = (x and y of all dofs and housings, their velocities, the speeds
     of the walls, all but races at rest) at the speed of rotation speed + rate t [rad/s]."""
 
-    def __init__(self, rotor: Rotor, speed: float, rate: float, unbalance: float = 1.0) -> None:
+    def __init__(
+        self,
+        rotor: Rotor,
+        speed: float,
+        rate: float,
+        unbalance: float = 1.0,
+        base: np.ndarray | None = None,
+        interval: float = 1.0,
+    ) -> None:
+        """base: acceleration x + i y [m/s2] at times `interval` [s] apart, linear in between."""
         structure = assemble(rotor)
         M, C, K, G, circulatory = dense_matrices(structure)
         inverse = np.linalg.inv(M)
@@ -67,14 +76,9 @@ class Equations:
         masses = np.array([[part.mass, part.mass * part.mass_ratio] for part in mounts.values()])
         masses = masses.reshape(-1, 2)
         shaft = M[:first, :first:2].sum(axis=1)
-        weight = np.concatenate(
-            [
-                shaft * pull.real,
-                masses[:, 0] * pull.real,
-                shaft * pull.imag,
-                masses[:, 1] * pull.imag,
-            ]
-        )
+        x_mass = np.concatenate([shaft, masses[:, 0]])
+        y_mass = np.concatenate([shaft, masses[:, 1]])
+        weight = np.concatenate([x_mass * pull.real, y_mass * pull.imag])
         turning = structure.numbers[0]
         speeds, cubics = _tables(list(bearings.values()))
         self.walls = list(walls.values())
@@ -94,6 +98,9 @@ class Equations:
             ends(bearings),
             speeds,
             cubics,
+            np.concatenate([x_mass, y_mass]),
+            np.zeros(0, complex) if base is None else base,
+            interval,
         )
         assert len(weight) == 2 * n
 
@@ -125,13 +132,18 @@ def _tables(bearings: Sequence[LinearBearing]) -> tuple[np.ndarray, np.ndarray]:
 @njit
 def _slope(
     t, state, out, turning, inverse, C, K, G, circulatory, weight, places, unbalance, ends, walls,
-    races, held, speeds, cubics,
+    races, held, speeds, cubics, masses, base, interval,
 ):  # fmt: skip
     n = len(inverse) // 2
     q, v = state[: 2 * n], state[2 * n : 4 * n]
     omega, rate = turning[0] + turning[1] * t, turning[1]
     theta = turning[0] * t + rate * t * t / 2
     f = weight.copy()
+    if len(base) > 1:
+        at = min(int(t / interval), len(base) - 2)
+        moved = base[at] + (t / interval - at) * (base[at + 1] - base[at])
+        f[:n] -= masses[:n] * moved.real
+        f[n:] -= masses[n:] * moved.imag
     for i in range(len(places)):
         pull = unbalance[i] * np.exp(1j * theta) * (omega**2 - 1j * rate)
         f[places[i]] += pull.real

@@ -10,15 +10,21 @@ import numpy as np
 from rotor_fmu.model.linear import unbalance_response
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.protocol.part import BASE
+from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
 
+from rotor_fmu.fmi.interface import ports
+
 GRAVITY = 9.81
+SAMPLES = 401
 
 
 @dataclass(frozen=True)
 class Case:
     """A machine that turns at speed + rate t [rad/s] until `stop` [s]; kind: of its contact or
-    bearing; node: whose motion is looked at."""
+    bearing; node: whose motion is looked at; base: acceleration of the foundation [m/s2], complex,
+    at times evenly from 0 to `stop`, linear in between, empty where it stands."""
 
     name: str
     kind: str
@@ -27,6 +33,34 @@ class Case:
     rate: float
     stop: float
     node: int
+    base: np.ndarray
+
+    @property
+    def times(self) -> np.ndarray:
+        """The times at which it is looked at [s]."""
+        return np.linspace(0.0, self.stop, SAMPLES + 1)
+
+    def simulation(self, *settings: Settings, warn: Callable[[str], None]) -> Simulation:
+        """This project's run at its start."""
+        loads = self._loads(self.base[0]) if len(self.base) else None
+        return Simulation(
+            self.rotor, *settings, speed=self.speed, rate=self.rate, loads=loads, warn=warn
+        )
+
+    def advance(self, simulation: Simulation, to: int) -> None:
+        """Go on to a number of `times`, from the one before."""
+        interval, speed = self.stop / SAMPLES, self.speed + self.rate * simulation.time
+        loads = rates = None
+        if len(self.base):
+            loads = self._loads(self.base[to - 1])
+            rates = (self._loads(self.base[to]) - loads) / interval
+        simulation.advance(self.times[to], speed, loads, rate=self.rate, load_rates=rates)
+
+    def _loads(self, acceleration: complex) -> np.ndarray:
+        """What acts on the machine's ports: on the base alone."""
+        return np.array(
+            [acceleration if port.node == BASE else 0.0 for _, port in ports(self.rotor)], complex
+        )
 
 
 class _Draw:
@@ -213,7 +247,7 @@ def _around(kind: str, draw: _Draw, shaft: _Shaft, clearance: float) -> str:
 
 KINDS = (
     *("stator", "bearing", "hertz", "stribeck", "worn", "touchdown"),
-    *("housing", "table", "seal", "rotating", "tilted"),
+    *("housing", "table", "seal", "rotating", "tilted", "base"),
 )
 
 
@@ -248,8 +282,21 @@ def drawn(seed: int) -> Case:
         first, last = (other, top) if ramp > 0 else (top, other)
         speed, rate = first, (last - first) / stop
     clearance = _clearance(kind, draw, shaft, text, (speed, speed + rate * stop))
-    rotor = parse_rotor(text + _around(kind, draw, shaft, clearance))
-    return Case(f"{kind} {seed}", kind, rotor, speed, rate, stop, shaft.disc)
+    text += _around(kind, draw, shaft, clearance)
+    base = np.zeros(0, complex)
+    if kind == "base":
+        text += "[base]\n"
+        base = _shaken(draw, lowest * stop, GRAVITY * draw.log(1e-3, 1.0))
+    rotor = parse_rotor(text)
+    return Case(f"{kind} {seed}", kind, rotor, speed, rate, stop, shaft.disc, base)
+
+
+def _shaken(draw: _Draw, radians: float, size: float) -> np.ndarray:
+    """A foundation's acceleration [m/s2]: two oscillations of this size at `radians` of the lowest
+    mode until the end, times a factor each."""
+    at = np.linspace(0.0, radians, SAMPLES + 1)
+    x, y = (np.sin(draw.between(0.2, 0.9) * at + draw.between(0, 6)) for _ in "xy")
+    return size * (x + 1j * draw.between(0.3, 1.0) * y)
 
 
 def _clearance(
@@ -266,13 +313,3 @@ def _clearance(
     near = max(2, min(shaft.nodes - 1, shaft.disc + 1)) - 1
     size = float(response.major[:, near].max())
     return size / draw.log(1e-3, 1e2)
-
-
-def at_start(case: Case):
-    """The motion in which a case begins."""
-    return Simulation(
-        case.rotor, speed=case.speed, rate=case.rate, warn=lambda message: None
-    ).motion
-
-
-Drawing = Callable[[int], Case]

@@ -12,20 +12,18 @@ import numpy as np
 from sksundae.cvode import CVODE
 
 from ..parts.equations import Equations
-from .machines import Case, at_start
+from .machines import SAMPLES, Case
 
 RTOL = 1e-9
 SLIGHTLY = 1e-5  # relative change of the start, the unbalance and the speed
-SAMPLES = 401
 
 
 @dataclass(frozen=True)
 class Truth:
-    """The orbit of the node that is looked at, from where it starts, at `times` [s], complex [m];
+    """The orbit of the node that is looked at, from where it starts, at the times, complex [m];
     condition: its largest change, relative to its size, by a relative change of start, unbalance
     or speed, over that [1]."""
 
-    times: np.ndarray
     orbit: np.ndarray
     condition: float
 
@@ -37,21 +35,19 @@ class Truth:
 
 def truth(case: Case, rtol: float = RTOL) -> Truth:
     """CVODE's orbit of a case and its condition."""
-    times = np.linspace(0.0, case.stop, SAMPLES + 1)
-    exact = _orbit(case, times, rtol)
+    exact = _orbit(case, rtol)
     size = np.abs(exact).max()
     changed = (
-        _orbit(case, times, rtol, shift=SLIGHTLY * size),
-        _orbit(case, times, rtol, unbalance=1 + SLIGHTLY),
-        _orbit(case, times, rtol, faster=1 + SLIGHTLY),
+        _orbit(case, rtol, shift=SLIGHTLY * size),
+        _orbit(case, rtol, unbalance=1 + SLIGHTLY),
+        _orbit(case, rtol, faster=1 + SLIGHTLY),
     )
     largest = max(float(np.abs(other - exact).max()) for other in changed)
-    return Truth(times, exact, largest / (SLIGHTLY * size))
+    return Truth(exact, largest / (SLIGHTLY * size))
 
 
 def _orbit(
     case: Case,
-    times: np.ndarray,
     rtol: float,
     *,
     shift: float = 0.0,
@@ -60,12 +56,18 @@ def _orbit(
 ) -> np.ndarray:
     """The node's way from its start at the angles of rotation that belong to the times.
 
-    shift: of the rotor at the start [m]; unbalance, faster: factors of the unbalance and the speed.
+    shift: of the rotor at the start [m]; unbalance, faster: factors of the unbalance and of the
+    speed, and of that with which the foundation moves.
     """
     equations = Equations(
-        case.rotor, faster * case.speed, faster**2 * case.rate, unbalance=unbalance
+        case.rotor,
+        faster * case.speed,
+        faster**2 * case.rate,
+        unbalance,
+        case.base,
+        case.stop / SAMPLES / faster,
     )
-    start = at_start(case)
+    start = case.simulation(warn=lambda message: None).motion
     n = equations.size
     q, v = start.q[:n].copy(), start.v[:n]
     at = 2 * (case.node - 1)
@@ -77,5 +79,5 @@ def _orbit(
         [floor * rtol * 1e2, floor * rtol * 1e5, rtol], [2 * n, 2 * n, len(equations.walls)]
     )
     solver = CVODE(equations.slope, rtol=rtol, atol=atol, max_num_steps=10**8)
-    y = solver.solve(times / faster, state).y
+    y = solver.solve(case.times / faster, state).y
     return y[:, at] + 1j * y[:, n + at] - origin

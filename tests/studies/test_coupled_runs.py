@@ -57,7 +57,7 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
         assert data.w.values[i] == pytest.approx(run.drive["w"][-1], abs=0.01)
         assert data.work.values[i] == run.drive["work_out"][-1]
         assert data.X.values[i] == np.abs(run.rotor["disc[3].x_amp"]).max()
-        assert data.taken.values[i] == pytest.approx(data.work.values[i], rel=1e-3)
+        assert data.taken.values[i] == pytest.approx(data.work.values[i], rel=3e-3)
 
 
 @pytest.mark.slow

@@ -1,0 +1,71 @@
+"""This project's runs of drawn machines, beside CVODE's."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from rotor_fmu.model.settings import Settings
+from rotor_fmu.model.simulation import StepFailure
+
+from rotor_fmu.schemes.tolerances import TAME, TOLERANCES
+
+from .machines import Case
+from .truth import Truth
+
+# An orbit is within so many tolerances, times 1 + condition; and the largest displacement of a
+# machine with a condition below TAME within a share, at each of the tolerances.
+PROMISED = 10.0
+PEAKS = dict(zip(TOLERANCES, (0.1, 0.02, 0.005), strict=True))
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A run against CVODE's: status; relative errors of the largest displacement and, at the worst
+    time, of the displacement's size and place (`orbit`), of the largest displacement [1]; the
+    largest error of its direction, weighed by its size [rad]."""
+
+    status: str
+    peak: float
+    amplitude: float
+    phase: float
+    orbit: float
+
+
+def judged(case: Case, truth: Truth, settings: Settings) -> Judged:
+    """Run a case and hold it against the truth, as far as it comes."""
+    said: list[str] = []
+    sim = case.simulation(settings, warn=said.append)
+    at = 2 * (case.node - 1)
+    origin, status = complex(sim.motion.q[at]), ""
+    seen = [0j]
+    for i in range(1, len(case.times)):
+        try:
+            case.advance(sim, i)
+        except StepFailure as failure:
+            status = str(failure)
+            break
+        seen.append(complex(sim.motion.q[at]) - origin)
+    orbit, exact = np.array(seen), truth.orbit[: len(seen)]
+    return Judged(status or (said[-1] if said else "ok"), *errors(orbit, exact))
+
+
+def errors(orbit: np.ndarray, exact: np.ndarray) -> tuple[float, float, float, float]:
+    """Of the largest displacement, of the size, of the direction, of the place; see `Judged`."""
+    size = float(np.abs(exact).max()) or 1.0
+    turned = np.angle(orbit * exact.conj()) * np.minimum(np.abs(orbit), np.abs(exact))
+    return (
+        abs(float(np.abs(orbit).max()) / size - 1),
+        float(np.abs(np.abs(orbit) - np.abs(exact)).max()) / size,
+        float(np.abs(turned).max()) / size,
+        float(np.abs(orbit - exact).max()) / size,
+    )
+
+
+def is_kept(run: Judged, tolerance: float, condition: float) -> bool:
+    """Whether a run that says nothing keeps the promise; any that says something does."""
+    if run.status != "ok":
+        return True
+    is_near = run.orbit <= PROMISED * tolerance * (1 + condition)
+    return is_near and (run.peak <= PEAKS[tolerance] or condition >= TAME or math.isnan(condition))

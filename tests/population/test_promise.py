@@ -1,0 +1,41 @@
+"""No run that says nothing is far from what CVODE finds: machines drawn at random, the examples."""
+
+import numpy as np
+import pytest
+from rotor_fmu.model.settings import choose
+
+from .. import known
+from .judge import PROMISED, TOLERANCES, Judged, is_kept, judged
+from .machines import KINDS, drawn
+from .truth import truth
+
+QUICK = (0, 3, 7, 23)  # of which CVODE makes an end soon
+SLOW = [seed for seed in range(3 * len(KINDS)) if seed not in QUICK]
+
+
+@pytest.mark.parametrize("seed", [*QUICK, *(pytest.param(s, marks=pytest.mark.slow) for s in SLOW)])
+def test_a_machine_keeps_what_a_tolerance_promises(seed):
+    case = drawn(seed)
+    exact = truth(case)
+    for tolerance in TOLERANCES:
+        run = judged(case, exact, choose(tolerance=tolerance))
+        assert is_kept(run, tolerance, exact.condition), (case.name, run, exact.condition)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("run", [*known.examples()], ids=lambda run: run.name)
+def test_the_examples_keep_to_the_tolerance_as_the_machines_do(run):
+    exact = run.exact()
+    condition = known.condition(run, exact)
+    for tolerance in TOLERANCES:
+        status, orbit = run.found(choose(tolerance=tolerance))
+        error = np.abs(orbit - exact).max() / np.abs(exact).max()
+        assert is_kept(Judged(status, 0.0, 0.0, 0.0, error), tolerance, condition)
+        assert status == "ok"
+
+
+def test_a_run_breaks_the_promise_that_is_off_and_says_nothing():
+    assert not is_kept(Judged("ok", 0.0, 0.0, 0.0, 1.1 * PROMISED * 1e-3 * 3), 1e-3, 2.0)
+    assert is_kept(Judged("ok", 0.0, 0.0, 0.0, 0.9 * PROMISED * 1e-3 * 3), 1e-3, 2.0)
+    assert not is_kept(Judged("ok", 0.03, 0.0, 0.0, 0.0), 1e-3, 2.0)
+    assert is_kept(Judged("ok", 0.03, 0.0, 0.0, 0.0), 1e-3, 20.0)
