@@ -47,7 +47,7 @@ class View:
         if self._speed is not None:
             return self._speed
         track = vibration.order_track(*self.signal, (1.0,))
-        return float(track.speed[np.argmax(track.major())])
+        return float(track.speed[np.nanargmax(track.major())])
 
     @property
     def scale(self) -> float:
@@ -61,7 +61,8 @@ class View:
 
     def title(self, axes: Axes, text: str) -> None:
         """Heading of a picture."""
-        axes.set_title(f"{self.run.name}: {text}", loc="left", fontsize=10)
+        # names are text, whatever stands in them
+        axes.set_title(f"{self.run.name}: {text}", loc="left", fontsize=10, parse_math=False)
 
 
 def bode(view: View) -> Figure:
@@ -74,13 +75,15 @@ def bode(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
     ):
-        above.plot(n, np.abs(vector) * view.scale, color=color, lw=1.5, ls=style, label=label)
+        length = _parted(n, np.abs(vector) * view.scale)
+        above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
         phase = np.degrees(np.angle(vector))
         phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
-        below.plot(n, phase, color=color, lw=1.2, ls=style)
+        below.plot(n, _parted(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
-        above.plot(n, track.major(order) * view.scale, color=color, lw=1.1, ls=dashes, label=label)
+        length = _parted(n, track.major(order) * view.scale)
+        above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel(f"Amplitude [{view.unit}]")
@@ -184,7 +187,7 @@ def _lines(amplitude: np.ndarray) -> list[int]:
     """The largest lines of a spectrum, without what the window puts beside each."""
     inner = amplitude[1:-1]
     tops = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
-    tops = tops[amplitude[tops] > 0.02 * amplitude.max(initial=0)]
+    tops = tops[amplitude[tops] > 0.02 * np.nanmax(amplitude, initial=0)]
     return tops[np.argsort(-amplitude[tops])][:5].tolist()
 
 
@@ -196,21 +199,37 @@ def cascade(view: View) -> Figure:
     is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
     down = hertz(found.speed) if is_one_way else found.t
     across = hertz(found.frequency)
-    amplitude = found.amplitude * view.scale
+    amplitude = np.nan_to_num(found.amplitude) * view.scale
     # small lines are seen beside large ones on the root's scale
     norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
-    rows = np.broadcast_to(down[:, None], across.shape)
-    shades = axes.pcolormesh(
-        across, rows, amplitude, cmap="cividis", norm=norm, shading="gouraud", rasterized=True
-    )
-    limit = 3 * float(hertz(found.speed.max(initial=0)))
+    shades = None
+    for number in np.unique(found.passage):
+        # nothing is drawn over a rest or a reversal
+        rows = np.flatnonzero(found.passage == number)
+        if len(rows) > 1:
+            shades = axes.pcolormesh(
+                across[rows],
+                np.broadcast_to(down[rows, None], across[rows].shape),
+                amplitude[rows],
+                cmap="cividis",
+                norm=norm,
+                shading="gouraud",
+                rasterized=True,
+            )
+    if shades is None:
+        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; 17 are needed")
+    once = np.abs(hertz(found.speed))
+    limit = 3 * float(once.max())
+    fastest = int(np.argmax(once))
+    is_top = down[fastest] == down.max()
     for order in (-2, -1, 1, 2):
-        axes.plot(order * hertz(found.speed), down, color="white", lw=0.6, ls=(0, (3, 4)))
-        x, y = order * float(hertz(found.speed[0])), float(down[0])
+        axes.plot(order * once, down, color="white", lw=0.6, ls=(0, (3, 4)))
+        x, y = order * float(once[fastest]), float(down[fastest])
         if abs(x) < limit:
             axes.annotate(
                 f"{order:+d}x", (x, y), xytext=(0, 2), textcoords="offset points",
                 ha="center", va="bottom", fontsize=8, annotation_clip=False,
+                color=BLACK if is_top else "white",
             )  # fmt: skip
     axes.set_xlim(-limit, limit)
     axes.grid(visible=False)
@@ -223,6 +242,7 @@ def cascade(view: View) -> Figure:
         loc="left",
         fontsize=10,
         pad=16,
+        parse_math=False,
     )
     return figure
 
@@ -247,7 +267,7 @@ def poincare(view: View) -> Figure:
 
 
 def whirl(view: View) -> Figure:
-    """Sense and order of the whirl of every turn."""
+    """Sense and order of the whirl."""
     figure, (above, below) = _two()
     found = vibration.whirl(*view.signal)
     n = hertz(found.speed)
@@ -260,7 +280,7 @@ def whirl(view: View) -> Figure:
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
     below.set_xlabel(SPEED)
-    view.title(above, f"whirl of {view.run.place(view.name).label}, a point a turn")
+    view.title(above, f"whirl of {view.run.place(view.name).label}, over 16 turns each")
     return figure
 
 
@@ -272,10 +292,16 @@ def contact_angle(view: View) -> Figure:
     n = hertz(view.run.w[touches])
     axes.plot(n, np.degrees(touch.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
     found = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
-    axes.plot(
-        hertz(found.speed), np.degrees(found.angle), ".", color=BLUE, ms=3, mew=0, label="mean"
-    )
+    at, low = hertz(found.speed), np.degrees(found.low)
+    high = low + np.degrees(found.width)
+    for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
+        axes.vlines(
+            at[top > bottom], bottom[top > bottom], top[top > bottom], color=BLUE, alpha=0.2
+        )
+    axes.plot(at, np.degrees(found.angle), ".", color=BLUE, ms=3, mew=0)
     axes.plot([], [], ".", color=GREY, label="every step that touches")
+    axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
+    axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
     axes.set_ylim(0, 360)
     axes.set_yticks(*_PSI)
@@ -291,12 +317,13 @@ def contact_force(view: View) -> Figure:
     touch = view.run.touch(view.name)
     found = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
     n = hertz(found.speed)
-    above.plot(n, found.peak, color=BLUE, lw=1.0, label="largest of the turn")
-    above.plot(n, found.mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
+    largest, mean = _parted(n, found.peak), _parted(n, found.mean)
+    above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
+    above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel("Normal force [N]")
-    below.plot(n, 100 * found.share, color=GREEN, lw=1.0)
+    below.plot(n, _parted(n, 100 * found.share), color=GREEN, lw=1.0)
     below.set_ylim(0, 105)
     below.set_ylabel("Touches [% of the turn]")
     below.set_xlabel(SPEED)
@@ -314,7 +341,8 @@ def energy(view: View) -> Figure:
         color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
         energy = run.losses[name]
         label = f"{name}: {energy[-1]:.3g} J"
-        above.plot(hertz(speed), powers[name], color=color, ls=style, lw=1.2, label=label)
+        power = _parted(speed, powers[name])
+        above.plot(hertz(speed), power, color=color, ls=style, lw=1.2, label=label)
         below.plot(hertz(run.w), energy, color=color, ls=style, lw=1.2)
     above.legend(frameon=False, fontsize=8)
     above.set_ylabel("Power [W], mean of a turn")
@@ -322,6 +350,11 @@ def energy(view: View) -> Figure:
     below.set_xlabel(SPEED)
     view.title(above, "energy dissipated by sink")
     return figure
+
+
+def _parted(speed: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """A curve over the speed that is not drawn across a reversal."""
+    return np.where(np.concatenate([[False], speed[1:] * speed[:-1] < 0]), np.nan, values)
 
 
 def _two(even: bool = False) -> tuple[Figure, tuple[Axes, Axes]]:

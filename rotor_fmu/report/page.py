@@ -14,6 +14,7 @@ from typing import Any
 
 from ..about import __version__
 from ..files import unfinished
+from ..telling import plain
 from .places import Recorded, Recording
 from .run_data import run_data
 from .signals import ROOM, signal_data
@@ -82,8 +83,9 @@ def template(name: str) -> Template:
 
 
 def _json(data: object) -> str:
-    # a script ends at the first "</", whatever holds it
-    return json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False)
+    # "</script", "<!--" and "<script" mean something within a script, whatever holds them
+    return text.replace("<", "\\u003c")
 
 
 def _machine(run: Recorded) -> str:
