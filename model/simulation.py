@@ -162,12 +162,15 @@ class Simulation:
         """One observed quantity by its name, as in `observed_names`."""
         return float(self.observed[self.names.index(name)])
 
-    def advance(self, to: float, drive: float, loads: np.ndarray | None = None) -> None:
+    def advance(
+        self, to: float, drive: float, loads: np.ndarray | None = None, rate: float = math.nan
+    ) -> None:
         """March to time `to` [s].
 
         drive: the speed at the present time [rad/s], or a free rotor's drive torque, constant until
         `to` [N.m]; loads: complex forces x + i y on the discs and, last, on
-        the coupling, shape (bodies,) [N], constant until `to`. Raises `ValueError` for what is not
+        the coupling, shape (bodies,) [N], constant until `to`; rate: of the speed [rad/s2], by
+        default that between the last two speeds. Raises `ValueError` for what is not
         finite or lies in the past, without a step, and `StepFailure`, the state then
         being that after the last good step.
         """
@@ -181,7 +184,7 @@ class Simulation:
             if not np.isfinite(loads).all():
                 raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = self._code.advance(float(to), float(drive), math.nan)
+        status = self._code.advance(float(to), float(drive), float(rate))
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._tables:

@@ -110,8 +110,8 @@ class CoupledRuns(MachineRuns):
             "status": state,
             "messages": [],
         }
-        sampled = _window(seen, names).sampled
-        return Recording(sampled.t, sampled.columns, {n: units[n] for n in names}, about)
+        shown = _window(seen, names).steps
+        return Recording(shown.t, shown.columns, {n: units[n] for n in names}, about)
 
     @contextmanager
     def _coupled(
@@ -149,9 +149,10 @@ class CoupledRuns(MachineRuns):
 
 
 def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:
+    """What the communication points show stands for the solver's steps."""
     columns = np.array(points, dtype=float).reshape(len(points), 1 + len(names)).T
-    sampled = Samples(columns[0], dict(zip(names, columns[1:], strict=True)))
-    return Window(sampled, Samples(np.zeros(0), {}), math.nan, 0)
+    steps = Samples(columns[0], dict(zip(names, columns[1:], strict=True)))
+    return Window(steps, Samples(np.zeros(0), {}), math.nan, 0)
 
 
 @lru_cache(maxsize=_KEPT_MACHINES)
