@@ -180,6 +180,17 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
     assert f"{failed} runs: failed: whirled apart" in text
 
 
+def test_a_map_of_morris_tells_no_quantiles(tmp_path):
+    for kind in ("random", "morris"):
+        write_study(tmp_path / kind, kind=kind)
+        found = report(tmp_path / kind, "--out", tmp_path / f"{kind}.html")
+        assert found.exit_code == 0, found.output
+        text = (tmp_path / f"{kind}.html").read_text(encoding="utf-8")
+        cells = re.findall(r"<td>(.*?)</td>", re.search(r"<tr><td>peak</td>.*?</tr>", text).group())
+        assert all(cell != "-" for cell in cells[2:7:4])  # least and largest
+        assert (cells[3:6] == ["-"] * 3) == (kind == "morris")
+
+
 def test_a_run_made_again_with_its_signals_has_a_page_that_the_map_links(tmp_path):
     write_study(tmp_path / "a study")
     folder = tmp_path / "a study" / "runs" / "id007"

@@ -65,7 +65,14 @@ def report(
     out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
 ) -> dict[str, Any]:
     """Write the page of a run, of two runs laid over each other, or of a study."""
-    from .reading import is_study, read_run, read_study, read_summary, told_apart
+    from .reading import (
+        is_study,
+        read_run,
+        read_study,
+        read_summary,
+        rows_of_quantiles,
+        told_apart,
+    )
 
     for path in paths:
         if not path.exists():
@@ -82,7 +89,9 @@ def report(
         from ..report.study import study_page
         from .selected import pages_of_runs
 
-        page = study_page(*read_study(paths[0]), pages_of_runs(paths[0], out.parent))
+        about, rows = read_study(paths[0])
+        drawn = rows_of_quantiles(about, rows)
+        page = study_page(about, rows, pages_of_runs(paths[0], out.parent), drawn)
     else:
         from ..report.page import runs_page
 
