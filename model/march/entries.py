@@ -66,7 +66,7 @@ def start(block, speed, drive, rate):
     for i in range(len(run.structure.probes)):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
     tape.start(run.structure, run.motion, run.memory, run.work, run.tape, run.reading.observed)
     return HELD
 
@@ -92,7 +92,7 @@ def advance(block, t_end, drive, rate):
         run.reading,
         run.tape,
     )
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
     return status
 
 
@@ -108,4 +108,4 @@ def look(block):
     """`observe` alone; what depends on the state but is not in it is made anew."""
     run = _view(block)
     run.work.key[0] = -1.0
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
