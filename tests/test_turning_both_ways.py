@@ -5,9 +5,12 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.linear import unbalance_response
 from scipy.integrate import solve_ivp
 
 from rotor_fmu import vibration
+
+from .test_linear_steady import NODES, machine
 
 TURN = 2 * math.pi
 
@@ -220,3 +223,17 @@ def test_what_is_not_finite_is_left_out():
     track = vibration.order_track(t, 300 * t, z)
     assert track.t[-1] < t[-200]
     assert np.abs(track.forward[:, 1]) == pytest.approx(40e-6, rel=1e-3)
+
+
+@pytest.mark.parametrize("speed", [220.0, -220.0])
+def test_phases_of_a_steady_whirl_are_those_of_the_harmonic_problem(speed):
+    rotor = machine()
+    found = unbalance_response(rotor, [speed])
+    x, y = (part[0, NODES[1] - 1] for part in (found.x, found.y))
+    t = np.linspace(0, 0.5, 5000)
+    whirl = np.exp(1j * speed * t)
+    z = (x * whirl).real + 1j * (y * whirl).real
+    track = vibration.order_track(t, speed * t, z, (1.0,))
+    assert np.angle(track.x()) == pytest.approx(found.phase_x[0, 1], abs=1e-4)
+    assert np.angle(track.y()) == pytest.approx(found.phase_y[0, 1], abs=1e-4)
+    assert track.minor() == pytest.approx(found.minor[0, 1], rel=1e-4)

@@ -24,7 +24,7 @@ from .static import check_node
 @dataclass(frozen=True)
 class UnbalanceResponse:
     """Steady whirl at s speeds [rad/s] of n nodes: complex amplitudes, x(t) = Re(x exp(i Omega t)),
-    whose angles are measured from the shaft's mark, a lag negative.
+    whose angles are measured from the shaft's mark.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y: shape (s, n) [m]; housings:
     names, housing_x, housing_y, shape (s, housings) [m]; supports: names of what bears the shaft;
@@ -70,13 +70,18 @@ class UnbalanceResponse:
 
     @property
     def phase_x(self) -> np.ndarray:
-        """Angle by which x leads the shaft's mark, shape (s, n) [rad]."""
-        return np.angle(self.x)
+        """Angle by which x leads the shaft's mark, a lag negative whichever way it turns, shape
+        (s, n) [rad]."""
+        return self._lead(self.x)
 
     @property
     def phase_y(self) -> np.ndarray:
-        """Angle by which y leads the shaft's mark, -pi / 2 more than x of a circle [rad]."""
-        return np.angle(self.y)
+        """Angle by which y leads the shaft's mark, of a circle -pi / 2 more than x, and pi / 2 more
+        at negative speeds [rad]."""
+        return self._lead(self.y)
+
+    def _lead(self, vector: np.ndarray) -> np.ndarray:
+        return np.angle(vector) * np.where(self.speeds < 0, -1.0, 1.0)[:, None]
 
 
 def unbalance_response(

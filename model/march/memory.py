@@ -71,9 +71,9 @@ class Memory(NamedTuple):
     and squared distance [m2] from rest of the probes in the present revolution, in the one before,
     and since the last communication point; once: of their z from rest, z exp(-i theta) and
     z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
-    one before, by the angle turned [m]; bounce: of each interface the direction of the last contact (cos, sin), steps
-    since then, score of crossings; rest: the probes under the loads at the start [m]; loads: on the
-    ports [N].
+    one before, by the angle turned [m]; bounce: of each interface the direction of the last contact
+    (cos, sin), steps since then, score of crossings; rest: the probes under the loads at the start
+    [m]; loads: on the ports [N].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]

@@ -139,7 +139,7 @@ def energies_at(structure, out):
 
 @compiled
 def observe(structure, motion, memory, work, out, has_energies):
-    """Fill `out` in the order of `observed`; the energies, which cost most, where they are wanted."""
+    """Fill `out` in the order of `observed`, the energies, which cost most, on demand."""
     r = memory.record[0]
     inertia = structure.numbers[0].inertia
     out[0] = r.theta

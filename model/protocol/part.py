@@ -111,7 +111,9 @@ Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount 
 
 _LAST = "over the last revolution, or, where the shaft stands, since the last communication point"
 _FROM_REST = f"{_LAST}; at rest under the loads at the start"
-_ONCE = "0-p, over the last whole revolution; 0 before the first one way, and where the shaft stands"
+_ONCE = (
+    "0-p, over the last whole revolution; 0 before the first one way, and where the shaft stands"
+)
 _LEADS = "leads phi, in the sense in which the shaft turns: a lag is negative"
 PROBE_OUTPUTS = (
     Output("x", "m", "displacement to the right", True, 1e-4),
