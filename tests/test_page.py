@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rotor_fmu import vibration
-from rotor_fmu.report.page import runs_page, write_page
+from rotor_fmu.files import write_text
+from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.places import Recorded
 from rotor_fmu.report.study import study_page
 
@@ -118,11 +119,11 @@ def pages(tmp_path_factory):
     shown["backward"] = [Recorded(recorded(speed=-300.0, rate=20.0), "backward")]
     shown["both ways"] = [Recorded(recorded(speed=150.0, rate=-50.0), "both ways")]
     for name, runs in shown.items():
-        write_page(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
+        write_text(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
     write_study(folder / "study")
     from rotor_fmu.look.reading import read_study
 
-    write_page(study_page(*read_study(folder / "study")), folder / "study.html")
+    write_text(study_page(*read_study(folder / "study")), folder / "study.html")
     return folder
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import InputError, writable_folder
+from ..files import write_text
 from ..runs import PLOTS
 from ..telling import tells
 
@@ -98,8 +99,6 @@ def report(
         runs = [read_run(path) for path in paths]
         told_apart(runs, paths)
         page = runs_page(runs, [read_summary(path) for path in paths])
-    from ..report.page import write_page
-
-    write_page(page, out)
+    write_text(page, out)
     typer.echo(out)
     return {"out": out}

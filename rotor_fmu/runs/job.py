@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 
 from ..errors import InputError
-from ..files import unfinished
+from ..files import unfinished, write_text
 from ..fmu.binding import build_simulation
 from ..fmu.interface import interface
 from ..fmu.solver_parameters import AS_PRESET, settings_of
@@ -242,9 +242,3 @@ def write_csv(run: Run, path: Path) -> None:
 def write_json(data: Mapping[str, object], path: Path) -> None:
     """A JSON file, whole or not at all."""
     write_text(json_text(data), path)
-
-
-def write_text(text: str, path: Path) -> None:
-    """A text file, whole or not at all."""
-    with unfinished(path) as part:
-        part.write_text(text, encoding="utf-8")

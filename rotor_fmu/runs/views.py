@@ -54,6 +54,15 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float
     return at if is_inside else None
 
 
+def why_no_peak(t: np.ndarray, w: np.ndarray, after: float) -> str:
+    """Why a run, in which `peak_index` finds none, has no peak."""
+    if not len(t) or t[-1] <= after:
+        return f"the run ends within the start-up, {after:g} s"
+    if is_constant(w):
+        return "the speed is constant"
+    return "the amplitude is largest at an edge of the run"
+
+
 def rows_a_turn(recording: Recording, near: slice | np.ndarray = slice(None)) -> float:
     """Median number of rows in a turn of the shaft; infinite where it does not turn."""
     steps = np.abs(np.diff(recording.columns["phi"][near]))
