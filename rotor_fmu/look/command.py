@@ -35,8 +35,8 @@ def plot(
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
-    if speed is not None and not 0 < speed < math.inf:
-        raise InputError(f"--speed {speed:g} Hz: must be > 0 and finite")
+    if speed is not None and not 0 < abs(speed) < math.inf:
+        raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
     from ..figures import save
     from ..report.figures import KINDS, View
     from ..vibration import TooFewTurns

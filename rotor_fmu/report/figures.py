@@ -270,6 +270,8 @@ def whirl(view: View) -> Figure:
     """Sense and order of the whirl."""
     figure, (above, below) = _two()
     found = vibration.whirl(*view.signal)
+    if np.isnan(found.sense).all():
+        raise vibration.TooFewRows("less than 4 rows a turn were recorded, too few for a whirl")
     n = hertz(found.speed)
     above.axhline(0, color=GREY, lw=0.8)
     above.plot(n, found.sense, ".", color=BLUE, ms=3, mew=0)
@@ -299,7 +301,7 @@ def contact_angle(view: View) -> Figure:
             at[top > bottom], bottom[top > bottom], top[top > bottom], color=BLUE, alpha=0.2
         )
     axes.plot(at, np.degrees(found.angle), ".", color=BLUE, ms=3, mew=0)
-    axes.plot([], [], ".", color=GREY, label="every step that touches")
+    axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
     axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
     axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
