@@ -213,7 +213,11 @@ def test_orders_that_the_rows_are_too_few_for_are_not_told():
     few = np.arange(0, 5.0, TURN / 200 / 2)
     with pytest.raises(vibration.TooFewRows, match="has 2 recorded rows a turn; order 1 needs"):
         vibration.order_track(few, 200 * few, np.exp(200j * few), (1.0,))
-    assert np.isnan(vibration.whirl(few, 200 * few, np.exp(200j * few)).sense).all()
+    for function in (vibration.whirl, vibration.displacement, vibration.poincare):
+        with pytest.raises(vibration.TooFewRows, match="has 2 recorded rows a turn"):
+            function(few, 200 * few, np.exp(200j * few))
+    with pytest.raises(vibration.TooFewRows, match="has 2 recorded rows a turn"):
+        vibration.orbit(few, 200 * few, np.exp(200j * few), 200.0)
 
 
 def test_what_is_not_finite_is_left_out():

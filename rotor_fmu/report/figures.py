@@ -270,8 +270,6 @@ def whirl(view: View) -> Figure:
     """Sense and order of the whirl."""
     figure, (above, below) = _two()
     found = vibration.whirl(*view.signal)
-    if np.isnan(found.sense).all():
-        raise vibration.TooFewRows("less than 4 rows a turn were recorded, too few for a whirl")
     n = hertz(found.speed)
     above.axhline(0, color=GREY, lw=0.8)
     above.plot(n, found.sense, ".", color=BLUE, ms=3, mew=0)

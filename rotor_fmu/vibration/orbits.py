@@ -9,7 +9,6 @@ from scipy.interpolate import CubicSpline
 
 from .turns import TURN, Synchronous, hann, summed, synchronous
 
-LEAST_ROWS = 4  # recorded in a turn, below which nothing is said of the way round
 _FEWEST = 3  # turns by which a whirl is told
 _NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
 
@@ -32,9 +31,9 @@ class Orbit:
 class Poincare:
     """Where a place was once a turn, at the keyphasor mark.
 
-    t [s], speed [rad/s], points: x + i y [m]; shape (turns,). One point that stays: the motion
-    repeats every turn; two in turn: every second turn; a closed curve: a whirl of its own
-    frequency; a cloud: chaos.
+    t [s], speed [rad/s], points: x + i y [m], NaN where less than 3 rows of a turn were recorded;
+    shape (turns,). One point that stays: the motion repeats every turn; two in turn: every second
+    turn; a closed curve: a whirl of its own frequency; a cloud: chaos.
     """
 
     t: np.ndarray
@@ -48,8 +47,8 @@ class Whirl:
 
     t: middles of the blocks [s]; speed [rad/s]; sense: from -1, a backward circle, over 0, a
     straight line, to 1, a forward circle; order: mean angular velocity of the whirl over the
-    shaft's, negative backward; both NaN where less than `LEAST_ROWS` rows a turn were recorded;
-    shape (blocks,).
+    shaft's, negative backward; both NaN where less than 3 rows a turn were recorded; shape
+    (blocks,).
     """
 
     t: np.ndarray
@@ -83,9 +82,10 @@ def orbit(
     per_turn: int | None = None,
 ) -> Orbit:
     """The orbit of the `turns` turns on end that are nearest to a speed [rad/s]. Raises
-    `TooFewTurns`."""
+    `TooFewTurns`, and `TooFewRows` for less than 3 rows a turn."""
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     first = signal.nearest(speed, turns)
+    signal.enough_rows(np.array([first]), turns)
     path = slice(first, first + turns)
     return Orbit(
         float(signal.speed_of(np.array([first]), turns)[0]),
@@ -98,9 +98,11 @@ def orbit(
 def poincare(
     t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None = None
 ) -> Poincare:
-    """The Poincare section of a run, a point a turn. Raises `TooFewTurns`."""
+    """The Poincare section of a run, a point a turn, NaN where less than 3 rows were recorded in
+    it. Raises `TooFewTurns`, and `TooFewRows` where there are no more in any turn."""
     signal = synchronous(t, phi, z, per_turn=per_turn)
-    return Poincare(signal.begin, signal.speed, signal.values[:, 0])
+    is_told = signal.enough_rows(np.arange(len(signal.mark)), 1)
+    return Poincare(signal.begin, signal.speed, np.where(is_told, signal.values[:, 0], np.nan))
 
 
 def whirl(
@@ -132,7 +134,7 @@ def whirl_of(signal: Synchronous, *, turns: int = 16) -> Whirl:
     square = size - np.abs(middle) ** 2
     square[square <= _NOTHING * size] = 0.0
     both = np.sqrt(square * mean(np.abs(slope) ** 2))
-    way = np.where(signal.rows_of(first, turns) < LEAST_ROWS, np.nan, signal.sense[first])
+    way = np.where(signal.enough_rows(first, turns), signal.sense[first], np.nan)
     return Whirl(
         signal.middle_of(first, turns),
         signal.speed_of(first, turns),
@@ -153,6 +155,7 @@ def displacement(
 def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
     """`displacement` of a signal that is resampled already."""
     first, turns = _blocks(signal, turns, 1)
+    signal.enough_rows(first, turns)
     one = np.full((1, signal.per_turn), 1 / signal.per_turn)
     window = hann(turns, signal.per_turn) if turns > 1 else one
     centre = summed(signal.values, window, first)[:, None]

@@ -11,14 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, Synchronous, TooFewRows, hann, summed, synchronous
+from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
 _HALF_POWER = 0.5**0.5
 _RIPPLE = 0.05  # share of a peak by which its flank may rise again
 # Square of the half-power width over the rate of the speed, below which a linear resonance shows a
 # factor more than 4 to 10 % too low (by integration of one that is swept, Q from 10 to 100).
 _SLOW = 25.0
-LEAST_ROWS = 3  # recorded in a cycle of an order, below which the spline through them is another
 
 
 @dataclass(frozen=True)
@@ -109,8 +108,8 @@ def order_track(
 
     z: x + i y [m], or any real signal, whose forward and backward halves are alike. With 4 turns
     the orders that are multiples of 0.5 do not leak into one another, nor does the mean. Raises
-    `TooFewTurns`, `TooFewRows` where no order can be told, and `ValueError` for an order that the
-    block cannot hold.
+    `TooFewTurns`, `TooFewRows` where 1x, or all that is asked for, cannot be told, and `ValueError`
+    for an order that the block cannot hold.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     return order_track_of(signal, orders, turns=turns)
@@ -130,12 +129,9 @@ def order_track_of(
                 f"{2 / turns:g} on apart"
             )
     first = signal.blocks(turns)
+    # 1x, or whatever else is asked for, must be told
+    signal.enough_rows(first, turns, max(min(orders), min(1.0, max(orders))))
     rows = signal.rows_of(first, turns)
-    if rows.max() < LEAST_ROWS * min(orders, default=0):
-        raise TooFewRows(
-            f"the signal has {rows.max():.3g} recorded rows a turn; order {min(orders):g} needs at "
-            f"least {LEAST_ROWS * min(orders):g}"
-        )
     window = hann(turns, signal.per_turn)
     angle = TURN * np.arange(turns)[:, None] + signal.angle
     is_positive = signal.sense[first] > 0

@@ -23,6 +23,9 @@ _SHORT = 0.1  # share of the steps that may be shorter than those that decide ho
 _ROUNDING = 1e-9  # of a turn, that may be missing at a mark
 TURN = 2 * math.pi
 _BACK = TURN / _LEAST  # by which the angle must go back for the shaft to turn back
+# Rows recorded in a cycle below which the spline through them is another motion: an order takes so
+# many, a path so many a turn.
+LEAST_ROWS = 3
 
 
 class TooFewTurns(ValueError):
@@ -92,6 +95,17 @@ class Turns:
         """Recorded rows a turn in blocks that begin with the turns `first` [1]."""
         counted = np.concatenate([[0], np.cumsum(self.rows)])
         return (counted[first + turns] - counted[first]) / turns
+
+    def enough_rows(self, first: np.ndarray, turns: int, order: float = 1.0) -> np.ndarray:
+        """Whether blocks that begin with the turns `first` have rows enough for an order; raises
+        `TooFewRows` where none has."""
+        rows, least = self.rows_of(first, turns), LEAST_ROWS * order
+        if rows.max() < least:
+            raise TooFewRows(
+                f"the signal has {rows.max():.3g} recorded rows a turn; order {order:g} needs at "
+                f"least {least:g}"
+            )
+        return rows >= least
 
     def nearest(self, speed: float, turns: int) -> int:
         """The first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
