@@ -223,13 +223,15 @@ class Watch:
             tapes = [np.array([now])]
         self._tapes = tapes
 
-    def record(self) -> None:
-        """Take what was recorded since the last call; `StepFailure` where it is not every step."""
-        if not self._names:
+    def record(self, is_end: bool = False) -> None:
+        """Take what was recorded, when there is much of it or at the end of a window; `StepFailure`
+        where it is not every step."""
+        taken = self._simulation.observed[self._count] - self._taken
+        if not self._names or not (is_end or taken > TAPE_ROWS / 64):
             return
-        before, self._taken = self._taken, self._simulation.observed[self._count]
+        self._taken += taken
         self._tapes.append(self._simulation.drain())
-        if len(self._tapes[-1]) < self._taken - before:
+        if len(self._tapes[-1]) < taken:
             raise StepFailure(
                 f"t = {self._simulation.time:.6g} s: more than {TAPE_ROWS} steps of the solver in "
                 "a communication step, which are not all recorded; take a shorter run.step"
@@ -241,9 +243,9 @@ class Watch:
         self._rows.append(self._simulation.observed[self._at])
 
     def window(self, speed: float = math.nan, per_turn: int = 0) -> Window:
-        """What was seen since the beginning."""
-        left = [self._simulation.drain()] if self._names else []  # of a step that failed
-        tape = np.concatenate([np.zeros((0, 1 + len(self._names))), *self._tapes, *left]).T
+        """What was seen since the beginning; `StepFailure` where it is not every step."""
+        self.record(is_end=True)
+        tape = np.concatenate([np.zeros((0, 1 + len(self._names))), *self._tapes]).T
         steps = Samples(tape[0], dict(zip(self._names, tape[1:], strict=True)))
         rows = np.array(self._rows).reshape(len(self._rows), len(self._by_turns)).T
         turns = Samples(np.array(self._times), dict(zip(self._by_turns, rows, strict=True)))
