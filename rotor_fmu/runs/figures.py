@@ -22,6 +22,7 @@ from .views import (
     contact_of,
     envelope,
     is_constant,
+    late_turns,
     once_a_turn,
     peak_index,
     place_of,
@@ -202,7 +203,7 @@ def spectra(recording: Recording, caption: str) -> Figure:
     """Spectra of both displacements of a disc over the second half of a run at one speed."""
     figure, axes = new_figure()
     place = str(place_of(recording.columns))
-    late = recording.t >= recording.t[-1] / 2
+    late = late_turns(recording)
     hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
     highest = 1e-3
     for axis, color, name in (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical")):

@@ -70,6 +70,15 @@ def rows_a_turn(recording: Recording, near: slice | np.ndarray = slice(None)) ->
     return TURN / angle if angle else math.inf
 
 
+def late_turns(recording: Recording) -> slice:
+    """The second half of a run, cut to whole turns where it holds any: orders then lie on lines of
+    a spectrum."""
+    t, turned = recording.t, np.abs(recording.columns["phi"] - recording.columns["phi"][-1])
+    half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
+    whole = TURN * math.floor(turned[half] / TURN)
+    return slice(half + int(np.argmax(turned[half:] <= whole)) if whole else half, None)
+
+
 @dataclass(frozen=True)
 class TimeShare:
     """Share of the time [1] spent in each bin of an angle, shape (speeds, angles), rows of sum 1,
