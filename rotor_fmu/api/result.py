@@ -220,7 +220,8 @@ class Result:
         """A picture as `rotor-fmu plot` draws it: bode, polar, orbit, cascade, poincare,
         contact-angle, contact-force, energy, spectrum or whirl. speed: of orbit and spectrum
         [rad/s]; is_pp: peak-to-peak. Raises `InputError` for another kind."""
-        from ..report.figures import KINDS, View
+        from ..report.figures import KINDS
+        from ..report.view import View
 
         if kind not in KINDS:
             raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")

@@ -38,7 +38,8 @@ def plot(
     if speed is not None and not 0 < abs(speed) < math.inf:
         raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
     from ..figures import save
-    from ..report.figures import KINDS, View
+    from ..report.figures import KINDS
+    from ..report.view import View
     from ..vibration import TooFewTurns
     from .reading import read_run
 

@@ -13,7 +13,8 @@ from matplotlib.patches import Circle
 
 from .. import vibration
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
-from .places import Recorded, hertz
+from .places import hertz
+from .view import View, parted, two
 
 SPEED = "Rotational speed $n$ [Hz]"
 PURPLE, BLACK = "#cc79a7", "#000000"
@@ -21,53 +22,9 @@ _SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
 _PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
 
 
-class View:
-    """What a picture is asked to show: a run, the name of a place or contact (None: the one that
-    moves, or is pressed, most), a speed [rad/s] (None: that of the largest 1x), and whether
-    amplitudes are peak-to-peak."""
-
-    def __init__(
-        self,
-        run: Recorded,
-        place: str | None = None,
-        speed: float | None = None,
-        is_pp: bool = False,
-    ) -> None:
-        self.run, self.name, self.is_pp = run, place, is_pp
-        self._speed = speed
-
-    @property
-    def signal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """t, phi, z of the place."""
-        return self.run.t, self.run.phi, self.run.place(self.name).z
-
-    @property
-    def speed(self) -> float:
-        """Where orbit and spectrum are taken [rad/s]."""
-        if self._speed is not None:
-            return self._speed
-        track = vibration.order_track(*self.signal, (1.0,))
-        return float(track.speed[np.nanargmax(track.major())])
-
-    @property
-    def scale(self) -> float:
-        """From m 0-p to what the axis says."""
-        return 2e6 if self.is_pp else 1e6
-
-    @property
-    def unit(self) -> str:
-        """What the axis says."""
-        return "µm pp" if self.is_pp else "µm 0-p"
-
-    def title(self, axes: Axes, text: str) -> None:
-        """Heading of a picture."""
-        # names are text, whatever stands in them
-        axes.set_title(f"{self.run.name}: {text}", loc="left", fontsize=10, parse_math=False)
-
-
 def bode(view: View) -> Figure:
     """1x amplitude and phase of x and y over speed, with 2x and 0.5x beside."""
-    figure, (above, below) = _two()
+    figure, (above, below) = two()
     place = view.run.place(view.name)
     track = vibration.order_track(*view.signal)
     n = hertz(track.speed)
@@ -75,14 +32,14 @@ def bode(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
     ):
-        length = _parted(n, np.abs(vector) * view.scale)
+        length = parted(n, np.abs(vector) * view.scale)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
         phase = np.degrees(np.angle(vector))
         phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
-        below.plot(n, _parted(n, phase), color=color, lw=1.2, ls=style)
+        below.plot(n, parted(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
-        length = _parted(n, track.major(order) * view.scale)
+        length = parted(n, track.major(order) * view.scale)
         above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
@@ -268,7 +225,7 @@ def poincare(view: View) -> Figure:
 
 def whirl(view: View) -> Figure:
     """Sense and order of the whirl."""
-    figure, (above, below) = _two()
+    figure, (above, below) = two()
     found = vibration.whirl(*view.signal)
     n = hertz(found.speed)
     above.axhline(0, color=GREY, lw=0.8)
@@ -313,17 +270,17 @@ def contact_angle(view: View) -> Figure:
 
 def contact_force(view: View) -> Figure:
     """Normal force of a contact and the share of the time that it touches, over speed."""
-    figure, (above, below) = _two()
+    figure, (above, below) = two()
     touch = view.run.touch(view.name)
     found = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
     n = hertz(found.speed)
-    largest, mean = _parted(n, found.peak), _parted(n, found.mean)
+    largest, mean = parted(n, found.peak), parted(n, found.mean)
     above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
     above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel("Normal force [N]")
-    below.plot(n, _parted(n, 100 * found.share), color=GREEN, lw=1.0)
+    below.plot(n, parted(n, 100 * found.share), color=GREEN, lw=1.0)
     below.set_ylim(0, 105)
     below.set_ylabel("Touches [% of the turn]")
     below.set_xlabel(SPEED)
@@ -333,7 +290,7 @@ def contact_force(view: View) -> Figure:
 
 def energy(view: View) -> Figure:
     """Power that every sink took, over speed, and the energy since the start."""
-    figure, (above, below) = _two(even=True)
+    figure, (above, below) = two(even=True)
     run = view.run
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
     sinks = sorted(powers, key=lambda name: -run.losses[name][-1])
@@ -341,7 +298,7 @@ def energy(view: View) -> Figure:
         color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
         energy = run.losses[name]
         label = f"{name}: {energy[-1]:.3g} J"
-        power = _parted(speed, powers[name])
+        power = parted(speed, powers[name])
         above.plot(hertz(speed), power, color=color, ls=style, lw=1.2, label=label)
         below.plot(hertz(run.w), energy, color=color, ls=style, lw=1.2)
     above.legend(frameon=False, fontsize=8)
@@ -350,22 +307,6 @@ def energy(view: View) -> Figure:
     below.set_xlabel(SPEED)
     view.title(above, "energy dissipated by sink")
     return figure
-
-
-def _parted(speed: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """A curve over the speed that is not drawn across a reversal."""
-    return np.where(np.concatenate([[False], speed[1:] * speed[:-1] < 0]), np.nan, values)
-
-
-def _two(even: bool = False) -> tuple[Figure, tuple[Axes, Axes]]:
-    figure = Figure(figsize=(6.8, 5.4), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1) if even else (2, 1))
-    for axes in (above, below):
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.grid(color="#dddddd", linewidth=0.6)
-        axes.set_axisbelow(True)
-    return figure, (above, below)
 
 
 KINDS: dict[str, Callable[[View], Figure]] = {

@@ -12,45 +12,29 @@ from scipy.integrate import solve_ivp
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError
 from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.machine.runs import MachineRuns
 from rotor_fmu.studies.reading import read_study
 
 from .functions import here, quiet
 
-# of the example: 1 kg on 1e4 N/m and 20 N s/m, 0.5 g m of unbalance; its contact out of reach
+# of the example: 1 kg on 1e4 N/m and 20 N s/m, 0.5 g m of unbalance
 K, C, UNBALANCE = 1e4, 20.0, 0.5e-3
-HEAD = """
-machine = "jeffcott_rub/jeffcott.toml"
-[set]
-"solver.tolerance" = {tolerance}
-"contact[1].clearance" = {clearance}
-"""
-KEEP = """
-[keep]
-peak = { peak = "disc.x" }
-late = { peak = "disc.r", after = 5 }
-never = { peak = "disc.r", after = 500 }
-rms = { rms = "disc.y" }
-mean = { mean = "disc.r" }
-whirl = { whirl = "disc" }
-end = { last = "disc.x" }
-passed = { value = "disc.r", speed = 130 }
-curve = { amplitude = "disc.r", bins = { from = 20, to = 200, count = 18 } }
-once = { order = 1, speed = 130, of = "disc.x" }
-twice = { order = 2, speed = 130, of = "disc.x" }
-"""
 
 
-def read(tmp_path, text):
-    path = tmp_path / "study.toml"
-    path.write_text(text)
+def read(folder, run, keep, vary='"contact[1].mu" = { values = [0.0] }', tolerance=1e-3):
+    """A study of the example's rotor, its contact out of reach; run: KEY = VALUE by lines."""
+    path = folder / "study.toml"
+    path.write_text(
+        'machine = "jeffcott_rub/jeffcott.toml"\n'
+        f'[set]\n"solver.tolerance" = {tolerance}\n"contact[1].clearance" = 0.01\n'
+        f"[run]\n{run}\n[vary]\n{vary}\n[keep]\n{keep}\n"
+    )
     return read_study(path)
 
 
-def rows(tmp_path, text):
-    study = read(tmp_path, text)
-    conduct(study, tmp_path / "out", here, quiet)
-    return studies.open(tmp_path / "out")
+def row(folder, *study, **options):
+    """The only run of a study."""
+    conduct(read(folder, *study, **options), folder / "out", here, quiet)
+    return studies.open(folder / "out").isel(run=0)
 
 
 @lru_cache
@@ -71,20 +55,25 @@ def jeffcott(speed, rate, stop):
 @pytest.mark.parametrize("step", [0.04, 0.5])
 @pytest.mark.parametrize("way", [1, -1])
 def test_quantities_of_a_ramp_are_those_of_the_motion_whatever_the_step(tmp_path, way, step):
-    run = f"""[run]
-kind = "run-up"
-from = {20 * way}
-to = {200 * way}
-rate = 20
-step = {step}
-[vary]
-"contact[1].mu" = {{ values = [0.0] }}
-"""
-    head = HEAD.format(tolerance=1e-5, clearance=0.01)
-    keep = KEEP.replace("speed = 130", f"speed = {130 * way}")
-    bins = "{ from = 20, to = 200", "{ from = -200, to = -20"
-    keep = keep if way > 0 else keep.replace(*bins)
-    data = rows(tmp_path, head + run + keep).isel(run=0)
+    low, high = sorted((20 * way, 200 * way))
+    data = row(
+        tmp_path,
+        f'kind = "run-up"\nfrom = {20 * way}\nto = {200 * way}\nrate = 20\nstep = {step}',
+        f"""
+peak = {{ peak = "disc.x" }}
+late = {{ peak = "disc.r", after = 5 }}
+never = {{ peak = "disc.r", after = 500 }}
+rms = {{ rms = "disc.y" }}
+mean = {{ mean = "disc.r" }}
+whirl = {{ whirl = "disc" }}
+end = {{ last = "disc.x" }}
+passed = {{ value = "disc.r", speed = {130 * way} }}
+curve = {{ amplitude = "disc.r", bins = {{ from = {low}, to = {high}, count = 18 }} }}
+once = {{ order = 1, speed = {130 * way}, of = "disc.x" }}
+twice = {{ order = 2, speed = {130 * way}, of = "disc.x" }}
+""",
+        tolerance=1e-5,
+    )
     t, w, z = jeffcott(20.0 * way, 20.0 * way, 9.0)
     r = np.abs(z)
     within = {"rel": 2e-3}
@@ -110,25 +99,21 @@ step = {step}
 @pytest.mark.parametrize("per_turn", [4, 8, 32])
 def test_quantities_over_whole_turns_are_those_of_the_circle(tmp_path, speed, per_turn):
     """rms and mean integrate every interval of the turns; backward is forward seen from behind."""
-    run = f"""[run]
-kind = "constant"
-speed = {speed}
-settle = 2
-turns = 4
-per_turn = {per_turn}
-[vary]
-"contact[1].mu" = {{ values = [0.0] }}
-[keep]
-rms = {{ rms = "disc.x" }}
-mean = {{ mean = "disc.x" }}
-radius = {{ mean = "disc.r" }}
-peak = {{ peak = "disc.y" }}
-whirl = {{ whirl = "disc" }}
-once = {{ order = 1, of = "disc.y" }}
-lines = {{ spectrum = "disc", orders = 1.5 }}
-mark = {{ poincare = "disc.x" }}
-"""
-    data = rows(tmp_path, HEAD.format(tolerance=1e-5, clearance=0.01) + run).isel(run=0)
+    data = row(
+        tmp_path,
+        f'kind = "constant"\nspeed = {speed}\nsettle = 2\nturns = 4\nper_turn = {per_turn}',
+        """
+rms = { rms = "disc.x" }
+mean = { mean = "disc.x" }
+radius = { mean = "disc.r" }
+peak = { peak = "disc.y" }
+whirl = { whirl = "disc" }
+once = { order = 1, of = "disc.y" }
+lines = { spectrum = "disc", orders = 1.5 }
+mark = { poincare = "disc.x" }
+""",
+        tolerance=1e-5,
+    )
     vector = UNBALANCE * speed**2 / (K - speed**2 + 1j * C * speed)
     radius = abs(vector)
     assert float(data.rms) == pytest.approx(radius / math.sqrt(2), rel=2e-3)
@@ -145,20 +130,12 @@ mark = {{ poincare = "disc.x" }}
 
 
 def test_speeds_are_held_on_both_sides_of_standstill(tmp_path):
-    run = """[run]
-kind = "steps"
-from = -80
-to = 80
-count = 4
-settle = 1
-turns = 2
-[vary]
-"contact[1].mu" = { values = [0.0] }
-[keep]
-radius = { mean = "disc.r" }
-whirl = { whirl = "disc" }
-"""
-    data = rows(tmp_path, HEAD.format(tolerance=1e-5, clearance=0.01) + run).isel(run=0)
+    data = row(
+        tmp_path,
+        'kind = "steps"\nfrom = -80\nto = 80\ncount = 4\nsettle = 1\nturns = 2',
+        'radius = { mean = "disc.r" }\nwhirl = { whirl = "disc" }',
+        tolerance=1e-5,
+    )
     held = data["held speed"].values
     right = np.abs(UNBALANCE * held**2 / (K - held**2 + 1j * C * held))
     assert data.radius.values == pytest.approx(right, rel=5e-3)
@@ -167,47 +144,20 @@ whirl = { whirl = "disc" }
 
 def test_the_speed_of_a_run_up_and_down_does_not_jump_at_its_top(tmp_path):
     """The top lies between two communication steps; before, it was overshot and fell back."""
-    run = """[run]
-kind = "up-and-down"
-from = 50
-to = 61
-rate = 20
-step = 0.1
-[vary]
-"contact[1].mu" = { values = [0.0] }
-[keep]
-fastest = { peak = "w" }
-end = { last = "w" }
-turned = { last = "phi" }
-work = { last = "energy.drive_work" }
-"""
-    study = read(tmp_path, HEAD.format(tolerance=1e-3, clearance=0.01) + run)
-    model = study.model
-    assert isinstance(model, MachineRuns)
-    seen = model.record(study.design.settings(study.design.point(0)))
-    right = 61 - 20 * np.abs(seen.t - 0.55)
-    assert seen.columns["w"] == pytest.approx(right, abs=1e-9)
-    conduct(study, tmp_path / "out", here, quiet)
-    data = studies.open(tmp_path / "out").isel(run=0)
+    study = (
+        'kind = "up-and-down"\nfrom = 50\nto = 61\nrate = 20\nstep = 0.1',
+        'fastest = { peak = "w" }\nturned = { last = "phi" }',
+    )
+    seen = read(tmp_path, *study).model.record({})
+    assert seen.columns["w"] == pytest.approx(61 - 20 * np.abs(seen.t - 0.55), abs=1e-9)
+    data = row(tmp_path, *study)
     assert float(data.fastest) == pytest.approx(61.0, abs=1e-9)
     assert float(data.turned) == pytest.approx(1.1 * (50 + 61) / 2)
 
 
-def test_a_selected_run_holds_all_of_it_and_one_that_fails_all_until_then(tmp_path):
-    run = """[run]
-kind = "steps"
-from = 30
-to = 40
-count = 2
-settle = 1
-turns = 2
-[vary]
-"contact[1].mu" = { values = [0.0] }
-[keep]
-radius = { mean = "disc.r" }
-"""
-    study = read(tmp_path, HEAD.format(tolerance=1e-3, clearance=0.01) + run)
-    seen = study.model.record({"contact[1].mu": 0.0})
+def test_a_selected_run_holds_what_lies_between_the_speeds_held(tmp_path):
+    run = 'kind = "steps"\nfrom = 30\nto = 40\ncount = 2\nsettle = 1\nturns = 2'
+    seen = read(tmp_path, run, 'radius = { mean = "disc.r" }').model.record({})
     assert np.diff(seen.t).max() < 0.1
     assert np.diff(seen.t).min() > 0
     turned = np.trapezoid(seen.columns["w"], seen.t)
@@ -215,23 +165,18 @@ radius = { mean = "disc.r" }
 
 
 def test_a_run_that_fails_is_recorded_as_far_as_it_came(tmp_path):
-    text = """machine = "studies/whip.toml"
-[run]
-kind = "constant"
-speed = 10
-settle = 1
-turns = 1
-kick = { port = "disc", force = 1e6, rate = 0, duration = 0.5 }
-[vary]
-"contact[1].mu" = { values = [0.0] }
-[keep]
-radius = { mean = "disc.r" }
-"""
-    study = read(tmp_path, text)
-    point = study.design.settings(study.design.point(0))
-    assert study.model.run(point).status.startswith("failed: ")
-    seen = study.model.record(point)
-    assert seen.about["status"] == study.model.run(point).status
+    kick = '{ port = "disc", force = 1e6, rate = 0, duration = 0.5 }'
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'machine = "studies/whip.toml"\n[run]\nkind = "constant"\nspeed = 10\nturns = 1\n'
+        f'kick = {kick}\n[vary]\n"contact[1].mu" = {{ values = [0.0] }}\n'
+        '[keep]\nradius = { mean = "disc.r" }\n'
+    )
+    model = read_study(path).model
+    status = model.run({}).status
+    assert status.startswith("failed: ")
+    seen = model.record({})
+    assert seen.about["status"] == status
     assert len(seen.t) > 5
     assert np.abs(seen.columns["disc.x"]).max() > 1e-3
 
@@ -247,54 +192,26 @@ radius = { mean = "disc.r" }
     ],
 )
 def test_what_a_held_speed_cannot_tell_is_refused(tmp_path, run, keep, expected):
-    vary = '[vary]\n"contact[1].mu" = { values = [0.0] }\n'
-    text = f'[run]\nkind = "constant"\n{run}\nturns = 10\n{vary}[keep]\nq = {keep}\n'
     with pytest.raises(InputError, match=expected):
-        read(tmp_path, HEAD.format(tolerance=1e-3, clearance=0.01) + text)
+        read(tmp_path, f'kind = "constant"\n{run}\nturns = 10', f"q = {keep}")
 
 
 def test_samples_that_are_varied_are_checked_against_the_orders_too(tmp_path):
-    text = """[run]
-kind = "constant"
-speed = 50
-turns = 10
-[vary]
-"run.per_turn" = { values = [32, 6] }
-[keep]
-q = { order = 0.7, of = "disc.x" }
-p = { order = 3, of = "disc.x" }
-"""
-    head = HEAD.format(tolerance=1e-3, clearance=0.01)
+    run = 'kind = "constant"\nspeed = 50\nturns = 10'
+    keep = 'q = { order = 0.7, of = "disc.x" }\np = { order = 3, of = "disc.x" }'
     with pytest.raises(InputError, match=r"keep p: order = 3: .* half of run\.per_turn = 6"):
-        read(tmp_path, head + text)
-    read(tmp_path, head + text.replace("32, 6", "32, 7"))
+        read(tmp_path, run, keep, '"run.per_turn" = { values = [32, 6] }')
+    read(tmp_path, run, keep, '"run.per_turn" = { values = [32, 7] }')
 
 
 @pytest.mark.parametrize("order", [0, -1, 0.3, 0.25, 40])
 def test_an_order_that_cannot_be_passed_is_refused_before_the_first_run(tmp_path, order):
-    text = f"""[run]
-kind = "run-up"
-[vary]
-"contact[1].mu" = {{ values = [0.0] }}
-[keep]
-q = {{ order = {order}, speed = 100, of = "disc.x" }}
-"""
+    keep = f'q = {{ order = {order}, speed = 100, of = "disc.x" }}'
     with pytest.raises(InputError, match=f"order = {order}: must be a multiple of 0.5 from 0.5"):
-        read(tmp_path, HEAD.format(tolerance=1e-3, clearance=0.01) + text)
+        read(tmp_path, 'kind = "run-up"', keep)
 
 
 def test_a_communication_step_that_holds_more_than_is_recorded_is_a_failed_row(tmp_path):
-    text = """[run]
-kind = "run-up"
-from = 0
-to = 4000
-rate = 100
-step = 40
-[vary]
-"contact[1].mu" = { values = [0.0] }
-[keep]
-q = { peak = "disc.x" }
-"""
-    data = rows(tmp_path, HEAD.format(tolerance=1e-3, clearance=0.01) + text)
-    (status,) = data.status.values
+    run = 'kind = "run-up"\nfrom = 0\nto = 4000\nrate = 100\nstep = 40'
+    status = str(row(tmp_path, run, 'q = { peak = "disc.x" }').status.values)
     assert "more than 16384 steps of the solver in a communication step" in status

@@ -11,8 +11,9 @@ from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.machine.driving import Drive, Samples, Window
+from rotor_fmu.studies.machine.driving import Drive
 from rotor_fmu.studies.machine.keeping import Keep, cells
+from rotor_fmu.studies.machine.watch import Samples, Window
 from rotor_fmu.studies.reading import read_study
 
 from .functions import conducted, here, quiet

@@ -29,9 +29,10 @@ from ...model.kernels.user_cache import user_cache
 from ...packing.bundle import package_name
 from ...runs.recording import Recording
 from ..study import FAILED, Result
-from .driving import Drive, Samples, Window
+from .driving import Drive
 from .keeping import cells
 from .runs import RUN, MachineRuns, machine_of, status_of
+from .watch import Samples, Window
 
 DRIVE = "drive."
 # The numbers of a run by the names of the drive train's FMU.

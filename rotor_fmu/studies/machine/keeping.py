@@ -14,7 +14,8 @@ import numpy as np
 
 from ...errors import InputError
 from ..study import Cell, Column
-from .driving import COUPLED, LEVELS, Drive, Samples, Window
+from .driving import COUPLED, LEVELS, Drive
+from .watch import Samples, Window
 
 Options = Mapping[str, Any]
 

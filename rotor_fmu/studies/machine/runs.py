@@ -20,8 +20,9 @@ from ...model.settings import SettingsError
 from ...model.simulation import EquilibriumError, Simulation, StepFailure
 from ...runs.recording import Recording
 from ..study import FAILED, OK, Column, Result
-from .driving import FREE, TAPE_ROWS, Drive, Watch, drive
+from .driving import FREE, Drive, drive
 from .keeping import KINDS, Keep, cells
+from .watch import TAPE_ROWS, Watch
 
 RUN = "run."
 
