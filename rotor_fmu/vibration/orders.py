@@ -16,7 +16,7 @@ from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 _HALF_POWER = 0.5**0.5
 _RIPPLE = 0.05  # share of a peak by which its flank may rise again
 # Square of the half-power width over the rate of the speed, below which a linear resonance shows a
-# factor more than 4 to 10 % too low (by integration of one that is swept, Q from 10 to 100).
+# factor up to 10 % too low or more (by integration of one that is swept, Q from 10 to 100).
 _SLOW = 25.0
 
 
@@ -90,8 +90,8 @@ class Resonance:
 
     @property
     def is_fast(self) -> bool:
-        """Whether the run passed so quickly that the factor is too low: by 4 to 10 % at the limit,
-        by half where the square of N2 - N1 is seven times the rate."""
+        """Whether the run passed so quickly that the factor is too low: by up to 10 % at the limit,
+        by a third to a half where the square of N2 - N1 is seven times the rate."""
         return bool((self.speed / self.amplification) ** 2 < _SLOW * self.rate)
 
 
