@@ -65,13 +65,12 @@ def assemble(rotor: Rotor) -> Structure:
     inertia = 0.0
     for i, section in enumerate(rotor.sections):
         at = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
-        for layer in section.all_layers:
-            element = shaft_element(layer)
-            M[at] += element.translation + element.tilting
-            G[at] += 2 * element.tilting
-            K_shaft[at] += element.stiffness
-            K_axial[at] += element.tension
-            inertia += layer.polar_inertia
+        element = shaft_element(section)
+        M[at] += element.translation + element.tilting
+        G[at] += 2 * element.tilting
+        K_shaft[at] += element.stiffness
+        K_axial[at] += element.tension
+        inertia += sum(layer.polar_inertia for layer in section.all_layers)
     elements = list(machine_elements(rotor))
     for _, body in _of(Body, elements):
         dof = _dof(body)
