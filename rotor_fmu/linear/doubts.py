@@ -26,7 +26,7 @@ def doubts(rotor: Rotor) -> list[str]:
         at_rest = modes(rotor, 0.0, contacts=OPEN)
     except LinearError:
         return found
-    roots = [*at_rest.eigenvalues, *(complex(decay) for decay in at_rest.decays)]
+    roots = [*at_rest.eigenvalues[at_rest.is_sound], *(complex(decay) for decay in at_rest.decays)]
     slow = _SLOW * machine.structure.numbers[0].lowest_omega
     growing = [r for r in roots if abs(r) > slow and r.real > _GROWING * abs(r)]
     if growing:
