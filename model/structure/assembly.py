@@ -95,7 +95,7 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
     numbers[0].gravity = rotor.gravity
-    down = -1j * cmath.exp(1j * rotor.gravity_angle) * math.cos(rotor.inclination)
+    down = -1j * cmath.exp(1j * rotor.gravity_angle) * rotor.weight_share
     numbers[0].down_x, numbers[0].down_y = down.real, down.imag
     ports = [port for _, port in _of(Port, elements)]
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
@@ -208,6 +208,7 @@ def _mechanism(
                 states,
                 outputs[i],
                 element.law.has_wall,
+                element.law.has_wall and not element.law.turns,
                 0.0,
             )
         )

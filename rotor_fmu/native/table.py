@@ -162,7 +162,7 @@ def _block(rotor: Rotor, modes: int) -> np.ndarray:
 def _closed_at(rotor: Rotor, block: np.ndarray) -> str:
     """Which contacts are closed, in words."""
     interfaces = LAYOUT.look(block).structure.interfaces
-    walls = np.flatnonzero((interfaces.has_wall == 1) & (interfaces.states == 0)).tolist()
+    walls = np.flatnonzero(interfaces.slips == 1).tolist()
     return closed_at(interface_names(rotor), walls)
 
 
