@@ -9,13 +9,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from .code import Code, calls, chosen
-from .doubts import DOUBTS, STALLED
-from .kernels.compiled import INTERPRETED_WARNING
+from .doubts import DOUBTS, NO_REST, STALLED
+from .kernels.compiled import INTERPRETED_WARNING, plain
 from .machine.rotor import Rotor
 from .machine.speed_tables import tables_of
 from .march import march
 from .march.block import LAYOUT, RunData, new_block, set_method
-from .march.equilibrium import HELD, NOT_HELD
+from .march.equilibrium import HELD, why_not
 from .march.observe import observed_names
 from .march.tape import Record, channels_of
 from .refusal import Refusal
@@ -260,22 +260,9 @@ class Simulation:
                 self._warn(table.beyond.format(speed=speed))
 
     def _no_rest(self, status: int) -> str:
-        springs = self.structure.springs
-        holding = {*springs.dof[springs.stiffness > 0].tolist()}
-        holding |= {*self.structure.interfaces.dof.tolist()}
-        if len(holding) < 2:
-            return (
-                f"no static equilibrium: the rotor is held at {len(holding)} of its nodes and "
-                "would tilt under gravity; at least 2 bearings or supports are needed"
-            )
-        if status == NOT_HELD:
-            bound = self.structure.numbers[0].bound
-            return (
-                "no static equilibrium under gravity and the loads at the start: it would lie "
-                f"beyond {bound:.3g} m, a tenth of the shaft's length; clearances and loads must "
-                "be smaller, or springs stiffer"
-            )
-        return "no static equilibrium under gravity and the loads at the start was found"
+        told = np.zeros(3)
+        place = plain(why_not)(self.structure, self.motion, status, told)
+        return NO_REST[place].format(*told)
 
     def _failure(self, status: int) -> str:
         record = self._run.memory.record[0]
