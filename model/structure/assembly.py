@@ -101,7 +101,7 @@ def assemble(rotor: Rotor) -> Structure:
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
     numbers[0].own_inertia = inertia
-    held = _held(len(M), springs, elements)
+    held = soft_stiffness(len(M), springs, elements)
     numbers[0].is_held = np.count_nonzero(held) >= 2
     numbers[0].lowest_omega = _lowest_omega(rotor, M, K_shaft, K_axial, held, elements)
     numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
@@ -244,7 +244,7 @@ def _mass_share(M: np.ndarray) -> np.ndarray:
     return lumped / lumped.sum()
 
 
-def _held(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
+def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
     """Stiffness of springs and soft laws at each dof [N/m], shape (n,)."""
     held = np.zeros(n)
     np.add.at(held, springs.dof, springs.stiffness)
