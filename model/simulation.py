@@ -9,13 +9,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from .code import Code, calls, chosen
-from .doubts import DOUBTS, STALLED
-from .kernels.compiled import INTERPRETED_WARNING
+from .doubts import DOUBTS, NO_REST, STALLED
+from .kernels.compiled import INTERPRETED_WARNING, plain
 from .machine.rotor import Rotor
-from .machine.speed_tables import tables_of
 from .march import march
 from .march.block import LAYOUT, RunData, new_block, set_method
-from .march.equilibrium import HELD, NOT_HELD
+from .march.equilibrium import HELD, why_not
 from .march.observe import observed_names
 from .march.tape import Record, channels_of
 from .refusal import Refusal
@@ -24,8 +23,8 @@ from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .stability.sentences import grows_at_rest, hidden_whirls, nearest, whirled_apart
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
-from .structure.assembly import assemble, interface_names
-from .structure.reduction import reduced
+from .structure.assembly import interface_names
+from .structure.reduction import assembled
 from .structure.structure import Structure
 
 
@@ -85,9 +84,7 @@ class Simulation:
         self._warn_if_interpreted()
         self.rotor = rotor
         self.settings = settings
-        structure = assemble(rotor)
-        if settings.reduction:
-            structure = reduced(structure, int(settings.reduction))
+        structure, self._ranges = assembled(rotor, int(settings.reduction))
         self.names = observed_names(rotor)
         self._scheme = settings.scheme()
         if not is_unconditionally_stable(self._scheme):
@@ -105,7 +102,6 @@ class Simulation:
         self._run.tape.channels[:] = channels
         self._run.tape.head[0].least = taped.angle
         set_method(self._run, self._scheme, settings.control())
-        self._tables = tables_of(rotor)
 
         numbers = self._run.memory.record[0]
         numbers.t = t
@@ -126,7 +122,7 @@ class Simulation:
         status = self._code.start(float(speed), float(drive), float(rate))
         if status != HELD:
             raise EquilibriumError(self._no_rest(status))
-        self._warn_beyond_tables(speed)
+        self._warn_beyond(speed)
         self._speed = self._run.memory.record["omega"]
         self._contacts = interface_names(rotor)
         self._has_warned_of_whirls = False
@@ -187,8 +183,8 @@ class Simulation:
         status = self._code.advance(float(to), float(drive), float(rate))
         if status != march.DONE:
             raise StepFailure(self._failure(status))
-        if self._tables:
-            self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
+        if self._ranges:
+            self._warn_beyond(float(self._run.memory.record["omega"][0]))
         if abs(self._speed[0]) > self._surveyed_to[0]:
             self._survey(False)
         for entry in tuple(self._doubts):
@@ -255,30 +251,17 @@ class Simulation:
             _has_said_interpreted = True
             self._warn(INTERPRETED_WARNING)
 
-    def _warn_beyond_tables(self, speed: float) -> None:
-        """Say once of every table that the speed [rad/s] has left it."""
-        for table in list(self._tables):
-            if not table.low <= speed <= table.high:
-                self._tables.remove(table)
-                self._warn(table.beyond.format(speed=speed))
+    def _warn_beyond(self, speed: float) -> None:
+        """Say once of every range that the speed [rad/s] has left it."""
+        for allowed in list(self._ranges):
+            if not allowed.low <= speed <= allowed.high:
+                self._ranges.remove(allowed)
+                self._warn(allowed.beyond.format(speed=speed))
 
     def _no_rest(self, status: int) -> str:
-        springs = self.structure.springs
-        holding = {*springs.dof[springs.stiffness > 0].tolist()}
-        holding |= {*self.structure.interfaces.dof.tolist()}
-        if len(holding) < 2:
-            return (
-                f"no static equilibrium: the rotor is held at {len(holding)} of its nodes and "
-                "would tilt under gravity; at least 2 bearings or supports are needed"
-            )
-        if status == NOT_HELD:
-            bound = self.structure.numbers[0].bound
-            return (
-                "no static equilibrium under gravity and the loads at the start: it would lie "
-                f"beyond {bound:.3g} m, a tenth of the shaft's length; clearances and loads must "
-                "be smaller, or springs stiffer"
-            )
-        return "no static equilibrium under gravity and the loads at the start was found"
+        told = np.zeros(3)
+        place = plain(why_not)(self.structure, self.motion, status, told)
+        return NO_REST[place].format(*told)
 
     def _failure(self, status: int) -> str:
         record = self._run.memory.record[0]

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
 from ..machine.rotor import Rotor
 from . import orbit
@@ -112,10 +111,9 @@ def unbalance_response(
         check_speed(speed)
         linear = machine.at(speed)
         force = speed**2 * both
-        dynamic = linear.K + 1j * speed * linear.D - speed**2 * linear.M
-        u = splu(dynamic.tocsc()).solve(machine.expand.T @ force)
+        u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
         found.append(machine.expand @ u)
-        bears.append(machine.loads(linear, u, force, speed) if speed else _nothing(machine))
+        bears.append(machine.loads(linear, u, pull, force, speed) if speed else _nothing(machine))
     whole = np.array(found).reshape(-1, size, 2)
     load = np.array(bears).reshape(len(whole), -1, 2)
     n = 2 * len(machine.nodes)

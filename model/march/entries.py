@@ -12,7 +12,7 @@ from ..structure.parameters import prepare
 from . import march, tape
 from .block import LAYOUT
 from .control import Control
-from .equilibrium import HELD, find_equilibrium, release
+from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
 from .observe import observe
 
 _view = LAYOUT.view
@@ -57,6 +57,8 @@ def start(block, speed, drive, rate):
     r.omega = speed
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
+        if is_beyond(run.structure, run.motion):
+            return BEYOND
     else:
         status = find_equilibrium(
             run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem

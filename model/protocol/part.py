@@ -152,13 +152,13 @@ class Part(ABC):
     """A part of a machine. Subclasses declare their quantities as fields.
 
     KIND: its table in a machine file and its name in the FMU; TEXT: what it is, in a line;
-    IS_SINGLE: whether a machine has one at most; LAW: of its interfaces, if it has any.
+    IS_SINGLE: whether a machine has one at most; LAWS: that its interfaces may have.
     """
 
     KIND: ClassVar[str]
     TEXT: ClassVar[str]
     IS_SINGLE: ClassVar[bool] = False
-    LAW: ClassVar[Law | None] = None
+    LAWS: ClassVar[tuple[Law, ...]] = ()
 
     @abstractmethod
     def elements(self, where: str, density: float) -> Iterator[Element]:

@@ -32,22 +32,6 @@ _view = LAYOUT.view
 
 
 @compiled
-def _held_nodes(run):
-    """How many nodes have a spring or an interface."""
-    structure = run.structure
-    held = 0
-    for dof in range(structure.M.shape[0]):
-        is_held = False
-        for i in range(len(structure.springs)):
-            spring = structure.springs[i]
-            is_held = is_held or (spring.dof == dof and spring.stiffness > 0.0)
-        for j in range(len(structure.interfaces)):
-            is_held = is_held or structure.interfaces[j].dof == dof
-        held += 1 if is_held else 0
-    return held
-
-
-@compiled
 def _farthest(run):
     """Which deflection is farthest away, or the first that is nowhere."""
     deflections = run.structure.deflections
@@ -86,14 +70,7 @@ def rotor_look(block):
 def rotor_no_rest(block, status, told):
     """Why `rotor_start` found no equilibrium."""
     run = _view(block)
-    held = _held_nodes(run)
-    if held < 2:
-        told[0] = held
-        return say.NOT_HELD
-    if status == equilibrium.NOT_HELD:
-        told[0] = run.structure.numbers[0].bound
-        return say.TOO_FAR
-    return say.NO_REST
+    return say.NO_REST_AT + equilibrium.why_not(run.structure, run.motion, status, told)
 
 
 @compiled

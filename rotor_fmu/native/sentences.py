@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from ..model.doubts import DOUBTS, STALLED
+from ..model.doubts import DOUBTS, NO_REST, STALLED
 from ..model.settings import INDICATORS, METHODS, MODES, NORMS, Settings, without_effect
 from ..model.simulation import SMALLER_STEP
 from ..model.stability import sentences as whirls
@@ -114,11 +114,7 @@ SENTENCES = (
         for method in METHODS
     ),
     *_IDLE,
-    "no static equilibrium: the rotor is held at {d} of its nodes and would tilt under gravity; at "
-    "least 2 bearings or supports are needed",
-    "no static equilibrium under gravity and the loads at the start: it would lie beyond {.3g} m, "
-    "a tenth of the shaft's length; clearances and loads must be smaller, or springs stiffer",
-    "no static equilibrium under gravity and the loads at the start was found",
+    *(re.sub(r"\{:([^{}]*)\}", r"{\1}", why.replace("{:.0f}", "{d}")) for why in NO_REST),
     f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the preset robust",
     f"{_DIVERGED}{SMALLER_STEP}",
     f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take alpha_m <= alpha_f <= "
@@ -151,9 +147,7 @@ def _codes(*counts: int) -> tuple[int, ...]:
     BAD_RHO,
     UNSTABLE,
     IDLE,
-    NOT_HELD,
-    TOO_FAR,
-    NO_REST,
+    NO_REST_AT,
     NOT_CONVERGED,
     DIVERGED,
     DIVERGED_UNSTABLE,
@@ -171,7 +165,8 @@ def _codes(*counts: int) -> tuple[int, ...]:
     *(1,) * 6,
     len(METHODS),
     len(_IDLE),
-    *(1,) * 11,
+    len(NO_REST),
+    *(1,) * 8,
     len(DOUBTS),
 )
 assert len(SENTENCES) == _END

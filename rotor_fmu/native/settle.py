@@ -31,7 +31,7 @@ _H, _H_MIN, _H_MAX, _EPS_MIN, _EPS_MAX, _ATOL, _RTOL, _TOLERANCE = range(
     _POSITIVE, _POSITIVE + len(say.POSITIVE)
 )
 _SHAPES, _POSITIVES, _SLOTS = len(say.SHAPES), len(say.POSITIVE), len(SLOTS)
-_IS_IDLE = np.array([text != "" for text in say.SENTENCES[say.IDLE : say.NOT_HELD]])
+_IS_IDLE = np.array([text != "" for text in say.SENTENCES[say.IDLE : say.NO_REST_AT]])
 _IDLE_AT = np.full(_SLOTS, -1)
 for _place, _name in enumerate((*say.IDLE_NUMBERS, "indicator")):
     _IDLE_AT[SLOTS.index(_name)] = _place

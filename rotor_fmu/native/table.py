@@ -15,14 +15,13 @@ import numpy as np
 from ..fmu.interface import ports
 from ..fmu.variables import Variable
 from ..model.machine.rotor import Rotor
-from ..model.machine.speed_tables import tables_of
 from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
 from ..model.quantities import ANY, NOT_NEGATIVE, POSITIVE, Quantity
-from ..model.structure.assembly import assemble, interface_names
+from ..model.structure.assembly import interface_names
 from ..model.structure.places import places
-from ..model.structure.reduction import reduced
+from ..model.structure.reduction import assembled
 from .sentences import SENTENCES, closed_at
 from .settle import CHOICES, SLOTS
 
@@ -90,7 +89,8 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
     index = {variable.name: i for i, variable in enumerate(face.table)}
-    block = _block(face.rotor, int(face.table[index[REDUCTION_NAME]].start or 0))
+    structure, beyond = assembled(face.rotor, int(face.table[index[REDUCTION_NAME]].start or 0))
+    block = new_block(structure, len(observed_names(face.rotor)))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
     record = where["memory.record"]
     texts = _Texts()
@@ -102,7 +102,6 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         for a, b, why in _NEEDS
         if a in index
     ]
-    beyond = tables_of(face.rotor)
     warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
     where_closed = _closed_at(face.rotor, block)
     own = [text.replace("{where}", where_closed) for text in SENTENCES]
@@ -152,17 +151,10 @@ def _padded(data: bytes) -> bytes:
     return data + bytes(-len(data) % 8)
 
 
-def _block(rotor: Rotor, modes: int) -> np.ndarray:
-    structure = assemble(rotor)
-    if modes:
-        structure = reduced(structure, modes)
-    return new_block(structure, len(observed_names(rotor)))
-
-
 def _closed_at(rotor: Rotor, block: np.ndarray) -> str:
     """Which contacts are closed, in words."""
     interfaces = LAYOUT.look(block).structure.interfaces
-    walls = np.flatnonzero((interfaces.has_wall == 1) & (interfaces.states == 0)).tolist()
+    walls = np.flatnonzero(interfaces.slips == 1).tolist()
     return closed_at(interface_names(rotor), walls)
 
 
