@@ -21,10 +21,10 @@ $(VENV)/made-test: $(VENV)/made
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
 	touch $(VENV)/made-test
 
-# the solver as machine code, a minute after a change of it; where it cannot be made, runs compile
-KERNELS := $(wildcard model/*.py model/*/*.py rotor_fmu/native/*.py rotor_fmu/native/skin/*)
+# the solver as machine code, a minute after a change of it
+KERNELS := $(wildcard model/*.py model/*/*.py rotor_fmu/library/*.py rotor_fmu/fmi/machine_table.py rotor_fmu/fmi/c/*)
 $(VENV)/core: $(VENV)/made $(KERNELS)
-	$(BIN)/rotor-fmu core --platform here || echo "the solver will be compiled at its first use"
+	$(BIN)/rotor-fmu core --platform here || echo "no FMU can be built, and runs compile the solver"
 	touch $(VENV)/core
 
 run-down: $(VENV)/core
@@ -38,7 +38,7 @@ survey: $(VENV)/core
 
 # after a change of the model's numbers: the result that the FMU carries
 reference: $(VENV)/core
-	$(BIN)/python -m rotor_fmu.packing.reference
+	$(BIN)/python -m rotor_fmu.fmi.packing.reference
 
 test: $(VENV)/made-test $(VENV)/core
 	$(BIN)/python -m pytest -n auto --dist loadfile

@@ -3,8 +3,8 @@ Python: python build_fmu.py [--rotor FILE.toml] [--free] [--native [--fmi 3]] [-
 
 import typer
 
+from rotor_fmu.building import build
 from rotor_fmu.errors import run
-from rotor_fmu.native.command import build
 
 if __name__ == "__main__":
     app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)

@@ -19,7 +19,7 @@ from rich.progress import Progress  # noqa: E402
 from rotor_fmu.model.machine.toml import rig_toml  # noqa: E402
 
 from rotor_fmu.errors import run, writable_folder  # noqa: E402
-from rotor_fmu.packing.bundle import build  # noqa: E402
+from rotor_fmu.fmi.packing.python_fmu import build  # noqa: E402
 
 from .dissipation import dissipation  # noqa: E402
 from .growth import growth  # noqa: E402

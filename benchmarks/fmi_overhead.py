@@ -18,7 +18,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.python_fmu import build
 
 from .native_master import CMaster, medians
 

@@ -23,8 +23,8 @@ from rotor_fmu.model.march.tape import Record
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.fmu.binding import build_simulation
-from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmi.binding import build_simulation
+from rotor_fmu.fmi.interface import interface
 
 SOURCE = Path(__file__).with_suffix(".cpp")
 FLAGS = "-O3 -march=native -mprefer-vector-width=512 -fno-exceptions -fno-math-errno -fPIC -shared"

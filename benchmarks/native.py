@@ -19,9 +19,9 @@ from pathlib import Path
 
 from rotor_fmu.model.kernels.library import here
 
-from rotor_fmu.native import core
-from rotor_fmu.native.core import CoreError
-from rotor_fmu.native.pack import build_native
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.library import build as core
+from rotor_fmu.library.build import CoreError
 
 from .native_master import CMaster, children_cpu, median_ratio
 

@@ -15,7 +15,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.native.pack import build_native
+from rotor_fmu.fmi.packing.native_fmu import build_native
 
 SPEED, RATE = 400.0, -10.0
 _HERE = Path(__file__).parent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from .march.watch import MOST, SLOW
+from .march.watch import SLOW
 
 
 class Doubt(NamedTuple):
@@ -33,8 +33,8 @@ DOUBTS = (
     ),
     Doubt(
         "slow_at",
-        f"slow since t = {{:.4g}} s: a cycle of the motion takes more than {SLOW:,} "
-        f"iterations, and at {MOST:,} the run is given up; {_FASTER}",
+        f"slow since t = {{:.4g}} s: a cycle of the motion takes more than {SLOW:,} iterations; "
+        f"{_FASTER}",
     ),
     Doubt(
         "coarse_at",
@@ -42,19 +42,7 @@ DOUBTS = (
         "tolerance; take a smaller solver.h_min, or a larger solver.tolerance",
     ),
 )
-_NO_REST = "no static equilibrium under gravity and the loads at the start"
-# By the places that `march.equilibrium.why_not` gives, with its numbers.
-NO_REST = (
-    "no static equilibrium: the rotor is held at {:.0f} of its nodes and would tilt under gravity; "
-    "at least 2 bearings or supports are needed",
-    f"{_NO_REST}: it would lie beyond {{:.3g}} m, a tenth of the shaft's length; clearances and "
-    "loads must be smaller, or springs stiffer",
-    f"{_NO_REST} was found",
-    f"{_NO_REST} was found: beside the stiffness of the shaft's elements, {{:.2g}} N/m, rounding "
-    "hides what holds it, {:.2g} N/m; a smaller young is as rigid",
-    f"{_NO_REST} that is stable was found: a journal lies on a hump of its worn bore; change "
-    "wear_angle, or tell a [start]",
-    "[start]: node {:.0f} lies {:.3g} m from the axis; must be within {:.3g} m, a tenth of the "
-    "shaft's length",
+UNFINISHED = (
+    "stopped after {d} iterations (solver.max_iterations); go on in shorter communication steps, "
+    f"or {_FASTER}"
 )
-STALLED = f"a cycle of the motion takes more than {MOST:,} iterations; {_FASTER}"

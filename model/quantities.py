@@ -7,7 +7,7 @@ TOML, checks, records for the kernels, the FMU's variables, documents) is made f
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
@@ -20,17 +20,25 @@ class QuantityError(Refusal, ValueError):
 
 @dataclass(frozen=True)
 class Rule:
-    """What a number may be, and the words that say so."""
+    """What a number may be: `least` or more, or, is_strict, more; at most `most`; and the words
+    that say so."""
 
-    allows: Callable[[float], bool]
+    least: float
+    is_strict: bool
     words: str
+    most: float = math.inf
+
+    def allows(self, value: float) -> bool:
+        """Whether a number may be this one."""
+        is_enough = value > self.least if self.is_strict else value >= self.least
+        return is_enough and value <= self.most
 
 
-POSITIVE = Rule(lambda v: v > 0, "must be > 0 and finite")
-NOT_NEGATIVE = Rule(lambda v: v >= 0, "must be >= 0 and finite")
-ANY = Rule(lambda v: True, "must be a finite number")
+POSITIVE = Rule(0.0, True, "must be > 0 and finite")
+NOT_NEGATIVE = Rule(0.0, False, "must be >= 0 and finite")
+ANY = Rule(-math.inf, False, "must be a finite number")
 NOTHING, SPEED, ALL = "nothing", "speed", "all"
-_HUGE = 1e30  # beyond it, products of such numbers overflow
+LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
 
 
 @dataclass(frozen=True)
@@ -104,8 +112,8 @@ def check(shown: str, told: Quantity, value: Any) -> None:
         kinds = "a number or a list of numbers" if told.may_be_list else "a number"
         raise QuantityError(f"{shown} = {value!r}: must be {kinds}")
     is_finite = isinstance(value, int) or math.isfinite(value)
-    if is_finite and abs(value) > _HUGE:
-        raise QuantityError(f"{shown}: must not exceed {_HUGE:g} in size")
+    if is_finite and abs(value) > LARGEST:
+        raise QuantityError(f"{shown}: must not exceed {LARGEST:g} in size")
     if not is_finite or not told.rule.allows(value):
         unit = "" if told.unit == "1" else f" {told.unit}"
         raise QuantityError(f"{shown} = {value:g}{unit}: {told.rule.words}")

@@ -8,19 +8,19 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from . import messages, outcomes
 from .code import Code, calls, chosen
-from .doubts import DOUBTS, NO_REST, STALLED
+from .doubts import DOUBTS
 from .kernels.compiled import INTERPRETED_WARNING, plain
 from .machine.rotor import Rotor
 from .march import march
-from .march.block import LAYOUT, RunData, new_block, set_method
-from .march.equilibrium import HELD, why_not
+from .march.block import LAYOUT, RunData, new_block
+from .march.equilibrium import HELD
 from .march.observe import observed_names
 from .march.tape import Record, channels_of
 from .refusal import Refusal
-from .schemes.family import is_unconditionally_stable
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .stability.sentences import grows_at_rest, hidden_whirls, nearest, whirled_apart
+from .spelling import TOLD, spell
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
 from .structure.assembly import interface_names
@@ -41,10 +41,6 @@ class RotorWarning(UserWarning):
     instability that it hides."""
 
 
-SMALLER_STEP = (
-    "try a smaller solver.h; what diverges at every step length is the machine's own, with loads "
-    "or a speed that it does not bear"
-)
 _has_said_interpreted = False
 
 
@@ -86,13 +82,8 @@ class Simulation:
         self.settings = settings
         structure, self._ranges = assembled(rotor, int(settings.reduction))
         self.names = observed_names(rotor)
-        self._scheme = settings.scheme()
-        if not is_unconditionally_stable(self._scheme):
-            self._warn(
-                f"{settings.method} with alpha_f = {self._scheme.alpha_f:g}, alpha_m = "
-                f"{self._scheme.alpha_m:g} is unstable: its spectral radius for fast oscillations "
-                f"is {self._scheme.rho_infinity:.4g}, above 1; the run will diverge"
-            )
+        for warning in settings.warnings:
+            self._warn(warning)
         taped = record if isinstance(record, Record) else Record(record)
         channels = channels_of(rotor, taped)
         rows = taped.rows if channels else 0
@@ -101,11 +92,12 @@ class Simulation:
         self._code = calls(self._block)
         self._run.tape.channels[:] = channels
         self._run.tape.head[0].least = taped.angle
-        set_method(self._run, self._scheme, settings.control())
+        self._run.method.numbers[0] = settings.numbers
 
         numbers = self._run.memory.record[0]
         numbers.t = t
         numbers.h = settings.h
+        numbers.max_iterations = settings.max_iterations
         numbers.continues = continues_speed
         self._is_free = drive_torque is not None
         numbers.is_free = self._is_free
@@ -115,16 +107,18 @@ class Simulation:
         self._time = self._run.memory.record["t"]
         self._doubts = [(self._run.memory.record[doubt.since], doubt.words) for doubt in DOUBTS]
         self._loads = self._run.memory.loads
+        self._load_rates = self._run.memory.load_rates
         self._observed = self._run.reading.observed
+        self._told = np.zeros(TOLD)
+        self._where = messages.closed_at(interface_names(rotor), self._run.structure.interfaces)
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
         self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
         status = self._code.start(float(speed), float(drive), float(rate))
         if status != HELD:
-            raise EquilibriumError(self._no_rest(status))
+            raise EquilibriumError(self._sentence(outcomes.no_rest, self._run, status))
         self._warn_beyond(speed)
         self._speed = self._run.memory.record["omega"]
-        self._contacts = interface_names(rotor)
         self._has_warned_of_whirls = False
         self._surveyed_to = self._run.memory.record["surveyed_to"]
         self._survey(True)
@@ -159,28 +153,40 @@ class Simulation:
         return float(self.observed[self.names.index(name)])
 
     def advance(
-        self, to: float, drive: float, loads: np.ndarray | None = None, rate: float = math.nan
+        self,
+        to: float,
+        drive: float,
+        loads: np.ndarray | None = None,
+        *,
+        rate: float | None = None,
+        load_rates: np.ndarray | None = None,
     ) -> None:
         """March to time `to` [s].
 
-        drive: the speed at the present time [rad/s], or a free rotor's drive torque, constant until
-        `to` [N.m]; loads: complex forces x + i y on the discs and, last, on
-        the coupling, shape (bodies,) [N], constant until `to`; rate: of the speed [rad/s2], by
-        default that between the last two speeds. Raises `ValueError` for what is not
-        finite or lies in the past, without a step, and `StepFailure`, the state then
-        being that after the last good step.
+        drive: the speed now [rad/s], or a free rotor's drive torque [N.m]; loads: complex forces
+        x + i y on the machine's ports, in the order of `Structure.load_dof`, now [N], of a base its
+        acceleration [m/s2]; None: as they are. rate, load_rates: of these until `to`, over which
+        they are linear in time [rad/s2, N.m/s], [N/s]; without them loads and torque are constant,
+        and the speed goes on as its last two values say.
+
+        Raises `ValueError` for what is not finite or lies in the past, without a step, and
+        `StepFailure`, the state then being that after the last good step. After the settings'
+        `max_iterations` it is raised too, and a further call goes on from there.
         """
         if not math.isfinite(to):
             raise ValueError(f"to = {to}: must be finite")
-        if not math.isfinite(drive):
-            raise ValueError(f"{'torque' if self.is_free else 'speed'} = {drive}: must be finite")
+        for name, value in (("torque" if self.is_free else "speed", drive), ("rate", rate or 0.0)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value}: must be finite")
         if to < self.time:
             raise ValueError(f"to = {to:.9g} s: must not lie before {self.time:.9g} s, now")
+        for name, values in (("loads", loads), ("load_rates", load_rates)):
+            if values is not None and not np.isfinite(values).all():
+                raise ValueError(f"{name} = {values}: must be finite")
         if loads is not None:
-            if not np.isfinite(loads).all():
-                raise ValueError(f"loads = {loads} N: must be finite")
             self._loads[:] = loads
-        status = self._code.advance(float(to), float(drive), float(rate))
+        self._load_rates[:] = 0.0 if load_rates is None else load_rates
+        status = self._code.advance(float(to), float(drive), math.nan if rate is None else rate)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
         if self._ranges:
@@ -231,16 +237,12 @@ class Simulation:
         """Look for growing whirls up to the present speed; warn of those that the steps hide."""
         self._code.survey(float(self._speed[0]), is_start)
         survey = self._run.survey
-        root = complex(survey.rest[0])
-        if root == root:
-            self._warn(grows_at_rest(root))
-        settings = self.settings
-        if survey.counted[0] == 0 or settings.mode == "controlled":
+        grows = self._sentence(outcomes.growth_at_rest, complex(survey.rest[0]))
+        if grows:
+            self._warn(grows)
+        if survey.counted[0] == 0 or self._has_warned_of_whirls:
             return
-        if self._has_warned_of_whirls or not is_unconditionally_stable(self._scheme):
-            return
-        h = settings.h if settings.mode == "fixed" else settings.h_max
-        hidden = hidden_whirls(self._scheme, h, self._whirls, self._contacts)
+        hidden = self._sentence(outcomes.hidden, self._run)
         if hidden:
             self._has_warned_of_whirls = True
             self._warn(hidden)
@@ -258,52 +260,12 @@ class Simulation:
                 self._ranges.remove(allowed)
                 self._warn(allowed.beyond.format(speed=speed))
 
-    def _no_rest(self, status: int) -> str:
-        told = np.zeros(3)
-        place = plain(why_not)(self.structure, self.motion, status, told)
-        return NO_REST[place].format(*told)
-
     def _failure(self, status: int) -> str:
-        record = self._run.memory.record[0]
-        where = (
-            f"t = {record.failed_at:.6g} s, speed {record.omega:.4g} rad/s, "
-            f"step {record.failed_h:.3g} s"
-        )
-        if status == march.NOT_CONVERGED:
-            reason = "the contact forces did not converge"
-            advice = "try a smaller solver.h, or the preset robust"
-        elif status == march.STALLED:
-            return f"{where}: {STALLED}"
-        else:
-            dofs, nodes = self.structure.deflections.T
-            q = np.abs(self.motion.q[dofs])
-            node = nodes[np.argmax(np.where(np.isfinite(q), q, math.inf))]
-            past = f"node {node} past {self.structure.numbers[0].bound:.3g} m or not finite"
-            apart = self._whirled_apart(dofs, int(node))
-            if not is_unconditionally_stable(self._scheme):
-                reason = f"the solution diverged ({past})"
-                advice = (
-                    "the scheme is unstable (spectral radius "
-                    f"{self._scheme.rho_infinity:.4g} > 1): "
-                    "take alpha_m <= alpha_f <= 0.5"
-                )
-            elif apart:
-                return f"{where}: {apart}"
-            else:
-                reason = f"the solution diverged ({past})"
-                advice = SMALLER_STEP
-        return f"{where}: {reason}; {advice}"
+        """Why a step failed."""
+        self._code.survey(float(self._run.memory.record[0].surveyed_at), False)
+        return self._sentence(outcomes.failure, self._run, status)
 
-    def _whirled_apart(self, dofs: np.ndarray, node: int) -> str:
-        """What is said if there are growing whirls, of the one most like the motion reached."""
-        record = self._run.memory.record[0]
-        self._code.survey(float(record.surveyed_at), False)
-        if not self._whirls:
-            return ""
-        q, v = self.motion.q[dofs], self.motion.v[dofs]
-        speed = float(record.omega)
-        largest = np.argmax(np.abs(q))
-        rate = float((q[largest].conjugate() * v[largest]).imag / abs(q[largest]) ** 2)
-        whirl = nearest(self._whirls, rate, speed)
-        bound = self.structure.numbers[0].bound
-        return whirled_apart(node, bound, whirl, self._contacts, rate, speed)
+    def _sentence(self, kernel: Callable[..., int], *arguments: object) -> str:
+        """What a kernel of `outcomes` has to say, "" where it is nothing."""
+        code = plain(kernel)(*arguments, self._told)
+        return spell(messages.SENTENCES[code].replace("{where}", self._where), self._told)

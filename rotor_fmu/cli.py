@@ -26,10 +26,9 @@ COMMANDS = {
         "report": "look.command:report",
     },
     _FMU: {
-        "build": "native.command:build",
-        "core": "native.command:core",
+        "build": "building:build",
+        "core": "building:core",
         "variables": "runs.command:variables",
-        "warm": "runs.command:warm",
         "host-env": "runs.command:host_env",
     },
     _LINEAR: {

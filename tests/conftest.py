@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from rotor_fmu.model.code import waits_for_compiler
 
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.python_fmu import build
 
 SHARED = pytest.StashKey[Path]()
 
@@ -20,12 +20,6 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 Simulation(rig(), choose("robust"), speed=400.0, rate=-10.0).advance(0.01, 400.0)
-"""
-COMPILE_FMU = """
-import sys
-from pathlib import Path
-from rotor_fmu.packing.warm import warm
-warm(Path(sys.argv[1]))
 """
 
 
@@ -41,7 +35,8 @@ def pytest_configure_node(node):
     config = node.config
     if SHARED not in config.stash:
         config.stash[SHARED] = Path(tempfile.mkdtemp(prefix="rotor_fmu_tests_"))
-        _compile(build(config.stash[SHARED]))
+        build(config.stash[SHARED])
+        _compile()
     node.workerinput["fmu"] = str(next(config.stash[SHARED].glob("*.fmu")))
 
 
@@ -50,16 +45,10 @@ def pytest_unconfigure(config):
         shutil.rmtree(config.stash[SHARED], ignore_errors=True)
 
 
-def _compile(fmu):
-    """Without a library of kernels fill an empty cache, so that no two workers compile the same;
-    side by side."""
-    if not waits_for_compiler():
-        return
-    scripts = COMPILE_FMU, COMPILE_MODEL
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    compilers = [subprocess.Popen([sys.executable, "-c", s, str(fmu)], **quiet) for s in scripts]
-    for compiler in compilers:
-        compiler.wait()
+def _compile():
+    """Without a library of kernels fill an empty cache, so that no two workers compile the same."""
+    if waits_for_compiler():
+        subprocess.run([sys.executable, "-c", COMPILE_MODEL], capture_output=True, check=False)
 
 
 @pytest.fixture

@@ -23,9 +23,10 @@ _BY_SPEED = f"{_VALID}the_speed_reaches_an_output_where_it_is_an_input"
 _LIMITS = f"{_VALID}limits_nominal_values_and_unknowns_are_those_of_the_table"
 _UNITS = f"{_VALID}units_are_defined_by_si_exponents_and_shown_in_what_people_read"
 _GUID = f"{_VALID}another_rotor_gives_another_guid"
-_HOLDS = f"{_VALID}it_holds_the_model_its_skin_and_nothing_that_no_rotor_needs"
-_REQUIRES = f"{_VALID}it_requires_what_its_modules_import_in_the_versions_of_the_project"
+_HOLDS = f"{_VALID}it_holds_its_skin_its_libraries_its_machine_and_nothing_else"
+_IMPORTS = f"{_VALID}it_imports_nothing_that_a_bare_python_has_not"
 _CURRENT = f"{_VALID}an_fmu_is_current_only_with_all_that_it_would_hold_now"
+_TOOL = f"{_VALID}an_fmu_of_another_version_of_pythonfmu_is_not_current"
 _NAMES = f"{_VALID}its_documents_name_what_it_requires"
 _PAGE = f"{_PAGES}each_page_tells_its_own_drive_and_what_it_carries"
 _TERMINALS = (
@@ -47,9 +48,10 @@ class Mutant(NamedTuple):
     test: str
 
 
-_DESCRIPTION = "rotor_fmu/fmu/description.py"
-_BUNDLE = "rotor_fmu/packing/bundle.py"
-_DOCUMENTS = "rotor_fmu/packing/documents.py"
+_DESCRIPTION = "rotor_fmu/fmi/description.py"
+_PACKING = "rotor_fmu/fmi/packing"
+_PYTHON_FMU = f"{_PACKING}/python_fmu.py"
+_DOCUMENTS = f"{_PACKING}/documents.py"
 _ENERGY = "model/march/energy.py"
 _OBSERVE = "model/march/observe.py"
 
@@ -59,39 +61,35 @@ MUTANTS = (
     Mutant(_DESCRIPTION, ".name == variable.reached_by == SPEED", '.name == "none"', _BY_SPEED),
     Mutant(_DESCRIPTION, '("min", variable.low)', '("min", None)', _LIMITS),
     Mutant(_DESCRIPTION, '("max", variable.high)', '("max", variable.low)', _LIMITS),
-    Mutant(_DESCRIPTION, '"nominal", repr(variable.nominal)', '"nominal", "1.0"', _LIMITS),
+    Mutant(_DESCRIPTION, '["nominal"] = repr(variable.nominal)', '["nominal"] = "1.0"', _LIMITS),
     Mutant(_DESCRIPTION, "factor=repr(factor)", "factor=repr(1 / factor)", _UNITS),
     Mutant(_DESCRIPTION, "SubElement(unknowns, ", "SubElement(Element('none'), ", _LIMITS),
     Mutant(_DESCRIPTION, "rotor-fmu {content} {table!r}", "rotor-fmu", _GUID),
-    Mutant("rotor_fmu/fmu/interface.py", "reached_by=output.reached_by,\n", "\n", _DEPEND),
+    Mutant("rotor_fmu/fmi/interface.py", "reached_by=output.reached_by,\n", "\n", _DEPEND),
     Mutant(_OBSERVE, '        reached_by=ALL,\n    ),\n    Output(\n        "J"',
            '    ),\n    Output(\n        "J"', _DEPEND),
     Mutant("model/parts/clearance_contact.py", ", reached_by=SPEED", "", _INSTANT),
     Mutant("model/parts/linear_bearing.py", 'upwards", True, 10.0, reached_by=SPEED',
            'upwards", True, 10.0', _INSTANT),
     # what the FMU holds
-    Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "linear")', _HOLDS),
-    Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "false_state")', _HOLDS),
-    Mutant(_BUNDLE, ', "scipy>=1.11")', ",)", _REQUIRES),
-    Mutant(_BUNDLE, "numba>=0.60", "numba>=0.6", _REQUIRES),
-    Mutant(_BUNDLE, '"torque" if is_free', '"speed" if is_free', _DEPEND),
-    Mutant(_BUNDLE, "names == {*expected, *documents} and", "", _CURRENT),
-    Mutant(_BUNDLE, "name in there and archive.read(name) == data for", "True for", _CURRENT),
-    Mutant(_BUNDLE, "or _tool(archive) != f\"PythonFMU {version('pythonfmu')}\"", "", _CURRENT),
-    Mutant(_BUNDLE, " and _holds(archive, documents)\n", "\n", _CURRENT),
-    Mutant(_BUNDLE, "if not _has_pythonfmu(archive):", "if False:", _CURRENT),
+    Mutant(_PYTHON_FMU, '"slave.py", "wrapper.py")', '"slave.py", "wrapper.py", "__init__.py")',
+           _HOLDS),
+    Mutant("rotor_fmu/fmi/python/slave.py", "from struct import Struct",
+           "import numpy\nfrom struct import Struct", _IMPORTS),
+    Mutant(_PYTHON_FMU, "names == {*expected} and", "", _CURRENT),
+    Mutant(_PYTHON_FMU, "archive.read(name) == data for", "True for", _CURRENT),
+    Mutant(_PYTHON_FMU, "if not _has_pythonfmu(archive):", "if False:", _CURRENT),
+    Mutant(_PYTHON_FMU, "PythonFMU {version('pythonfmu')}", "PythonFMU", _TOOL),
     # the documents
-    Mutant(_DOCUMENTS, "with numpy and scipy.", "with numpy.", _NAMES),
-    Mutant(_DOCUMENTS, "3.11 or newer with numpy and", "3.12 or newer with numpy and", _NAMES),
-    Mutant(_DOCUMENTS, '("rotor-fmu", "pythonfmu")', '("rotor-fmu",)', _LICENCES),
+    Mutant(_DOCUMENTS, "runs in the Python of its host: Python 3.11", "runs: Python 3.12", _NAMES),
+    Mutant(_DOCUMENTS, '("rotor-fmu", "pythonfmu") if', '("rotor-fmu",) if', _LICENCES),
     Mutant(_DOCUMENTS, "_REFERENCE if has_reference", "_REFERENCE if not has_reference", _PAGE),
     Mutant(_DOCUMENTS, "drive=_DRIVES[table[0].name]", 'drive=_DRIVES["speed"]', _PAGE),
     Mutant(_DOCUMENTS, '"tau": "tau_drive"}', '"tau": "tau"}', _TERMINALS),
     Mutant(_DOCUMENTS, '("fx", "fy", "x", "y")', '("fx", "fy", "y")', _TERMINALS),
     Mutant(_DOCUMENTS, 'version=__version__', 'version="0"', _PAGE),
-    Mutant("rotor_fmu/packing/variable_table.py", 'number != "1"', 'number == "1"', _README),
-    Mutant("rotor_fmu/packing/related_files.py", "rotor != rig() or ", "", _RESULT),
-    Mutant("pyproject.toml", '"numba>=0.60"', '"numba>=0.61"', _REQUIRES),
+    Mutant(f"{_PACKING}/variable_table.py", 'number != "1"', 'number == "1"', _README),
+    Mutant(f"{_PACKING}/related_files.py", "rotor != rig() or ", "", _RESULT),
     # the ledger
     Mutant(_ENERGY, "out[1] = external", "out[1] = -external", _LEDGER),
     Mutant(_ENERGY, "    out[3] = housing\n", "    out[3] = 0.0\n", _LEDGER),

@@ -17,10 +17,10 @@ from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
-from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear.doubts import doubts
 from rotor_fmu.machine_file.reading import machine_text
-from rotor_fmu.packing.documents import documents
 
 from .parts.machines import shaft
 
@@ -165,7 +165,7 @@ def used(text):
     """What becomes of a file: read, judged, described, started and run for some steps."""
     rotor = parse_rotor(text)
     doubts(rotor)
-    documents(rotor, interface(rotor), "Machine")
+    documents(rotor, interface(rotor), "Machine", needs_python=True, fmi=2)
     try:
         modes(rotor, 100.0)
     except QuantityError as error:

@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import re
 import signal
 import subprocess
@@ -15,7 +14,7 @@ import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 
 from rotor_fmu.cli import COMMANDS, main
-from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.signals import read_signals
 
 
@@ -348,24 +347,34 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
     assert not (tmp_path / "run_down.csv").exists()
 
 
-@pytest.mark.slow
-def test_warm_compiles_ahead_so_that_the_next_process_need_not(tmp_path):
-    environment = {
-        **os.environ,
-        "ROTOR_FMU_CACHE": str(tmp_path),
-        "ROTOR_FMU_KERNELS": "numba",
-    }
-    command = [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "warm"]
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(command, tmp_path):
+    """The FMU holds its loads over a step: it is driven beside, and how far it is off is said."""
+    t = np.linspace(0.0, 0.2, 101)
+    rows = np.column_stack([t, np.full(101, 150.0), 30 * np.cos(180 * t), 30 * np.sin(180 * t)])
+    text = "time,speed,disc[2].fx,disc[2].fy\n" + "".join(
+        ",".join(map(repr, row)) + "\n" for row in rows.tolist()
+    )
+    (tmp_path / "loads.csv").write_text(text)
+    ends = []
+    for step in ("0.004", "0.001"):
+        given = ("--input", "loads.csv", "--stop", "0.2", "--step", step, "--out", ".")
+        done = command("run-down", *given)
+        assert done.returncode == 0, done.stderr
+        assert "which holds its inputs over a communication step" in done.stderr
+        names, *_, last = (tmp_path / "run_down.csv").read_text().splitlines()
+        ends.append(float(last.split(",")[names.split(",").index("disc[3].x")]))
+        assert json.loads((tmp_path / "summary.json").read_text())["recorded_apart"] > 1e-3
+    assert ends[0] == pytest.approx(ends[1], rel=2e-3)
 
-    def said():
-        done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
-        assert "RotorBearing.fmu: ready" in done.stdout
-        return done.stderr
 
-    assert "compiling the solver" in said()
-    assert "compiling the solver" not in said()
-
-
-def test_warm_refuses_what_is_no_fmu(refusal, tmp_path):
-    (tmp_path / "text.fmu").write_text("no")
-    assert "text.fmu: is no FMU" in refusal("warm", "text.fmu")
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_with_a_reduced_shaft_drives_an_fmu_that_was_built_with_it(command, tmp_path):
+    done = command(
+        *("run-down", "--set", "solver.reduction=4", "--set", "speed=150"),
+        *("--stop", "0.1", "--out", "."),
+    )
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["status"] == "ok"
+    assert summary["recorded_apart"] == 0.0

@@ -134,5 +134,5 @@ def test_a_repeated_step_ends_where_a_journal_touches():
 
 @pytest.mark.parametrize("tolerance", [0.0, -1e-3, float("nan"), float("inf")])
 def test_a_tolerance_that_cannot_be_is_refused(tolerance):
-    with pytest.raises(SettingsError, match=r"^tolerance = .*> 0 and at most 1"):
+    with pytest.raises(SettingsError, match=r"^tolerance = .*at least 1e-09 and at most 1"):
         choose(tolerance=tolerance)

@@ -24,13 +24,3 @@ def test_the_model_knows_nothing_of_fmi_files_or_screens():
     assert not outside
     for word in ("pythonfmu", "fmpy", "matplotlib", "fmi2"):
         assert not [f for f in house.mentions(word) if f.startswith("model/")], word
-
-
-def test_what_is_packed_into_the_fmu_imports_nothing_that_is_not():
-    allowed = ("rotor_fmu.model", "rotor_fmu.about")
-    outside = {
-        below
-        for above, below in house.arrows()
-        if above == "rotor_fmu.fmu" and not below.startswith(allowed)
-    }
-    assert not outside

@@ -8,6 +8,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+import fmpy
 import pytest
 import rotor_fmu.model
 
@@ -18,12 +19,12 @@ LINE = "from .cubic_spring import CubicSpring\n"
 
 
 @pytest.fixture(scope="module")
-def seen(tmp_path_factory):
-    """What a copy of the package says that has one file and one line more; without the compiler."""
+def copy(tmp_path_factory):
+    """The folder of a copy of the package that has one file and one line more."""
     folder = tmp_path_factory.mktemp("copy")
     copy = folder / "rotor_fmu"
-    ignored = shutil.ignore_patterns("__pycache__")
-    shutil.copytree(Path(rotor_fmu.__file__).parent, copy, ignore=ignored)
+    ignored = shutil.ignore_patterns("__pycache__", "library")
+    shutil.copytree(Path(rotor_fmu.__file__).parent, copy)
     shutil.copytree(Path(rotor_fmu.model.__file__).parent, copy / "model", ignore=ignored)
     shutil.copy(HERE / "cubic_spring.py", copy / "model" / "parts")
     register = copy / "model" / "parts" / "__init__.py"
@@ -31,15 +32,28 @@ def seen(tmp_path_factory):
     text = register.read_text()
     assert text.count(before) == 1
     register.write_text(text.replace(before, LINE + before))
+    return folder
+
+
+def run(copy, *arguments, **environment):
+    """Standard output of a program that imports the copy."""
     done = subprocess.run(
-        [sys.executable, HERE / "dry_run.py", HERE / "machine.toml", folder],
-        env={**os.environ, "PYTHONPATH": str(folder), "NUMBA_DISABLE_JIT": "1"},
+        [sys.executable, *arguments],
+        env={**os.environ, "PYTHONPATH": str(copy), **environment},
         capture_output=True,
         text=True,
         check=False,
+        cwd=copy,
     )
     assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def seen(copy):
+    """What the copy says without the compiler."""
+    dry_run = HERE / "dry_run.py", HERE / "machine.toml"
+    return json.loads(run(copy, *dry_run, NUMBA_DISABLE_JIT="1").splitlines()[-1])
 
 
 def test_the_file_is_read_and_refuses_like_any_other(seen):
@@ -79,7 +93,20 @@ def test_the_motion_converges_with_the_square_of_the_step(seen):
     assert 3.4 < coarse / fine < 4.6
 
 
-def test_the_fmu_runs_with_it(seen):
-    assert len(seen["pull"]) == 3
-    assert all(pull > 0.0 for pull in seen["pull"])
-    assert all(energy > 0.0 for energy in seen["energy"])
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [(), ("--native", "--platform", "here")])
+def test_both_fmus_run_with_it_once_the_library_knows_it(copy, options):
+    """The first of them makes the library, which takes minutes."""
+    cli = "-c", "from rotor_fmu.cli import main; main()", "build", *options
+    cache = {"ROTOR_FMU_CACHE": str(copy / "cache")}
+    built = run(copy, *cli, "--rotor", HERE / "machine.toml", "--out", copy / "fmu", **cache)
+    result = fmpy.simulate_fmu(
+        built.split()[-1],
+        stop_time=0.008,
+        output_interval=0.004,
+        start_values={"speed": 180.0, "cubic_spring[1].drag": 50.0},
+        output=["cubic_spring[1].pull", "energy.cubic"],
+    )
+    assert len(result) == 3
+    assert (result["cubic_spring[1].pull"] > 0.0).all()
+    assert (result["energy.cubic"] > 0.0).all()

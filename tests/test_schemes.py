@@ -374,7 +374,7 @@ def test_unconditional_stability_is_an_infinite_limit_for_any_member():
         (lambda: schemes.hht(1.0), "alpha_f = 1: must be at least -1 and below 1"),
         (lambda: schemes.wbz(math.inf), "alpha_m = inf: must be at least -1 and below 1"),
         (lambda: schemes.generalized_alpha(-0.5, 0.5), "alpha_f - alpha_m = -1: must be above -1"),
-        (lambda: schemes.chung_hulbert(1.1), "rho = 1.1: must be between 0 and 1"),
+        (lambda: schemes.chung_hulbert(1.1), "rho = 1.1: must be at least 0 and at most 1"),
         (lambda: schemes.energy_momentum_alpha_f(1.0), "alpha_m = 1: must be below 1"),
         (lambda: schemes.energy_momentum_beta(1.0, 0.0), "alpha_m = 1: must not be 1"),
         (lambda: schemes.newmark(1e300, 0.5), "beta = 1e+300: must be above 0"),

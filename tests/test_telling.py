@@ -13,7 +13,7 @@ from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
 from rotor_fmu.cli import app, main
-from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs import run_down
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.telling import json_text, tells

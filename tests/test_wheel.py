@@ -1,6 +1,7 @@
 """The wheel holds all of the project under one name, and runs wherever it is unpacked."""
 
 import os
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -34,6 +35,7 @@ def wheel_file(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     source = folder / "source"
     lay_out(source, but=("docs/", "tests/"))
+    shutil.copytree(ROOT / "model" / "library", source / "model" / "library")
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
     done = subprocess.run(
         [*command, "--wheel-dir", folder, source], capture_output=True, text=True, check=False
@@ -109,7 +111,7 @@ def test_a_model_of_the_users_beside_a_script_is_not_met(wheel, tmp_path):
         "import model, rotor_fmu, rotor_fmu.cli\n"
         "from pathlib import Path\n"
         "from rotor_fmu.model.machine.toml import rig\n"
-        "from rotor_fmu.packing.bundle import build\n"
+        "from rotor_fmu.fmi.packing.python_fmu import build\n"
         "assert model.GAIN == 7.0\n"
         "assert Path(rotor_fmu.__file__).parents[1] == Path(r'" + str(wheel) + "')\n"
         "print(len(rig().bearings), build(Path('fmu')).name)\n"

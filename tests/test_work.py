@@ -3,13 +3,11 @@
 from dataclasses import replace
 
 import pytest
-from rotor_fmu.model.doubts import DOUBTS
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
 
-from rotor_fmu.native import sentences
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.run_down import run_direct
 
@@ -23,7 +21,7 @@ def rubbing(**bearing):
 
 def test_friction_that_no_step_resolves_ends_the_run_with_what_to_try():
     sim = Simulation(rubbing(mu=5.0), speed=400.0, rate=-10.0, warn=lambda message: None)
-    with pytest.raises(StepFailure, match=r"more than 10,000,000 iterations; .* less friction"):
+    with pytest.raises(StepFailure, match=r"stopped after 10000000 iterations .* less friction"):
         sim.advance(0.01, 400.0)
     assert 0 < sim.time < 0.01
     assert sim.read("solver.newton") > 1e7
@@ -34,7 +32,7 @@ def test_a_contact_stiffer_than_any_step_is_slow_too_coarse_and_given_up():
     said = []
     sim = Simulation(rubbing(k=1e20), speed=400.0, rate=-10.0, warn=said.append)
     sim.advance(0.004, 400.0)
-    with pytest.raises(StepFailure, match=r"iterations; .* softer contacts"):
+    with pytest.raises(StepFailure, match=r"stopped after 10000000 iterations .* softer contacts"):
         sim.advance(0.04, 400.0)
     assert {message.split(" since")[0] for message in said} >= {"slow", "too coarse"}
 
@@ -53,8 +51,3 @@ def test_a_run_whose_shortest_steps_miss_the_tolerance_is_not_ok():
     run = run_direct(job.rotor, job)
     assert run.status == "too coarse since t = 0 s"
     assert any("take a smaller solver.h_min" in message for message in run.messages)
-
-
-def test_the_native_fmu_has_the_words_of_every_doubt_in_their_order():
-    told = sentences.SENTENCES[sentences.DOUBTFUL : sentences.DOUBTFUL + len(DOUBTS)]
-    assert [text.replace("{.4g}", "{:.4g}") for text in told] == [d.words for d in DOUBTS]

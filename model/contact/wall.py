@@ -23,8 +23,8 @@ from ..kernels.compiled import called, compiled
 from ..kernels.functions import angle, direction, modulus, power
 from ..quantities import ANY, NOT_NEGATIVE, Rule, quantity
 
-_EXPONENT = Rule(lambda v: 1.0 <= v <= 3.0, "must be from 1 to 3")
-_POWER = Rule(lambda v: v >= 1.0, "must be >= 1 and finite")
+_EXPONENT = Rule(1.0, False, "must be from 1 to 3", most=3.0)
+_POWER = Rule(1.0, False, "must be >= 1 and finite")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,8 +28,14 @@ from ..quantities import (
     quantity,
     switch,
 )
+from ..spelling import spell
 
 AnyPart = TypeVar("AnyPart", bound=Part)
+# See `spelling`.
+HYSTERETIC_AT_REST = (
+    "shaft.eta_h = {g}: must be 0 unless shaft.rotating_damping is true (hysteretic damping has no "
+    "stationary form in the time domain)"
+)
 
 
 _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually given
@@ -128,10 +134,7 @@ class Rotor:
         for name in ("gravity_angle", "inclination"):
             check(name, quantities(self)[name], getattr(self, name))
         if self.eta_h > 0 and not self.rotating_damping:
-            raise QuantityError(
-                f"shaft.eta_h = {self.eta_h:g}: must be 0 unless shaft.rotating_damping is true "
-                "(hysteretic damping has no stationary form in the time domain)"
-            )
+            raise QuantityError(spell(HYSTERETIC_AT_REST, [self.eta_h]))
 
     def _check_shaft(self) -> None:
         if not self.sections:

@@ -127,10 +127,3 @@ def new_block(
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
     return block
-
-
-def set_method(run: RunData, scheme: Scheme, control: Control) -> None:
-    """Write the integrator and its step control into a run."""
-    values = scheme._asdict() | control._asdict()
-    for name in METHOD.names or ():
-        run.method.numbers[0][name] = values[name]

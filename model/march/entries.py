@@ -75,8 +75,8 @@ def start(block, speed, drive, rate):
 
 @compiled
 def advance(block, t_end, drive, rate):
-    """`march.advance` under the loads that are set; returns its status. rate: of the speed
-    [rad/s2], or NaN where it goes on as the last two speeds say."""
+    """`march.advance` under the loads that are set, with their rates; returns its status. rate: of
+    `drive`, or NaN where a speed goes on as the last two say and a torque stays."""
     run = _view(block)
     numbers = run.method.numbers[0]
     status = march.advance(

@@ -37,7 +37,6 @@ _POLISH, _POLISHES = 1.0, 24
 # what has arrived, of the largest force.
 _HUMPS, _PUSH, _TILTED, _DOWNHILL, _LONGER, _STEPS = 5, 1e-3, 0.3, 0.3, 1.2, 5000
 _BACK, _ARRIVED = 0.1, 1e-3
-_LOST = 1e-9  # of the shaft's stiffness: what is softer rounding may hide
 _ROUND = 1e-9  # of a wall's stiffness: below it is rounding
 
 
@@ -254,47 +253,3 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
         if drift > _PUSH * structure.numbers[0].clearance:
             status = MOVED
     return status
-
-
-@compiled
-def why_not(structure, motion, status, told):
-    """Why a start has no equilibrium: the place of a sentence in `doubts.NO_REST`, and in `told`
-    its numbers."""
-    numbers = structure.numbers[0]
-    if status == BEYOND:
-        for i in range(len(structure.deflections)):
-            distance = modulus(motion.q[structure.deflections[i, 0]])
-            if i == 0 or not distance <= told[1]:
-                told[0], told[1] = structure.deflections[i, 1], distance
-        told[2] = numbers.bound
-        return 5
-    told[0] = _held_nodes(structure)
-    if told[0] < 2.0:
-        return 0
-    if status == UNSTABLE:
-        return 4
-    stiffest, mass = 0.0, 0.0
-    for i in range(len(structure.deflections)):
-        dof = structure.deflections[i, 0]
-        stiffest = max(stiffest, structure.K_shaft[dof, 0])
-        mass += structure.mass_sum[dof]
-    told[0], told[1] = stiffest, mass * numbers.lowest_omega * numbers.lowest_omega
-    if _LOST * stiffest > told[1]:
-        return 3
-    told[0] = numbers.bound
-    return 1 if status == NOT_HELD else 2
-
-
-@compiled
-def _held_nodes(structure):
-    """How many nodes have a spring or an interface."""
-    held = 0
-    for dof in range(structure.M.shape[0]):
-        is_held = False
-        for i in range(len(structure.springs)):
-            spring = structure.springs[i]
-            is_held = is_held or (spring.dof == dof and spring.stiffness > 0.0)
-        for j in range(len(structure.interfaces)):
-            is_held = is_held or structure.interfaces[j].dof == dof
-        held += 1 if is_held else 0
-    return held

@@ -14,11 +14,12 @@ from ..step.fitting import fitted, pace_after, unfitted
 from ..step.step import accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
 from .energy import powers, total_energy
-from .memory import spin_at, spin_now
+from .memory import move_loads, spin_at, spin_now, take_loads
 from .tape import is_due, write
 from .watch import open_window, watch_bounces, watch_losses, watch_revolution, watch_work
 
-DONE, NOT_CONVERGED, NOT_FINITE, STALLED = 0, 1, 2, 3
+# UNFINISHED: after `max_iterations` of the interfaces' problem, a step counting for one at least.
+DONE, NOT_CONVERGED, NOT_FINITE, UNFINISHED = 0, 1, 2, 3
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
@@ -57,7 +58,8 @@ def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
 @compiled
 def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
-    rate [rad/s2], or the torque on a free rotor [N.m], whose rate follows.
+    rate [rad/s2], or the torque on a free rotor [N.m] and its rate [N.m/s]; those of the loads are
+    memory.load_rates.
 
     Carries accelerations and powers over the jump; at the start the accelerations are
     those of the equation of motion. A jump of the speed is work that the drive does in no time.
@@ -67,9 +69,8 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     before = total_energy(structure, spin_now(memory.record), motion, work.stores)
     r.t_ref = r.t
     r.theta_ref = r.theta
-    if r.is_free == 1:
-        r.drive = drive
-    else:
+    take_loads(memory, drive, rate)
+    if r.is_free == 0:
         r.omega = drive
         r.omega_ref = drive
         r.alpha = rate
@@ -114,6 +115,7 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, 
     the drive's torque [N.m].
     """
     r = memory.record[0]
+    move_loads(memory, t)
     spin = spin_at(memory.record, t, r.alpha)
     status, total, torque = NOT_CONVERGED, 0, 0.0
     fit = unfitted()
@@ -162,16 +164,19 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
     memory.peaks[2, :, :] = 0.0
     varies = control.mode != FIXED
     shortest = control.h_min * (1.0 + 1e-5)
+    taken = 0
     parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0
     while parts >= 1.0:
         h = (t_end - r.t) / parts
         wished = r.h
         was_rejected = False
         while True:
-            if varies and watch_work(structure, memory):
+            if varies:
+                watch_work(structure, memory)
+            if taken >= r.max_iterations:
                 r.failed_at = r.t
                 r.failed_h = h
-                return STALLED
+                return UNFINISHED
             t = t_end if parts == 1.0 else r.t + h
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
@@ -179,6 +184,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
                 structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
             )
             r.newton += iterations
+            taken += max(1, iterations)
             error = 0.0
             if status == DONE:
                 pace = math.copysign(math.sqrt(r.pace2), spin.omega)
@@ -219,7 +225,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
 @compiled
 def continued_rate(record, drive):
     """Rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between the last two
-    given, or 0 where it is held."""
+    given, or 0 where it is held; 0 of a torque too."""
     r = record[0]
     since = r.t - r.t_ref
     if r.is_free == 1 or r.continues == 0:
@@ -245,11 +251,14 @@ def advance(
 ):
     """March to t_end [s]; returns DONE or why not.
 
-    drive: the speed now [rad/s] with its rate [rad/s2]; of a free rotor the torque [N.m], constant
-    until t_end; memory.loads: constant until t_end [N].
+    drive: the speed now [rad/s], of a free rotor the torque [N.m]; rate: of either [rad/s2, N.m/s];
+    memory.loads: now [N], with memory.load_rates [N/s]. All are linear in time until t_end.
     On failure the state is that after the last accepted step.
     """
     begin_interval(structure, drive, rate, False, motion, memory, work)
-    return _march(
+    status = _march(
         structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, tape
     )
+    if status != DONE:
+        move_loads(memory, memory.record[0].t)
+    return status

@@ -30,7 +30,9 @@ RECORD = np.dtype(
             "error",  # of the last step, relative [1]
             "energy_at_start",  # of the machine [J]
             "torque",  # that the motion needs at t [N.m]
-            "drive",  # torque on a free rotor [N.m]
+            "drive",  # torque on a free rotor at t [N.m]
+            "drive_ref",  # and at t_ref, since when it has been linear in time: [N.m], [N.m/s]
+            "drive_rate",
             "turn",  # angle at which the present revolution began [rad]
             "swept",  # of the present revolution, negative where the angle falls [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
@@ -52,12 +54,14 @@ RECORD = np.dtype(
             "overdamping",
             "surveyed_at",  # speed up to which growing whirls were looked for [rad/s], and the one
             "surveyed_to",  # past which they are looked for anew
+            "max_iterations",  # that an advance may take
         )
     ]
     + [
         (name, "i8")
         for name in (
             *("steps", "rejected", "newton", "trapped", "touched", "continues", "is_free"),
+            "varies",  # whether loads or the torque on a free rotor change between t_ref and later
             "cycle_newton",  # iterations when the present cycle began
         )
     ]
@@ -73,7 +77,8 @@ class Memory(NamedTuple):
     z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
     one before, by the angle turned [m]; bounce: of each interface the direction of the last contact
     (cos, sin), steps since then, score of crossings; rest: the probes under the loads at the start
-    [m]; loads: on the ports [N].
+    [m]; loads: on the ports at t [N], of the base its acceleration [m/s2]; load_refs, load_rates:
+    at t_ref, since when they have been linear in time [N, N/s].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]
@@ -84,6 +89,8 @@ class Memory(NamedTuple):
     bounce: Annotated[np.ndarray, float, "interfaces", "4"]
     rest: Annotated[np.ndarray, complex, "probes"]
     loads: Annotated[np.ndarray, complex, "loads"]
+    load_refs: Annotated[np.ndarray, complex, "loads"]
+    load_rates: Annotated[np.ndarray, complex, "loads"]
 
 
 @compiled
@@ -101,6 +108,36 @@ def spin_at(record, t, alpha):
         r.alpha,
         r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
     )
+
+
+@compiled
+def take_loads(memory, drive, rate):
+    """Let loads and the torque on a free rotor, now `drive` [N.m] with its rate [N.m/s], be linear
+    in time from now on."""
+    r = memory.record[0]
+    r.varies = 0
+    for i in range(len(memory.loads)):
+        memory.load_refs[i] = memory.loads[i]
+        if memory.load_rates[i] != 0.0:
+            r.varies = 1
+    if r.is_free == 1:
+        r.drive = drive
+        r.drive_ref = drive
+        r.drive_rate = rate
+        if rate != 0.0:
+            r.varies = 1
+
+
+@compiled
+def move_loads(memory, t):
+    """Make loads and torque those at time t [s]."""
+    r = memory.record[0]
+    if r.varies == 1:
+        since = t - r.t_ref
+        for i in range(len(memory.loads)):
+            memory.loads[i] = memory.load_refs[i] + since * memory.load_rates[i]
+        if r.is_free == 1:
+            r.drive = r.drive_ref + since * r.drive_rate
 
 
 @compiled

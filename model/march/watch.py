@@ -29,8 +29,8 @@ LEAST_LOSS = 3e-4
 MEMORY = 0.8  # of a window's sums in the next
 COARSE = 0.5
 # Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
-# tolerance some hundreds; a run that takes more than SLOW says so, and at MOST it is given up.
-SLOW, MOST = 300_000, 10_000_000
+# tolerance some hundreds; a run that takes more than SLOW says so.
+SLOW = 300_000
 TURN = 2.0 * math.pi
 # Speed below which a shaft stands [rad/s]: a revolution takes a thousand seconds.
 STANDSTILL = TURN / 1000.0
@@ -115,7 +115,7 @@ def watch_bounces(structure, motion, memory):
 
 @compiled
 def watch_work(structure, memory):
-    """Count the iterations of the present cycle; whether they are more than MOST."""
+    """Count the iterations of the present cycle, and remember when they became too many."""
     r = memory.record[0]
     if r.t >= r.cycle_end:
         fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
@@ -124,7 +124,6 @@ def watch_work(structure, memory):
     taken = r.newton - r.cycle_newton
     if taken > SLOW and math.isnan(r.slow_at):
         r.slow_at = r.t
-    return taken > MOST
 
 
 @compiled

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import polynomial
 
+from ..kernels.compiled import compiled, plain
 from ..refusal import Refusal
 from .spectral import Coefficients, balance, spectral_radius
 
@@ -47,6 +48,29 @@ __all__ = [
 # Past it the squares and products of the parameters lose their meaning.
 LARGEST = 1e6
 _ROUNDING = 1e-12
+
+
+class Range(NamedTuple):
+    """What a number may be: from low to high, or, is_above or is_below, between them."""
+
+    low: float
+    high: float
+    is_above: bool = False
+    is_below: bool = False
+
+    def holds(self, value: float) -> bool:
+        """Whether a value is one of these."""
+        is_high_enough = value > self.low if self.is_above else value >= self.low
+        return is_high_enough and (value < self.high if self.is_below else value <= self.high)
+
+    def words(self, unit: str = "") -> str:
+        """What is allowed; unit: what stands behind a number."""
+        low = f"{'>' if self.is_above else 'at least'} {self.low:g}"
+        high = f"{'below' if self.is_below else 'at most'} {self.high:g}"
+        return f"must be {low}{unit if self.low else ''} and {high}{unit}"
+
+
+ALPHA, RHO = Range(-1.0, 1.0, is_below=True), Range(0.0, 1.0)
 
 
 class SchemeError(Refusal, ValueError):
@@ -99,8 +123,22 @@ def general(alpha_f: float, alpha_m: float, beta: float, gamma: float) -> Scheme
 
 def _check_alphas(alpha_f: float, alpha_m: float) -> None:
     for name, value in (("alpha_f", alpha_f), ("alpha_m", alpha_m)):
-        if not math.isfinite(value) or value >= 1 or value < -1:
-            raise SchemeError(f"{name} = {value:g}: must be at least -1 and below 1")
+        if not ALPHA.holds(value):
+            raise SchemeError(f"{name} = {value:g}: {ALPHA.words()}")
+
+
+@compiled
+def second_order(alpha_f, alpha_m):
+    """The member of second order with these alphas, whatever they are."""
+    difference = alpha_f - alpha_m
+    root = 1.0 + difference
+    return Scheme(alpha_m, alpha_f, root * root / 4, 0.5 + difference)
+
+
+@compiled
+def alphas(rho):
+    """alpha_f and alpha_m with the least low-frequency damping for a rho at infinity."""
+    return rho / (rho + 1.0), (2.0 * rho - 1.0) / (rho + 1.0)
 
 
 def generalized_alpha(alpha_f: float, alpha_m: float) -> Scheme:
@@ -115,7 +153,7 @@ def generalized_alpha(alpha_f: float, alpha_m: float) -> Scheme:
     difference = alpha_f - alpha_m
     if difference <= -1:
         raise SchemeError(f"alpha_f - alpha_m = {difference:g}: must be above -1 (beta would be 0)")
-    return Scheme(alpha_m, alpha_f, (1 + difference) ** 2 / 4, 0.5 + difference)
+    return plain(second_order)(alpha_f, alpha_m)
 
 
 def newmark(beta: float = 0.25, gamma: float = 0.5) -> Scheme:
@@ -141,9 +179,9 @@ def chung_hulbert(rho: float) -> Scheme:
 
     Raises `SchemeError` unless 0 <= rho <= 1.
     """
-    if not 0 <= rho <= 1:
-        raise SchemeError(f"rho = {rho:g}: must be between 0 and 1")
-    return generalized_alpha(rho / (rho + 1), (2 * rho - 1) / (rho + 1))
+    if not RHO.holds(rho):
+        raise SchemeError(f"rho = {rho:g}: {RHO.words()}")
+    return generalized_alpha(*plain(alphas)(rho))
 
 
 def amplification(scheme: Scheme, w: float, xi: float = 0.0) -> np.ndarray:

@@ -25,34 +25,37 @@ def build_fmu(
     is_native: bool = False,
     fmi: int = 2,
     platforms: Sequence[str] | None = None,
+    reduction: int = 0,
 ) -> Path:
     """Build a machine's FMU in a folder and return its path.
 
-    is_free: a torque drives the rotor instead of its speed; is_native: the FMU that needs no Python
-    (`pip install "rotor-fmu[native]"`), of FMI 2 or 3, for the platforms named, by default all.
-    Raises `InputError`, and `CoreError` where a library cannot be made.
+    is_free: a torque drives the rotor instead of its speed; is_native: the FMU that needs no
+    Python, of FMI 2 or 3; platforms: whose libraries it carries, by default all, or, of the FMU in
+    Python, those of linux64 and win64 that are there; reduction: component modes kept of the shaft,
+    0 for all of it. Raises `InputError`, and `CoreError` where a library is missing and cannot be
+    made (`pip install "rotor-fmu[native]"`).
 
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     rf.build_fmu(rf.load(), folder).name
     'RotorBearing.fmu'
     """
+    from ..fmi.packing.native_fmu import build_native
+    from ..fmi.packing.python_fmu import SYSTEMS, build
+    from ..library.build import PLATFORMS
+
+    if fmi not in (2, 3):
+        raise InputError(f"fmi = {fmi}: must be 2 or 3")
+    if fmi == 3 and not is_native:
+        raise InputError("fmi = 3: only with is_native")
+    allowed = tuple(PLATFORMS) if is_native else SYSTEMS
+    for name in platforms or ():
+        if name not in allowed:
+            raise InputError(f"platforms: {name!r}: must be one of {', '.join(allowed)}")
     if is_native:
-        from ..native.core import PLATFORMS
-        from ..native.pack import build_native
-
-        if fmi not in (2, 3):
-            raise InputError(f"fmi = {fmi}: must be 2 or 3")
-        names = tuple(platforms or PLATFORMS)
-        for name in names:
-            if name not in PLATFORMS:
-                raise InputError(f"platforms: {name!r}: must be one of {', '.join(PLATFORMS)}")
-        return build_native(Path(folder), machine.toml, is_free, fmi, names)
-    if fmi != 2 or platforms:
-        raise InputError("fmi and platforms: only with is_native")
-    from ..packing.bundle import build
-
-    return build(Path(folder), machine.toml, is_free)
+        names = platforms or allowed
+        return build_native(Path(folder), machine.toml, is_free, fmi, names, reduction)
+    return build(Path(folder), machine.toml, is_free, reduction, platforms)
 
 
 def simulate_fmu(
@@ -69,8 +72,9 @@ def simulate_fmu(
     """Drive an FMU that `build_fmu` made, through FMPy; arguments and result are those of
     `simulate`, but what is recorded are the outputs at the communication points, `step` [s] apart.
 
-    With the same step the numbers are the same. Raises `InputError` for another file, or for an FMU
-    that a torque drives.
+    With the same step the numbers are the same, unless loads vary or the speed bends: an FMU holds
+    its loads, and goes on with its speed, from one communication point to the next. Raises
+    `InputError` for another file, or for an FMU that a torque drives.
 
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -99,7 +99,7 @@ class Machine:
 
     def show(self) -> Figure:
         """The machine to scale, in mm."""
-        from ..packing.machine_picture import machine_figure
+        from ..fmi.packing.machine_picture import machine_figure
 
         return shown(machine_figure(self.rotor))
 

@@ -10,8 +10,8 @@ from difflib import get_close_matches
 import numpy as np
 
 from ..errors import InputError
-from ..fmu.interface import interface
-from ..fmu.variables import Variable
+from ..fmi.interface import interface
+from ..fmi.variables import Variable
 from ..model.march.tape import Record
 from ..model.settings import PRESETS
 from ..model.simulation import RotorWarning

@@ -73,6 +73,10 @@ class Member:
         """Set Reals."""
         self._call(self._fmu.setReal, references, values)
 
+    def slopes(self, references: list[int], values: list[float]) -> None:
+        """Set the first derivatives of inputs for the next step."""
+        self._call(self._fmu.setRealInputDerivatives, references, [1] * len(references), values)
+
     def step(self, t: float, h: float) -> None:
         """Step from t [s] over h [s]."""
         self._call(self._fmu.doStep, t, h)

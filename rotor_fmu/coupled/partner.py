@@ -11,10 +11,10 @@ from importlib.resources import files
 from pathlib import Path
 
 from ..about import RELEASED
-from ..fmu import wrapper
-from ..fmu.description import complete
-from ..fmu.variables import Variable
-from ..packing.bundle import repack, wrap
+from ..fmi.description import complete
+from ..fmi.packing.archive import repack, wrap
+from ..fmi.python import wrapper
+from ..fmi.variables import Variable
 from . import slave
 
 
@@ -58,4 +58,4 @@ def build_partner(source: Path, target: Path) -> Path:
             shutil.copyfile(str(module.__file__), folder / name)
         wrap(script, [folder / name for name in beside], folder / "raw.fmu")
         table = partner_table(source)
-        return repack(folder / "raw.fmu", target, {}, lambda root: complete(root, table, RELEASED))
+        return repack(folder / "raw.fmu", target, lambda root: complete(root, table, RELEASED))

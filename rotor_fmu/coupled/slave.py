@@ -16,7 +16,7 @@ from pythonfmu import Real as FmiReal
 try:
     from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
 except ImportError:
-    from rotor_fmu.fmu.wrapper import hold, settle_exit  # in the source tree
+    from rotor_fmu.fmi.python.wrapper import hold, settle_exit  # in the source tree
 
 # name, causality, unit, start, lowest value allowed, what it is
 Listed = tuple[str, str, str, float | None, float | None, str]
@@ -58,7 +58,7 @@ class TableSlave(Fmi2Slave):
 
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
-        settle_exit(self.resources, self.modelName)
+        settle_exit(self.resources)
         # in the FMU it follows the content
         self.guid = uuid.uuid5(uuid.NAMESPACE_URL, type(self).__module__)
         for name, causality, _, start, _, text in self.VARIABLES:

@@ -13,7 +13,7 @@ from ..coupled.master import Side, march
 from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
 from ..files import unfinished
-from ..fmu.variables import Variable
+from ..fmi.variables import Variable
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
 # What one FMU tells the other: output, input.

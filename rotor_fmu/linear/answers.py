@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..fmi.packing.machine_picture import machine_figure
 from ..model import linear
 from ..model.machine.rotor import Rotor
-from ..packing.machine_picture import machine_figure
 from ..runs.job import load_rotor
 from . import figures, tables
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from ..model.linear.machine import OPEN, LinearError, LinearMachine
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
+from ..model.outcomes import grows_at_rest
 from ..model.protocol.part import Release
-from ..model.stability.sentences import grows_at_rest
 
 # Least Re lambda / |lambda| of what is called growing; share of the machine's lowest frequency
 # below which a root is a motion as a rigid body: rounding.

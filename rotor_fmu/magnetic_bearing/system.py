@@ -15,8 +15,8 @@ import numpy as np
 from ..coupled.master import Side, march
 from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
-from ..fmu.variables import Variable
-from ..packing.bundle import FREE_FMU_NAME, build, is_current
+from ..fmi.packing.python_fmu import FREE_FMU_NAME, build, is_current
+from ..fmi.variables import Variable
 
 CONTROL_FMU, ROTOR_FMU = "MagneticBearing.fmu", FREE_FMU_NAME
 SIDES, AXES = ("left", "right"), ("x", "y")

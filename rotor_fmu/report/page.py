@@ -88,7 +88,7 @@ def _machine(run: Recorded) -> str:
         return ""
     import matplotlib
 
-    from ..packing.machine_picture import machine_figure
+    from ..fmi.packing.machine_picture import machine_figure
 
     buffer = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "rotor-fmu"}):

@@ -1,8 +1,7 @@
-"""`rotor-fmu run-down`, `reproduce`, `variables`, `warm` and `host-env`."""
+"""`rotor-fmu run-down`, `reproduce`, `variables` and `host-env`."""
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,11 +9,9 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import writable_folder
-from ..fmu.interface import interface
+from ..fmi.interface import interface
+from ..fmi.packing.variable_table import markdown
 from ..model.settings import PRESETS
-from ..packing.bundle import build
-from ..packing.variable_table import markdown
-from ..packing.warm import warm as make_ready
 from ..report.page import write_report
 from ..telling import tells
 from .figures import write_run_down
@@ -66,12 +63,13 @@ def run_down(
     """
     job = prepare(rotor, preset, sets or [], signals, stop, step)
     writable_folder(out)
-    fmu = None if direct else fmu_in(out, job.toml)
+    fmu = None if direct else fmu_in(out, job.toml, job.settings.reduction)
     clear(out)
     label = f"run-down, {preset or 'default'}"
     driven = None if fmu is None else execute(job, fmu, label)
     recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
-    result = driven or recorded
+    # an FMU holds its loads between two communication points
+    result = driven if driven is not None and job.signals.is_held else recorded
     report = summary(result) | {
         "recorded_steps": len(recording.t),
         "recorded_apart": driven and difference(driven, recorded),
@@ -83,9 +81,10 @@ def run_down(
     write_json(report, out / "summary.json")
     write_report(recording, report, out / "report.html")
     if apart := report["recorded_apart"]:
+        why = "" if job.signals.is_held else ", which holds its inputs over a communication step"
         typer.echo(
             f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "
-            "apart from the FMU's; the pictures are of the recorded one",
+            f"apart from the FMU's{why}; the pictures are of the recorded one",
             err=True,
         )
     for key, value in report.items():
@@ -128,18 +127,3 @@ def host_env() -> None:
     """Print the environment that a C host needs to run the FMU on this machine."""
     for name, value in host_environment().items():
         typer.echo(f'export {name}="{value}"')
-
-
-@tells
-def warm(
-    fmus: Annotated[
-        list[Path] | None, typer.Argument(help="FMUs; default: one built from this version.")
-    ] = None,
-) -> dict[str, Any]:
-    """Compile the FMU's solver ahead of its first use on this machine."""
-    took = {}
-    with tempfile.TemporaryDirectory() as folder:
-        for fmu in fmus or [build(Path(folder))]:
-            took[str(fmu) if fmus else fmu.name] = seconds = make_ready(fmu)
-            typer.echo(f"{fmu.name}: ready; a step from instantiation took {seconds:.1f} s")
-    return {"seconds_to_first_step": took}

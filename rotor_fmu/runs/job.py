@@ -14,17 +14,17 @@ from rich.console import Console
 
 from ..errors import InputError
 from ..files import unfinished, write_text
-from ..fmu.binding import build_simulation
-from ..fmu.interface import interface
-from ..fmu.solver_parameters import AS_PRESET, settings_of
-from ..fmu.variables import Variable
+from ..fmi.binding import build_simulation
+from ..fmi.interface import interface
+from ..fmi.packing.python_fmu import FMU_NAME, build, is_current
+from ..fmi.solver_parameters import AS_PRESET, settings_of
+from ..fmi.variables import Variable
 from ..machine_file.reading import machine_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
-from ..packing.bundle import FMU_NAME, build, is_current
 from ..telling import json_text
 from . import PLOTS
 from .progress import shown
@@ -224,10 +224,13 @@ def difference(one: Run, other: Run) -> float:
     return max(apart, default=0.0)
 
 
-def fmu_in(out: Path, toml: str) -> Path:
-    """The FMU of this rotor in the folder `out`, built if it is not there or not up to date."""
+def fmu_in(out: Path, toml: str, reduction: int = 0) -> Path:
+    """The FMU of this rotor in the folder `out`, built if it is not there or not up to date;
+    reduction: component modes kept of the shaft."""
     fmu = out / FMU_NAME
-    return fmu if is_current(fmu, toml) else build(out, toml)
+    if is_current(fmu, toml, reduction=reduction):
+        return fmu
+    return build(out, toml, reduction=reduction)
 
 
 def write_csv(run: Run, path: Path) -> None:

@@ -14,8 +14,8 @@ import numpy as np
 
 from ..figures import save
 from ..files import unfinished, write_text
+from ..fmi.packing.python_fmu import package_name
 from ..model.machine.toml import rig_toml
-from ..packing.bundle import package_name
 from . import figures
 from .job import Job, execute, execute_recorded, fmu_in, prepare, write_json
 from .recording import Recording, load_recording

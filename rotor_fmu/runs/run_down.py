@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from ..errors import RunFailed
-from ..fmu.binding import build_simulation, load_names
-from ..fmu.variables import Variable
+from ..fmi.binding import build_simulation, load_names
+from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
 from .progress import Tell, silent
 from .recording import Recording
-from .signals import Signals
+from .signals import Driver, Signals
 
 _TAPE_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
@@ -157,7 +157,8 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
 
 
 def run_direct(rotor: Rotor, plan: Plan, progress: Tell = silent) -> Run:
-    """The same run without an FMU: same steps, same inputs, same numbers."""
+    """The run without an FMU: same steps and numbers where the inputs are linear and the loads
+    constant; else exact, where an FMU holds its loads between two communication points."""
     return _march(rotor, plan, (), progress)[0]
 
 
@@ -232,7 +233,7 @@ def _march(
             print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
 
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
-    loads = load_names(rotor)
+    driver = Driver(signals, load_names(rotor), values["speed_continuation"] != 0)
 
     def values_now() -> Mapping[str, float]:
         return dict(zip(simulation.names, simulation.observed.tolist(), strict=True))
@@ -244,10 +245,8 @@ def _march(
     taped = [simulation.drain()]
     while t < stop and not math.isclose(t, stop):
         target = min((n + 1) * plan.step, stop)
-        forces = np.array([complex(signals.at(x, t), signals.at(y, t)) for x, y in loads])
         try:
-            # the sum that an FMU makes of the current time and the step size
-            simulation.advance(t + (target - t), signals.at("speed", t), forces)
+            driver.advance(simulation, t, target)
         except StepFailure as error:
             failure = str(error)
             messages.append(failure)

@@ -6,15 +6,19 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError
-from ..fmu.variables import Variable
+from ..fmi.variables import Variable
+from ..model.simulation import Simulation
 from ..units import units_for
 
+_ROUNDING = 1e-11  # of an input's values: what is no bend of its course
+_SLIVER = 1e-9  # of an interval: a bend so near to its end is its end
 # Paper A's run-down: 400 - 10 t rad/s, over 40 s.
 RUN_DOWN_SPEED = 400.0
 RUN_DOWN_RATE = -10.0
@@ -48,6 +52,29 @@ class Signals:
             table[name] = column
         return table
 
+    @cached_property
+    def bends(self) -> np.ndarray:
+        """Times after the start between which all inputs are linear [s], ascending."""
+        if len(self.t) < 2:
+            return np.zeros(0)
+        intervals = np.diff(self.t)
+        bends = np.zeros(len(self.t), dtype=bool)
+        for column in self.values.values():
+            # before the first time and after the last an input is held
+            slopes = np.concatenate([[0.0], np.diff(column) / intervals, [0.0]])
+            change = np.abs(np.diff(slopes)) * np.minimum(
+                np.append(intervals, np.inf), np.insert(intervals, 0, np.inf)
+            )
+            bends |= change > _ROUNDING * np.abs(column).max()
+        return self.t[bends & (self.t > 0.0)]
+
+    @property
+    def is_held(self) -> bool:
+        """Whether an FMU that holds its loads between communication points, and continues its
+        speed, follows these inputs exactly."""
+        loads = (column for name, column in self.values.items() if name != "speed")
+        return len(self.bends) == 0 and all(np.ptp(column) == 0.0 for column in loads)
+
     @property
     def first_rate(self) -> float:
         """Rate of the speed at the start, t = 0 [rad/s2]: none before the first time given, nor
@@ -57,6 +84,41 @@ class Signals:
             return 0.0
         speed = self.values["speed"]
         return float((speed[after] - speed[after - 1]) / (self.t[after] - self.t[after - 1]))
+
+
+class Driver:
+    """Takes a simulation along signals, exactly whatever the intervals: each ends where an input
+    bends, and between two bends loads are linear in time.
+
+    loads: names of the inputs (x, y) of the loads; is_held: whether the speed is held over an
+    interval instead of being continued.
+    """
+
+    def __init__(
+        self, signals: Signals, loads: Sequence[tuple[str, str]], is_held: bool = False
+    ) -> None:
+        self._signals, self._loads, self._is_held = signals, loads, is_held
+        self._segment = 0
+
+    def advance(self, simulation: Simulation, start: float, to: float) -> None:
+        """March from `start` to `to` [s]. Raises `StepFailure`."""
+        sliver = _SLIVER * (to - start)
+        bends = self._signals.bends
+        inside = bends[(bends > start + sliver) & (bends < to - sliver)]
+        for begin, end in pairwise((start, *inside.tolist(), to)):
+            segment = int(np.searchsorted(bends, 0.5 * (begin + end)))
+            forces, later = self._forces(begin), self._forces(end)
+            speed, rate = self._signals.at("speed", begin), None
+            if segment != self._segment and not self._is_held:
+                rate = (self._signals.at("speed", end) - speed) / (end - begin)
+            rates = (later - forces) / (end - begin) if (later != forces).any() else None
+            self._segment = segment
+            # the sum that an FMU makes of the current time and the step size
+            simulation.advance(begin + (end - begin), speed, forces, rate=rate, load_rates=rates)
+
+    def _forces(self, t: float) -> np.ndarray:
+        at = self._signals.at
+        return np.array([complex(at(x, t), at(y, t)) for x, y in self._loads])
 
 
 def make_signals(

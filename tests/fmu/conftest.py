@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.fmi.packing.python_fmu import build
 
 from .masters import NO_C_HOST, Master, compile_c_host
 
@@ -41,3 +42,9 @@ def master(request, fmu):
     master = Master(fmu)
     yield master
     master.close()
+
+
+@pytest.fixture(scope="session")
+def native_fmu(tmp_path_factory) -> Path:
+    """The FMU that needs no Python, of this machine's platform."""
+    return build_native(tmp_path_factory.mktemp("native"), platforms=["linux64"])

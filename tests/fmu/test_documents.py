@@ -103,9 +103,3 @@ def test_the_licences_of_what_is_carried_are_there(contents, project):
 
 def test_the_importing_tool_finds_an_icon(contents):
     assert contents["model.png"].startswith(b"\x89PNG")
-
-
-def test_what_no_rotor_needs_stays_out(contents):
-    modules = [name for name in contents if name.endswith(".py")]
-    assert any(name.endswith("model/step/step.py") for name in modules)
-    assert not [n for n in modules if "impact" in n or "false_state" in n]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_fmu.coupled.member import Member
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.python_fmu import build
 
 MACHINE = Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.toml"
 FOLD = 2.02208  # over the natural frequency of 100 rad/s: the discriminant's zero

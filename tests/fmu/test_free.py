@@ -10,8 +10,8 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.drive_train.system import Member
-from rotor_fmu.fmu.interface import interface
-from rotor_fmu.packing.bundle import is_current
+from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.python_fmu import is_current
 
 LOSSES = [name for name in observed_names(rig()) if name.endswith("_loss")]
 LEDGER = ["energy.residual", "energy.drive_work", *LOSSES]

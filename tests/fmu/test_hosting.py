@@ -11,7 +11,7 @@ import zipfile
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.packing.bundle import build, package_name
+from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
 PRELUDE = """
 import sys, fmpy, shutil
@@ -165,9 +165,7 @@ assert last(path) == alone
     )
 
 
-@pytest.mark.parametrize("kernels", [None, pytest.param("numba", marks=pytest.mark.slow)])
-def test_two_versions_of_the_code_in_one_process_do_not_meet(fmu, tmp_path, kernels):
-    """They must not meet in numba's tables either; that compiles both."""
+def test_two_versions_of_the_code_in_one_process_do_not_meet(fmu, tmp_path):
     newer = another_version(fmu, tmp_path / "newer.fmu")
     in_a_process(
         fmu,
@@ -180,7 +178,6 @@ assert doubled == [2 * y for y in first]
 assert last(path) == first
 assert last({str(newer)!r}) == doubled
 """,
-        {"ROTOR_FMU_KERNELS": kernels} if kernels else {},
     )
 
 
@@ -189,12 +186,12 @@ def another_version(fmu, target):
     name = package_name()
     other = name[:-4] + "beef"
     assert other != name
-    plain = "return [values[reference] for reference in references]"
-    doubled = plain.replace("[values", "[2 * values")
+    plain = "return room.values.tolist()"
+    doubled = "return [2 * value for value in room.values]"
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(target, "w") as sink:
         for entry in source.namelist():
             data = source.read(entry)
-            if entry.endswith("/fmu/instance.py"):
+            if entry.endswith("/slave.py"):
                 assert data.count(plain.encode()) == 1
                 data = data.replace(plain.encode(), doubled.encode())
             if entry.endswith("slavemodule.txt"):
@@ -238,7 +235,7 @@ def test_an_fmu_that_is_built_where_another_has_run_is_the_same(fmu, tmp_path):
 fmpy.simulate_fmu(path, stop_time=0.01)
 assert "resources" in sys.modules["pythonfmu"].__file__
 from pathlib import Path
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.python_fmu import build
 build(Path(sys.argv[2]))
 """,
         arguments=[str(tmp_path)],
@@ -266,45 +263,6 @@ import os
 os._exit(0)
 """,
     )
-
-
-COMPILED_HERE = """
-instance = start(new())
-instance.doStep(0.0, 0.05)
-misses = {
-    f"{name}.{key}": dict(value.stats.cache_misses)
-    for name, module in list(sys.modules.items()) if name.startswith("rotorbearing_")
-    for key, value in list(vars(module).items()) if hasattr(value, "stats")
-}
-assert len(misses) > 20, misses
-print(sum(map(len, misses.values())), "compiled")
-print(sum("compiling" in message for _, message in log), "said")
-"""
-
-
-def test_without_its_library_the_first_process_says_that_it_compiles(fmu, tmp_path):
-    """It is stopped as soon as it has said so."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", PRELUDE + "start(new())", str(fmu)],
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "ROTOR_FMU_CACHE": str(tmp_path), "ROTOR_FMU_KERNELS": "numba"},
-    )
-    with process:
-        said = process.stderr.readline()
-        process.kill()
-    assert said.endswith("note: compiling the solver, once on this machine: about half a minute\n")
-
-
-@pytest.mark.slow
-def test_the_first_process_says_once_that_it_compiles_and_the_next_does_not(fmu, tmp_path):
-    environment = {"ROTOR_FMU_CACHE": str(tmp_path), "ROTOR_FMU_KERNELS": "numba"}
-    first, second = (in_a_process(fmu, COMPILED_HERE, environment) for _ in range(2))
-    compiled, _, said, _ = first.stdout.split()
-    assert int(compiled) > 0
-    assert int(said) == 1
-    assert first.stderr.count("compiling") == 1
-    assert second.stdout.split() == ["0", "compiled", "0", "said"]
 
 
 def test_a_failing_run_does_not_end_in_silence(fmu):

@@ -15,6 +15,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.coupled.member import Member
 from rotor_fmu.coupled.partner import lay_out
 from rotor_fmu.errors import RunFailed
+from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.magnetic_bearing.system import (
     build_control,
     control_table,
@@ -22,7 +23,6 @@ from rotor_fmu.magnetic_bearing.system import (
     example,
     rotor_in,
 )
-from rotor_fmu.packing.bundle import build
 
 from ..test_command_line import refusal  # noqa: F401, a fixture
 from .coupled import through_libcosim

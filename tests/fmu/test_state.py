@@ -7,7 +7,7 @@ import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.python_fmu import build
 
 STEP = 0.004
 

@@ -2,7 +2,6 @@
 
 import ast
 import os
-import re
 import subprocess
 import sys
 import tomllib
@@ -16,10 +15,11 @@ from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.quantities import SPEED
 
-from rotor_fmu.fmu.description import reached_by
-from rotor_fmu.fmu.interface import interface
-from rotor_fmu.fmu.variables import Variable, unit
-from rotor_fmu.packing.bundle import PLATFORMS, build, is_current
+from rotor_fmu.fmi.description import reached_by
+from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.python_fmu import build, is_current
+from rotor_fmu.fmi.variables import Variable, unit
+from rotor_fmu.library.build import CoreError
 
 ROOT = Path(__file__).parents[2]
 
@@ -54,7 +54,7 @@ def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
     ours = [n for n in contents if not n.startswith(("binaries/", "resources/pythonfmu/"))]
     # of each folder one, since they are treated alike
     ours = {name.rpartition("/")[0]: name for name in ours if "slavemodule" not in name}.values()
-    for name in {*ours, "model.png", "resources/rotor.toml"} - {"modelDescription.xml"}:
+    for name in {*ours, "model.png", "resources/rotor.toml", "modelDescription.xml"}:
         assert not is_current(remade(fmu, tmp_path / "old.fmu", **{name: b"old"})), name
         assert not is_current(remade(fmu, tmp_path / "less.fmu", **{name: None})), name
     for folder in ("binaries/linux64/", "binaries/win64/", "resources/pythonfmu/"):
@@ -63,65 +63,43 @@ def test_an_fmu_is_current_only_with_all_that_it_would_hold_now(fmu, tmp_path):
         assert not is_current(remade(fmu, tmp_path / "less.fmu", **without)), folder
     for name in ("documentation/more.txt", "resources/more.py"):
         assert not is_current(remade(fmu, tmp_path / "more.fmu", **{name: b""})), name
-    by_another = contents["modelDescription.xml"].replace(b"PythonFMU ", b"PythonFMU 1")
+
+
+def test_an_fmu_of_another_version_of_pythonfmu_is_not_current(fmu, tmp_path):
+    with zipfile.ZipFile(fmu) as archive:
+        description = archive.read("modelDescription.xml")
+    by_another = description.replace(b"PythonFMU ", b"PythonFMU 1")
     older = remade(fmu, tmp_path / "tool.fmu", **{"modelDescription.xml": by_another})
     assert not is_current(older)
 
 
-def test_it_holds_the_model_its_skin_and_nothing_that_no_rotor_needs(fmu):
-    def modules(folder, *left_out):
-        files = [file.relative_to(folder).as_posix() for file in folder.rglob("*.py")]
-        return {f"{folder.name}/{f}" for f in files if f.partition("/")[0] not in left_out}
-
+def test_it_holds_its_skin_its_libraries_its_machine_and_nothing_else(fmu):
     with zipfile.ZipFile(fmu) as archive:
         names = set(archive.namelist())
     (script,) = (name for name in names if name.endswith("_entry.py"))
     package = script.removesuffix("_entry.py")
-    carried = {f"{package}/about.py", f"{package}/__init__.py"} | {
-        f"{package}/{module}"
-        for module in modules(ROOT / "model", "impact", "false_state", "linear")
-        | modules(ROOT / "rotor_fmu" / "fmu")
-    }
-    libraries = {name for name in names if name.startswith(f"{package}/model/library/")}
-    assert len(libraries) <= 2
-    resources = {f"resources/{n}.txt" for n in ("drive", "requirements", "slavemodule")}
+    libraries = {name for name in names if name.endswith(("/linux64.so", "/win64.dll"))}
+    assert libraries
+    skin = {f"{package}/{name}.py" for name in ("__init__", "slave", "wrapper")}
+    machine = {f"resources/{name}" for name in ("machine.table", "rotor.toml", "slavemodule.txt")}
     beside = ("binaries/", "resources/pythonfmu/", "documentation/", "extra/", "terminalsAndIcons/")
     found = {name for name in names if not name.startswith(beside)}
-    assert found == carried | resources | libraries | {
-        script, "resources/rotor.toml", "modelDescription.xml", "model.png"
-    }  # fmt: skip
+    assert found == {script, "modelDescription.xml", "model.png"} | skin | libraries | machine
+    assert all(library.startswith(f"{package}/") for library in libraries)
 
 
-def required(fmu):
-    """Lowest versions of the packages that the FMU says it needs."""
-    with zipfile.ZipFile(fmu) as archive:
-        lines = archive.read("resources/requirements.txt").decode().split()
-    return dict(line.split(">=") for line in lines)
-
-
-def test_it_requires_what_its_modules_import_in_the_versions_of_the_project(fmu):
+def test_it_imports_nothing_that_a_bare_python_has_not(fmu):
     imported = set()
     with zipfile.ZipFile(fmu) as archive:
         for name in archive.namelist():
-            if name.endswith(".py") and not name.startswith("resources/pythonfmu/"):
+            if name.endswith(".py"):
                 for node in ast.walk(ast.parse(archive.read(name))):
                     if isinstance(node, ast.Import):
                         imported |= {alias.name.partition(".")[0] for alias in node.names}
                     elif isinstance(node, ast.ImportFrom) and not node.level:
                         imported.add(node.module.partition(".")[0])
-    # numba brings llvmlite, the FMU brings pythonfmu
-    others = imported - sys.stdlib_module_names - {"llvmlite", "pythonfmu"}
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    lowest = {
-        match[1]: match[2]
-        for match in (re.match(r"([a-z-]+)>=([0-9.]+)", d) for d in project["dependencies"])
-        if match
-    }
-    with zipfile.ZipFile(fmu) as archive:
-        libraries = [name for name in archive.namelist() if "/model/library/" in name]
-    if len(libraries) == len(PLATFORMS):
-        others.remove("numba")
-    assert required(fmu) == {name: lowest[name] for name in others}
+    # which the FMU carries itself
+    assert imported - sys.stdlib_module_names == {"pythonfmu"}
 
 
 def test_its_documents_name_what_it_requires(fmu):
@@ -129,12 +107,11 @@ def test_its_documents_name_what_it_requires(fmu):
     python = project["requires-python"].removeprefix(">=")
     with zipfile.ZipFile(fmu) as archive:
         for page in ("externalDependencies.txt", "index.html"):
-            text = archive.read(f"documentation/{page}").decode()
-            assert f"Python {python}" in text
-            for name in required(fmu):
-                assert name in text, (page, name)
+            text = " ".join(archive.read(f"documentation/{page}").decode().split())
+            assert f"Python {python} or newer, and" in text
+            assert "no package beside it" in text
     readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
-    assert f"Python {python} or newer with `numpy` and `scipy`, and `numba`" in readme
+    assert f"Python {python} or newer and no package beside it" in readme
 
 
 def test_another_rotor_gives_another_guid(fmu, tmp_path):
@@ -262,3 +239,33 @@ def test_it_carries_no_caches_and_says_what_it_needs(fmu):
         needs = archive.read("documentation/externalDependencies.txt").decode()
     assert not [name for name in names if "__pycache__" in name]
     assert "Python 3.11" in needs
+
+
+@pytest.mark.parametrize("is_free", [False, True])
+def test_a_reduction_is_built_in_and_named(tmp_path, is_free):
+    """The host sees it among the start values, and cannot change it."""
+    reduced = build(tmp_path, is_free=is_free, reduction=4)
+    assert is_current(reduced, is_free=is_free, reduction=4)
+    assert not is_current(reduced, is_free=is_free)
+    description = fmpy.read_model_description(str(reduced))
+    told = {v.name: v for v in description.modelVariables}
+    assert told["solver.reduction"].start == "4"
+    sizes = [
+        len(zipfile.ZipFile(f).read("resources/machine.table"))
+        for f in (reduced, build(tmp_path / "whole", is_free=is_free))
+    ]
+    assert sizes[0] < sizes[1]
+
+
+def test_without_a_library_an_fmu_is_not_built_and_a_sentence_says_what_makes_one(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr("rotor_fmu.library.build.find", lambda *_: None)
+    monkeypatch.setattr("rotor_fmu.fmi.packing.python_fmu.find", lambda *_: None)
+    monkeypatch.setattr("rotor_fmu.library.build.find_spec", lambda name: None)
+    with pytest.raises(CoreError, match=r"no library .* for linux64.*pip install 'rotor-fmu\[nat"):
+        build(tmp_path)
+    monkeypatch.setattr("rotor_fmu.fmi.packing.python_fmu.here", lambda: "aarch64-darwin")
+    with pytest.raises(CoreError, match=r"no library .* rotor-fmu core --platform linux64 makes"):
+        build(tmp_path)
+    assert list(tmp_path.iterdir()) == []

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from rotor_fmu.model.kernels.library import find
 
-from rotor_fmu.native.core import core_digest
-from rotor_fmu.native.pack import build_native
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.library.build import core_digest
 
 from ..fmu.conftest import master  # noqa: F401, a fixture
 from ..fmu.masters import COMPILER, Master, compile_c_host

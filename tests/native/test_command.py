@@ -28,7 +28,8 @@ def test_a_build_says_where_the_fmu_is_and_takes_no_compiler_once_the_library_is
     ("arguments", "sentence"),
     [
         (("build", "--native", "--fmi", 4), "--fmi 4: must be 2 or 3"),
-        (("build", "--fmi", 3), "--fmi, --platform and --reduction: only with --native"),
+        (("build", "--fmi", 3), "--fmi 3: only with --native"),
+        (("build", "--platform", "darwin64"), "--platform darwin64: must be one of linux64, win64"),
         (
             ("build", "--native", "--platform", "vax"),
             "--platform vax: must be one of linux64, win64",

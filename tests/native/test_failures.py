@@ -1,10 +1,7 @@
-"""What goes wrong is told as the FMU in Python tells it, and whatever is called then survives."""
+"""What goes wrong is told, and whatever is called then survives: the tests of the FMU in Python."""
 
 import pytest
 
-from rotor_fmu.packing.bundle import build
-
-from ..fmu.masters import Master
 from ..fmu.test_failures import (  # noqa: F401  the same tests, with this folder's masters
     FAILURES,
     check,
@@ -28,20 +25,8 @@ def test_a_failure_is_told_and_whatever_is_called_then_survives(grid, name):
             check(*entry)
 
 
-def test_each_failure_is_an_error_that_is_not_fatal_in_the_words_of_the_fmu_in_python(
-    grid, tmp_path
-):
-    python = Master(build(tmp_path))
-    expected = march_through(python, FAILURES.values(), 0)
-    python.close()
-    mine = [entry for entry in grid if not entry[1]]
-    assert len(mine) == len(expected) == len(FAILURES)
-    for (failure, _, replies), (_, _, others) in zip(mine, expected, strict=True):
-        at = len(failure.before) + 2
-        # of an exception pythonfmu puts a line of its own before the sentence
-        assert replies[at].log[-1] == others[at].log[-1].rpartition("PyObject_CallMethod ")[2]
-        assert replies[at].status == 3
-    assert all(reply.status < 4 for entry in grid for reply in entry[2])
+def test_no_failure_is_fatal(grid):
+    assert {reply.status for entry in grid for reply in entry[2]} <= {0, 1, 3}
 
 
 @pytest.mark.slow

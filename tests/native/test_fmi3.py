@@ -134,7 +134,7 @@ def test_what_is_not_offered_is_refused_by_its_name(library):
         for way in ("Get", "Set"):
             function = getattr(library.c, f"fmi3{way}{name}")
             assert function(m, vr, ONE, (ctypes.c_uint64 * 1)(), ONE) == ERROR
-            assert "speed: is of type Real" in library.heard[-1][2]
+            assert "speed: is of type Float64" in library.heard[-1][2]
     library.c.fmi3FreeInstance(m)
 
 

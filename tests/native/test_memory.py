@@ -7,7 +7,7 @@ import subprocess
 import fmpy
 import pytest
 
-from rotor_fmu.native.core import PLATFORMS, SKIN, core_digest, kernels, objects
+from rotor_fmu.library.build import C_SOURCES, PLATFORMS, core_digest, kernels, objects
 
 from ..fmu.masters import COMPILER, HERE, Master
 from ..fmu.test_failures import FAILURES, commands, sequences
@@ -66,7 +66,7 @@ def test_the_sanitizers_find_neither_a_wrong_access_nor_undefined_behaviour(fmu,
     name = f'-DCORE="{core_digest()}"'
     skin = ("-std=c2x", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", name)
     for options, files in (
-        ((*skin, "-o", target), (*SKIN.glob("*.c"), *parts)),
+        ((*skin, "-o", target), (*C_SOURCES.glob("*.c"), *parts)),
         (("-std=c99", "-o", tmp_path / "host"), (HERE / "host.c",)),
     ):
         subprocess.run([COMPILER, *SANITIZED, *options, *files, "-lm", "-ldl"], check=True)

@@ -11,8 +11,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from rotor_fmu.native.core import PLATFORMS, kernels, library
-from rotor_fmu.native.pack import build_native
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.library.build import PLATFORMS, kernels, library
 
 # Of a system's library, what is exact everywhere; what LLVM makes of an intrinsic is exact too.
 EXACT = {"sqrt", "ceil", "memset", "memcpy"}

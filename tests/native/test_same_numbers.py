@@ -11,7 +11,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.runs.job import load_rotor
 
 from .machine import Machine, observed

@@ -5,7 +5,6 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
-import fmpy
 import numpy as np
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.cubic_spring import CUBIC
@@ -13,11 +12,10 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.fmu.interface import interface
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.packing.documents import documents
 
 TOML = Path(sys.argv[1]).read_text()
-OUT = Path(sys.argv[2])
 SPEED, DURATION = 180.0, 0.02
 
 
@@ -54,27 +52,17 @@ d, d_dot, dz = 3e-4 - 2e-4j, 0.1 + 0.3j, 0.6 + 0.8j
 _, p, q = CUBIC.tangent(record, (), d, d_dot, 0.0, 0.0, 1.0, 0.02, 0.0, (), ())
 linear = derivative(record, d, d_dot, dz, 1.0, 0.02)
 runs = [run(steps) for steps in (40, 80, 160)]
-table = {v.name: [v.causality, v.unit, v.text] for v in interface(parse_rotor(TOML))}
-fmu = build(OUT, TOML)
-folder = fmpy.extract(str(fmu), unzipdir=str(OUT / "unzipped"))
-result = fmpy.simulate_fmu(
-    str(fmu),
-    stop_time=0.008,
-    output_interval=0.004,
-    start_values={"speed": SPEED, "cubic_spring[1].drag": 50.0},
-    output=["cubic_spring[1].pull", "energy.cubic"],
-)
+variables = interface(parse_rotor(TOML))
+files = documents(parse_rotor(TOML), variables, "RotorBearing", needs_python=True, fmi=2)
 seen = {
     "tangent": abs(p * dz + q * dz.conjugate() - linear) / abs(linear),
     "x": [abs(b[0] - a[0]) for a, b in pairwise(runs)],
     "residual": [abs(r[1]) for r in runs],
     "loss": runs[-1][2],
     "stored": runs[-1][3],
-    "table": table,
+    "table": {v.name: [v.causality, v.unit, v.text] for v in variables},
     "misspelt": refusal(TOML.replace("cubic = ", "cubik = ")),
     "impossible": refusal(TOML.replace("4e12", "-4e12")),
-    "page": (Path(folder) / "documentation" / "index.html").read_text(),
-    "pull": result["cubic_spring[1].pull"].tolist(),
-    "energy": result["energy.cubic"].tolist(),
+    "page": files["documentation/index.html"].decode(),
 }
 print(json.dumps(seen))

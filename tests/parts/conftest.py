@@ -4,8 +4,8 @@ from importlib.util import find_spec
 
 import pytest
 
-from rotor_fmu.native.pack import build_native
-from rotor_fmu.packing.bundle import build
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.fmi.packing.python_fmu import build
 
 from .driven import Machine
 

@@ -13,8 +13,8 @@ from rotor_fmu.model.simulation import RotorWarning, Simulation
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.places import places
 
-from rotor_fmu.fmu.binding import build_simulation
-from rotor_fmu.fmu.interface import interface
+from rotor_fmu.fmi.binding import build_simulation
+from rotor_fmu.fmi.interface import interface
 
 from .machines import (
     DROPPED,

@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError, RunFailed
+from ...fmi.packing.python_fmu import package_name
 from ...model.kernels.process_lock import ProcessLock
 from ...model.kernels.sealed_folder import make_private
 from ...model.kernels.user_cache import user_cache
-from ...packing.bundle import package_name
 from ...runs.recording import Recording
 from ..study import FAILED, Result
 from .driving import Drive

@@ -17,7 +17,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...model.simulation import Simulation
-from ...runs.signals import Signals
+from ...runs.signals import Driver, Signals
 from .watch import Watch, Window
 
 
@@ -244,20 +244,19 @@ def _ramp(simulation: Simulation, how: Drive) -> Iterator[float]:
         simulation.advance(t, n["from"] + way * simulation.time)
         yield t
     if how.kind == "up-and-down":
-        rate = -way  # from the top on; later the speeds themselves say so
+        rate: float | None = -way  # from the top on; later the speeds themselves say so
         for t in _instants(top, 2 * top, n["step"]):
             simulation.advance(t, n["from"] + way * (2 * top - simulation.time), rate=rate)
-            rate = math.nan
+            rate = None
             yield t
 
 
 def _by_signals(simulation: Simulation, how: Drive) -> Iterator[float]:
     signals = how.signals
     assert signals is not None  # the reader sees to it
+    driver = Driver(signals, how.loads)
     for t in _instants(0.0, how.numbers["stop"], how.numbers["step"]):
-        now = simulation.time
-        loads = np.array([complex(signals.at(x, now), signals.at(y, now)) for x, y in how.loads])
-        simulation.advance(t, signals.at("speed", now), loads)
+        driver.advance(simulation, simulation.time, t)
         yield t
 
 

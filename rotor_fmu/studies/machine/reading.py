@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ...fmu.binding import load_names
-from ...fmu.variables import Variable
+from ...fmi.binding import load_names
+from ...fmi.variables import Variable
 from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole

@@ -9,9 +9,9 @@ from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 from ...errors import InputError
-from ...fmu.binding import build_simulation
-from ...fmu.interface import interface
-from ...fmu.variables import Variable
+from ...fmi.binding import build_simulation
+from ...fmi.interface import interface
+from ...fmi.variables import Variable
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor
 from ...model.march.tape import Record, recordable

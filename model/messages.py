@@ -1,0 +1,91 @@
+"""What there is to say of a run, each sentence once: a code is its place in `SENTENCES`, behind
+those of the settings (see `spelling`). `{where}` stands for what a machine has in its place.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+
+from .doubts import DOUBTS, UNFINISHED
+from .settings import messages as settings
+from .spelling import choice
+from .stability import sentences as whirls
+
+GOOD = settings.GOOD
+_WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
+_NO_REST = "no static equilibrium under gravity and the loads at the start"
+_DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
+
+
+def _positional(template: str, **texts: str) -> str:
+    """A template with named places as a sentence of `spelling`."""
+    for name, text in texts.items():
+        template = template.replace(f"{{{name}}}", text)
+    return re.sub(r"\{\w*:([^{}]*)\}", r"{\1}", template)
+
+
+def _either(one: str, other: str, inside: str) -> str:
+    """Of two templates about one number that which a flag names, told before and behind it."""
+    parts = zip(one.split(inside), other.split(inside), strict=True)
+    return inside.join(choice(pair) for pair in parts)
+
+
+_WAY = choice(whirls.WAYS)
+_DOES = _either(*whirls.DOES, "{seen:.3g}")
+_SENTENCES = {
+    "NOT_HELD": "no static equilibrium: the rotor is held at {d} of its nodes and would tilt under "
+    "gravity; at least 2 bearings or supports are needed",
+    "TOO_FAR": f"{_NO_REST}: it would lie beyond {{.3g}} m, a tenth of the shaft's length; "
+    "clearances and loads must be smaller, or springs stiffer",
+    "NO_REST": f"{_NO_REST} was found",
+    "LOST_IN_ROUNDING": f"{_NO_REST} was found: beside the stiffness of the shaft's elements, "
+    "{.2g} N/m, rounding hides what holds it, {.2g} N/m; a smaller young is as rigid",
+    "ON_A_HUMP": f"{_NO_REST} that is stable was found: a journal lies on a hump of its worn bore; "
+    "change wear_angle, or tell a [start]",
+    "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
+    "of the shaft's length",
+    "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
+    "preset robust",
+    "DIVERGED": f"{_DIVERGED}try a smaller solver.h; what diverges at every step length is the "
+    "machine's own, with loads or a speed that it does not bear",
+    "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
+    "alpha_m <= alpha_f <= 0.5",
+    "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
+    "STOPPED": f"{_WHERE}{UNFINISHED}",
+    "OSCILLATES_AT_REST": _positional(whirls.AT_REST, how=whirls.OSCILLATES),
+    "MOVES_AT_REST": _positional(whirls.AT_REST, how=whirls.MOVES_AWAY),
+    "HIDES": _positional(whirls.HIDES, way=_WAY, does=_DOES),
+    **{doubt.since: _positional(doubt.words) for doubt in DOUBTS},
+}
+SENTENCES = (*settings.SENTENCES, *_SENTENCES.values())
+_FIRST = len(settings.SENTENCES)
+(
+    NOT_HELD,
+    TOO_FAR,
+    NO_REST,
+    LOST_IN_ROUNDING,
+    ON_A_HUMP,
+    START_BEYOND,
+    NOT_CONVERGED,
+    DIVERGED,
+    DIVERGED_UNSTABLE,
+    WHIRLED_APART,
+    STOPPED,
+    OSCILLATES_AT_REST,
+    MOVES_AT_REST,
+    HIDES,
+    DOUBTFUL,  # the first of `DOUBTS`
+) = range(_FIRST, _FIRST + len(_SENTENCES) - len(DOUBTS) + 1)
+
+
+def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
+    """What stands for `{where}`: all contacts open, all that slip closed, each alone.
+
+    contacts: names of the interfaces."""
+    walls = np.flatnonzero(interfaces.slips == 1).tolist()
+    together = whirls.AND.join(contacts[j] for j in walls)
+    alone = [f"{name}{whirls.SLIPPING}" for name in contacts]
+    return choice((whirls.OPEN, f"{together}{whirls.SLIPPING}", *alone))

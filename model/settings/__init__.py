@@ -1,0 +1,194 @@
+"""What a user chooses about the integration, with the named presets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..kernels.compiled import plain
+from ..march.block import METHOD
+from ..march.control import Control
+from ..refusal import Refusal
+from ..schemes.family import Scheme
+from ..spelling import TOLD, spell
+from . import messages, table
+from .resolver import COUNT, encoded, resolve, warning
+from .table import (
+    DEFAULT_PRESET,
+    DEFAULTS,
+    INDICATORS,
+    METHODS,
+    MODES,
+    NAMES,
+    NORMS,
+    SETTINGS,
+    SHAPES,
+    Number,
+)
+
+__all__ = [
+    "DEFAULT_PRESET",
+    "INDICATORS",
+    "METHODS",
+    "MODES",
+    "NORMS",
+    "PRESETS",
+    "Settings",
+    "SettingsError",
+    "choose",
+    "settings_of_given",
+]
+
+
+class SettingsError(Refusal, ValueError):
+    """Settings that no run can have; names the setting, its value and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Integrator and step control.
+
+    method: one of `METHODS`, with the parameters that it takes of alpha_f, alpha_m, rho [1];
+    mode: `fixed`, `adaptive` (paper A's) or `controlled`; h: step length, where it varies the first
+    [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
+    relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
+    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
+    max_iterations: of the interfaces' problem in one call of `Simulation.advance`.
+    fitted: whether the method is fitted to the pace of the motion (`fitting`).
+    reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
+
+    Ranges and defaults are those of `table.SETTINGS`. Raises `SettingsError`.
+    """
+
+    method: str = DEFAULTS["method"]
+    alpha_f: float = DEFAULTS["alpha_f"]
+    alpha_m: float = DEFAULTS["alpha_m"]
+    rho: float = DEFAULTS["rho"]
+    mode: str = DEFAULTS["mode"]
+    h: float = DEFAULTS["h"]
+    h_min: float = DEFAULTS["h_min"]
+    h_max: float = DEFAULTS["h_max"]
+    eps_min: float = DEFAULTS["eps_min"]
+    eps_max: float = DEFAULTS["eps_max"]
+    indicator: str = DEFAULTS["indicator"]
+    norm: str = DEFAULTS["norm"]
+    atol: float = DEFAULTS["atol"]
+    rtol: float = DEFAULTS["rtol"]
+    tolerance: float = DEFAULTS["tolerance"]
+    fitted: bool = DEFAULTS["fitted"]
+    max_iterations: int = DEFAULTS["max_iterations"]
+    reduction: int = 0
+
+    def __post_init__(self) -> None:
+        if self.reduction != int(self.reduction) or self.reduction < 0:
+            raise SettingsError(f"reduction = {self.reduction}: must be an integer >= 0")
+        _ = self.numbers
+
+    @cached_property
+    def _given(self) -> np.ndarray:
+        values = {name: getattr(self, name) for name in NAMES}
+        taken = METHODS.get(values["method"], ())
+        return _given(0, {n: v for n, v in values.items() if n not in SHAPES or n in taken})
+
+    @cached_property
+    def numbers(self) -> np.void:
+        """The record of integrator and step control (`block.METHOD`)."""
+        return _resolved(self._given)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What makes every run with them doubtful: a method that is unstable."""
+        return _warnings(self._given, self._given, self.numbers, [COUNT])
+
+    def scheme(self) -> Scheme:
+        """The integrator's parameters."""
+        return Scheme(*(float(self.numbers[name]) for name in Scheme._fields))
+
+    def control(self) -> Control:
+        """The step control, in the form that the compiled loop takes."""
+        chosen = [name for name in Control._fields if name in (METHOD.names or ())]
+        values = {name: self.numbers[name].item() for name in chosen}
+        return Control(**values | {"is_fitted": bool(values["is_fitted"])})
+
+
+def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
+    """Settings as the resolver takes them."""
+    given = np.full(1 + COUNT, np.nan)
+    given[0] = preset
+    for name, value in changes.items():
+        try:
+            given[1 + NAMES.index(name)] = encoded(name, value)
+        except ValueError as error:
+            raise SettingsError(str(error)) from error
+    return given
+
+
+def _resolved(given: np.ndarray) -> np.void:
+    """The record that settings give, `given` filled in; raises `SettingsError`."""
+    numbers, told = np.zeros(1, METHOD).view(np.recarray), np.zeros(TOLD)
+    code = plain(resolve)(given, numbers[0], told)
+    if code != messages.GOOD:
+        raise SettingsError(spell(messages.SENTENCES[code], told))
+    return numbers[0]
+
+
+def _chosen(given: np.ndarray, reduction: int) -> Settings:
+    """The settings that the resolver filled in."""
+    values: dict[str, Any] = {}
+    for setting, number in zip(SETTINGS, given[1:].tolist(), strict=True):
+        if isinstance(setting, Number):
+            values[setting.name] = int(number) if setting.is_whole else number
+        else:
+            names = list(setting.values)
+            is_switch = isinstance(setting, table.Switch)
+            values[setting.name] = bool(number) if is_switch else names[int(number)]
+    return Settings(**values, reduction=reduction)
+
+
+PRESETS = {name: Settings(**of) for name, of in table.PRESETS.items()}
+
+
+def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
+    """A preset with some settings changed.
+
+    Raises `SettingsError` for impossible ones, for a method without the parameters that it takes,
+    and for a parameter that the method does not take.
+    """
+    if preset not in PRESETS:
+        raise SettingsError(f"preset = {preset!r}: must be one of {', '.join(PRESETS)}")
+    reduction = changes.pop("reduction", 0)
+    unknown = changes.keys() - {*NAMES}
+    if unknown:
+        raise TypeError(f"choose: there is no setting {', '.join(sorted(unknown))}")
+    given = _given(list(PRESETS).index(preset), changes)
+    _resolved(given)
+    return _chosen(given, reduction)
+
+
+def settings_of_given(
+    given: np.ndarray, reduction: int, tolerance: float | None = None
+) -> tuple[Settings, list[str]]:
+    """The settings that an FMU's parameters stand for, as `resolver.resolve` takes them, and a
+    sentence for each that changes nothing; tolerance: the experiment's [1], which a value among
+    them overrides. Raises `SettingsError`."""
+    own = given.copy()
+    at = 1 + NAMES.index("tolerance")
+    if tolerance is not None and np.isnan(given[at]):
+        given[at] = tolerance
+    numbers = _resolved(given)
+    return _chosen(given, reduction), _warnings(given, own, numbers, range(COUNT))
+
+
+def _warnings(
+    given: np.ndarray, own: np.ndarray, numbers: np.void, slots: Iterable[int]
+) -> list[str]:
+    """What `resolver.warning` has to say of some settings."""
+    told, said = np.zeros(TOLD), []
+    for slot in slots:
+        code = plain(warning)(given, own, numbers, told, slot)
+        said += [spell(messages.SENTENCES[code], told)] if code else []
+    return said

@@ -1,0 +1,62 @@
+"""What is said of settings: a code is the place of a sentence in `SENTENCES` (see `spelling`).
+
+All but `UNSTABLE` begin with the name of a setting, before which an FMU puts a prefix.
+"""
+
+from __future__ import annotations
+
+from ..spelling import choice
+from .table import BY_NAME, METHODS, MODES, NORMS, SETTINGS, SHAPES, Choice, is_idle
+
+GOOD = 0
+(NOT_TAKEN, NEEDED, STEP_OUTSIDE, LIMITS_CROSSED, BAD_DIFFERENCE, UNSTABLE, OUT_OF_RANGE) = range(
+    1, 8
+)
+IDLE = OUT_OF_RANGE + len(SETTINGS)
+
+_METHOD, _SHAPE = choice(METHODS), choice(SHAPES)
+
+
+def _shown(name: str) -> str:
+    """A setting with its value."""
+    setting = BY_NAME[name]
+    if isinstance(setting, Choice):
+        return f"{name} = {choice(setting.values)}"
+    return f"{name} = {{g}}" + ("" if setting.unit == "1" else f" {setting.unit}")
+
+
+def _out_of_range(name: str) -> str:
+    setting = BY_NAME[name]
+    if isinstance(setting, Choice):
+        return ""  # a choice has no other values than its own
+    return f"{_shown(name)}: {setting.rule}"
+
+
+def _idle(name: str) -> str:
+    if not any(is_idle(name, mode, norm) for mode in MODES for norm in NORMS):
+        return ""
+    norms = choice(("", *(f" with the norm {norm}" for norm in NORMS)))
+    return f"{_shown(name)}: has no effect in the mode {choice(MODES)}{norms}"
+
+
+SENTENCES = (
+    "",
+    f"{_SHAPE} = {{g}}: {_METHOD} does not take it; set the method too",
+    f"method = {_METHOD}: needs {_SHAPE} too",
+    "h = {g} s: must lie between h_min = {g} s and h_max = {g} s",
+    "eps_min = {g}: must be below eps_max = {g}",
+    "alpha_f - alpha_m = {g}: must be above -1 (beta would be 0)",
+    f"{_METHOD} with alpha_f = {{g}}, alpha_m = {{g}} is unstable: its spectral radius for fast "
+    "oscillations is {.4g}, above 1; the run will diverge",
+    *(_out_of_range(setting.name) for setting in SETTINGS),
+    *(_idle(setting.name) for setting in SETTINGS),
+)
+assert len(SENTENCES) == IDLE + len(SETTINGS)
+
+
+def prefixed(prefix: str) -> tuple[str, ...]:
+    """The sentences with `prefix` before the settings' names."""
+    return tuple(
+        text if code in (GOOD, UNSTABLE) or not text else f"{prefix}{text}"
+        for code, text in enumerate(SENTENCES)
+    )

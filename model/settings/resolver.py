@@ -1,0 +1,193 @@
+"""The one place where settings are settled: preset and changes -> integrator and step control, or
+the code of a sentence.
+
+A setting is a number, or of a choice its place among the names; NaN leaves it to the preset.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..kernels.compiled import compiled
+from ..march.control import ADAPTIVE, CONTROLLED, FIXED
+from ..schemes.family import alphas, second_order
+from ..stability.resolution import is_stable
+from . import messages as say
+from .table import (
+    BY_NAME,
+    DEFAULTS,
+    INDICATORS,
+    METHODS,
+    MODES,
+    NAMES,
+    NORMS,
+    PRESETS,
+    SETTINGS,
+    SHAPES,
+    Choice,
+    is_idle,
+)
+
+COUNT = len(NAMES)
+_METHOD, _SHAPE, _MODE, _FITTED, _TOLERANCE, _H, _H_MIN, _H_MAX = (
+    NAMES.index(name)
+    for name in ("method", SHAPES[0], "mode", "fitted", "tolerance", "h", "h_min", "h_max")
+)
+_EPS_MIN, _EPS_MAX, _INDICATOR, _NORM, _ATOL, _RTOL, _MAX_ITERATIONS = (
+    NAMES.index(name)
+    for name in ("eps_min", "eps_max", "indicator", "norm", "atol", "rtol", "max_iterations")
+)
+_SHAPES = len(SHAPES)
+_NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT = (
+    list(METHODS).index(name) for name in ("newmark", "hht", "wbz", "chung-hulbert")
+)
+_STABLE = 1e-12  # what is rounding in a condition of stability
+
+
+def encoded(name: str, value: object) -> float:
+    """The number that stands for a setting's value. Raises `ValueError` for what is none."""
+    return BY_NAME[name].encoded(value)
+
+
+_PRESETS = np.array(
+    [[encoded(name, (DEFAULTS | of)[name]) for name in NAMES] for of in PRESETS.values()]
+)
+_TAKES = np.array([[name in taken for name in SHAPES] for taken in METHODS.values()])
+_MODES = np.array(list(MODES.values()))
+_INDICATORS = np.array([code for code, _ in INDICATORS.values()])
+_CORRECTED = np.array([is_corrected for _, is_corrected in INDICATORS.values()])
+_NORMS = np.array(list(NORMS.values()))
+_IS_NUMBER = np.array([not isinstance(setting, Choice) for setting in SETTINGS])
+# low, whether above it alone, high, whether below it alone
+_RANGES = np.array(
+    [
+        (0.0, 0.0, 0.0, 0.0)
+        if isinstance(of, Choice)
+        else (of.range.low, of.range.is_above, of.range.high, of.range.is_below)
+        for of in SETTINGS
+    ]
+)
+_IS_IDLE = np.array(
+    [[[is_idle(name, mode, norm) for name in NAMES] for norm in NORMS] for mode in MODES]
+)
+
+
+@compiled
+def resolve(given, numbers, told):
+    """Fill in the record of a run's method from the settings `given`, shape (1 + COUNT,), the
+    preset's place first; `given` then holds what was chosen.
+
+    Returns the code of a sentence, with its numbers in `told`, or `GOOD`.
+    """
+    preset = int(given[0])
+    base = int(_PRESETS[preset, _METHOD])
+    method = base if math.isnan(given[1 + _METHOD]) else int(given[1 + _METHOD])
+    for i in range(_SHAPES):
+        is_given = not math.isnan(given[1 + _SHAPE + i])
+        if is_given and not _TAKES[method, i]:
+            told[0], told[1], told[2] = i, given[1 + _SHAPE + i], method
+            return say.NOT_TAKEN
+        if _TAKES[method, i] and method != base and not is_given:
+            told[0], told[1] = method, i
+            return say.NEEDED
+    for slot in range(COUNT):
+        if math.isnan(given[1 + slot]):
+            given[1 + slot] = _PRESETS[preset, slot]
+        is_used = not _SHAPE <= slot < _SHAPE + _SHAPES or _TAKES[method, slot - _SHAPE]
+        if _IS_NUMBER[slot] and is_used and not _is_in_range(given[1 + slot], slot):
+            told[0] = given[1 + slot]
+            return say.OUT_OF_RANGE + slot
+    mode = int(_MODES[int(given[1 + _MODE])])
+    h, h_min, h_max = given[1 + _H], given[1 + _H_MIN], given[1 + _H_MAX]
+    if mode != FIXED and not (h_min <= h <= h_max):
+        told[0], told[1], told[2] = h, h_min, h_max
+        return say.STEP_OUTSIDE
+    if mode == ADAPTIVE and not given[1 + _EPS_MIN] < given[1 + _EPS_MAX]:
+        told[0], told[1] = given[1 + _EPS_MIN], given[1 + _EPS_MAX]
+        return say.LIMITS_CROSSED
+    alpha_f, alpha_m = _alphas(given, method)
+    if alpha_f - alpha_m <= -1.0:
+        told[0] = alpha_f - alpha_m
+        return say.BAD_DIFFERENCE
+    _fill(numbers, given, mode, second_order(alpha_f, alpha_m))
+    return say.GOOD
+
+
+@compiled
+def _is_in_range(value, slot):
+    low, high = _RANGES[slot, 0], _RANGES[slot, 2]
+    is_above = value > low or (value == low and _RANGES[slot, 1] == 0.0)
+    return is_above and (value < high or (value == high and _RANGES[slot, 3] == 0.0))
+
+
+@compiled
+def _alphas(given, method):
+    """alpha_f and alpha_m of the member of the family."""
+    if method == _CHUNG_HULBERT:
+        return alphas(given[3 + _SHAPE])
+    alpha_f = 0.0 if method in (_WBZ, _NEWMARK) else given[1 + _SHAPE]
+    alpha_m = 0.0 if method in (_HHT, _NEWMARK) else given[2 + _SHAPE]
+    return alpha_f, alpha_m
+
+
+@compiled
+def _fill(numbers, given, mode, scheme):
+    shift = (scheme.alpha_m - scheme.alpha_f) / 2
+    indicator = int(given[1 + _INDICATOR])
+    numbers.alpha_m, numbers.alpha_f = scheme.alpha_m, scheme.alpha_f
+    numbers.beta, numbers.gamma = scheme.beta, scheme.gamma
+    numbers.mode = mode
+    numbers.h_min, numbers.h_max = given[1 + _H_MIN], given[1 + _H_MAX]
+    numbers.eps_min = given[1 + _EPS_MIN]
+    numbers.eps_max = 1.0 if mode == CONTROLLED else given[1 + _EPS_MAX]
+    numbers.indicator = _INDICATORS[indicator]
+    numbers.beta_error = scheme.beta + (shift if _CORRECTED[indicator] else 0.0)
+    numbers.norm = _NORMS[int(given[1 + _NORM])]
+    numbers.atol, numbers.rtol = given[1 + _ATOL], given[1 + _RTOL]
+    numbers.tolerance = given[1 + _TOLERANCE]
+    numbers.error_constant = scheme.beta + shift - 1 / 6
+    numbers.is_fitted = int(given[1 + _FITTED])
+
+
+@compiled
+def begin(given, r):
+    """Write what a run begins with into its record, from the settings chosen."""
+    r.h = given[1 + _H]
+    r.max_iterations = given[1 + _MAX_ITERATIONS]
+
+
+@compiled
+def radius_at_infinity(numbers):
+    """`Scheme.rho_infinity` of a method's record [1]."""
+    beta, gamma, af = numbers.beta, numbers.gamma, numbers.alpha_f
+    discriminant = (0.5 + gamma) ** 2 - 4 * beta
+    if abs(discriminant) < _STABLE:
+        discriminant = 0.0
+    middle = 2 * beta - 0.5 - gamma
+    if discriminant < 0.0:
+        pair = math.sqrt(middle * middle - discriminant) / (2 * beta)
+    else:
+        root = math.sqrt(discriminant)
+        pair = max(abs(middle - root), abs(middle + root)) / (2 * beta)
+    return max(pair, abs(af / (1 - af)))
+
+
+@compiled
+def warning(given, own, numbers, told, slot):
+    """Code of a warning about one of the `own` settings among `given`, as they were before
+    `resolve`, or `GOOD`; behind the last of them about the method."""
+    method = int(given[1 + _METHOD])
+    if slot == COUNT:
+        if is_stable(numbers):
+            return say.GOOD
+        told[0], told[1], told[2] = method, numbers.alpha_f, numbers.alpha_m
+        told[3] = radius_at_infinity(numbers)
+        return say.UNSTABLE
+    mode, norm = int(given[1 + _MODE]), int(given[1 + _NORM])
+    if math.isnan(own[1 + slot]) or not _IS_IDLE[mode, norm, slot]:
+        return say.GOOD
+    told[0], told[1] = given[1 + slot], mode
+    told[2] = 1.0 + norm if _MODES[mode] == ADAPTIVE else 0.0
+    return say.IDLE + slot

@@ -1,0 +1,199 @@
+"""The solver's settings, each once: its unit, its range, its default and what it is; what each
+method and each mode looks at; the presets. Whatever else knows of them is made from here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..march.control import ADAPTIVE, CONTROLLED, FIXED
+from ..march.paper_control import (
+    INCREMENT_NORM,
+    LI_ZENG_WIBERG,
+    MIXED_NORM,
+    ZIENKIEWICZ_XIE,
+)
+from ..schemes.family import ALPHA, RHO, Range
+
+# The parameters that each method takes.
+METHODS = {
+    "newmark": (),
+    "hht": ("alpha_f",),
+    "wbz": ("alpha_m",),
+    "generalized-alpha": ("alpha_f", "alpha_m"),
+    "chung-hulbert": ("rho",),
+}
+MODES = {"fixed": FIXED, "adaptive": ADAPTIVE, "controlled": CONTROLLED}
+# name: (indicator, whether with the constant that is right for generalized-alpha)
+INDICATORS = {
+    "zienkiewicz-xie": (ZIENKIEWICZ_XIE, False),
+    "zienkiewicz-xie-corrected": (ZIENKIEWICZ_XIE, True),
+    "li-zeng-wiberg": (LI_ZENG_WIBERG, False),
+    "li-zeng-wiberg-corrected": (LI_ZENG_WIBERG, True),
+}
+NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A setting with names for its values; variable: what the FMU calls it, if otherwise."""
+
+    name: str
+    values: Mapping[str, Any]
+    default: Any
+    text: str
+    variable: str = ""
+
+    def encoded(self, value: Any) -> float:
+        """The place of a value among the names."""
+        if value not in self.values:
+            raise ValueError(f"{self.name} = {value!r}: must be one of {', '.join(self.values)}")
+        return float(list(self.values).index(value))
+
+
+@dataclass(frozen=True)
+class Switch(Choice):
+    """A setting that is false or true."""
+
+    def encoded(self, value: Any) -> float:
+        """0 or 1."""
+        if not isinstance(value, bool):
+            raise ValueError(f"{self.name} = {value!r}: must be true or false")
+        return float(value)
+
+
+@dataclass(frozen=True)
+class Number:
+    """A setting that is a number of a range.
+
+    unset: what stands for "as the preset" in an FMU, where a host may set every start value: a
+    number outside the range; is_whole: whether it is an integer.
+    """
+
+    name: str
+    unit: str
+    range: Range
+    default: float
+    unset: float
+    text: str
+    variable: str = ""
+    is_whole: bool = False
+
+    @property
+    def rule(self) -> str:
+        """What it may be, in words."""
+        return self.range.words("" if self.unit == "1" else f" {self.unit}")
+
+    def encoded(self, value: Any) -> float:
+        """The number itself."""
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise ValueError(f"{self.name} = {value!r}: must be a number")
+        if math.isnan(value):
+            raise ValueError(f"{self.name} = nan: {self.rule}")
+        if self.is_whole and value != math.inf and value != int(value):
+            raise ValueError(f"{self.name} = {value:g}: must be an integer")
+        return float(value)
+
+
+def _positive(most: float) -> Range:
+    return Range(0.0, most, is_above=True)
+
+
+_BIG = 1e9
+SETTINGS: tuple[Choice | Number, ...] = (
+    Choice("method", METHODS, "chung-hulbert", "integrator"),
+    # 1 leaves no implicit equation
+    Number("alpha_f", "1", ALPHA, 0.0, 1.0, "alpha_f of hht and generalized-alpha"),
+    Number("alpha_m", "1", ALPHA, 0.0, 1.0, "alpha_m of wbz and generalized-alpha"),
+    Number("rho", "1", RHO, 0.2, -1.0, "spectral radius at infinity of chung-hulbert"),
+    Choice("mode", MODES, "fixed", "step length", "adaptive"),
+    Switch("fitted", {"no": False, "yes": True}, False, "whether fitted to the pace of the motion"),
+    Number(
+        "tolerance",
+        "1",
+        Range(1e-9, 1.0),  # below it steps are of the size of what rounds
+        1e-3,
+        0.0,
+        "relative tolerance of the controlled mode",
+    ),
+    Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one where it varies"),
+    Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step where it varies"),
+    Number("h_max", "s", _positive(1.0), 0.02, 0.0, "longest step where it varies"),
+    Number(
+        "eps_min", "1", _positive(_BIG), 0.1, 0.0, "adaptive mode: error below which the step grows"
+    ),
+    Number(
+        "eps_max", "1", _positive(_BIG), 0.3, 0.0, "adaptive mode: error above which it is repeated"
+    ),
+    Choice("indicator", INDICATORS, "zienkiewicz-xie", "error indicator of the adaptive mode"),
+    Choice("norm", NORMS, "increment", "what its error is relative to"),
+    Number("atol", "m", _positive(1.0), 1e-6, 0.0, "absolute part of the mixed norm"),
+    Number("rtol", "1", _positive(1.0), 1e-3, 0.0, "relative part of the mixed norm"),
+    Number(
+        "max_iterations",
+        "1",
+        Range(1, 2e9),
+        10_000_000,
+        0,
+        "iterations of the interfaces' problem, each step counting for one at least, after which a "
+        "communication step ends early",
+        is_whole=True,
+    ),
+)
+NAMES = tuple(setting.name for setting in SETTINGS)
+BY_NAME = dict(zip(NAMES, SETTINGS, strict=True))
+DEFAULTS: dict[str, Any] = {setting.name: setting.default for setting in SETTINGS}
+# The parameters of the methods.
+SHAPES = ("alpha_f", "alpha_m", "rho")
+MOST_MODES = 10_000  # of a reduction
+
+# What decides the step length in each mode, besides h; the last two only where the norm is mixed.
+_OF_MODE = {
+    "fixed": (),
+    "adaptive": ("h_min", "h_max", "eps_min", "eps_max", "indicator", "norm"),
+    "controlled": ("h_min", "h_max", "tolerance"),
+}
+_OF_MIXED = ("atol", "rtol")
+
+
+def is_idle(name: str, mode: str, norm: str) -> bool:
+    """Whether a setting changes nothing in a mode with a norm."""
+    used = _OF_MODE[mode] + (_OF_MIXED if mode == "adaptive" and norm == "mixed" else ())
+    return name not in used and any(name in of for of in (*_OF_MODE.values(), _OF_MIXED))
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    # Chung and Hulbert with strong high-frequency damping: no run fell into the false state.
+    "robust": {"method": "chung-hulbert", "rho": 0.2, "h": 5e-4},
+    # Paper A's run: Figs 3 to 6.
+    "paper": {"method": "generalized-alpha", "alpha_f": 0.1, "alpha_m": 0.08, "h": 0.004},
+    # Paper A's run with variable step: Figs 11 to 15. It gives no limits; with these the run-down
+    # takes some 8000 steps at the accuracy of the fixed step (docs/reproduction.md).
+    "paper-adaptive": {
+        "method": "generalized-alpha",
+        "alpha_f": 0.1,
+        "alpha_m": 0.08,
+        "mode": "adaptive",
+        "h": 0.004,
+        "h_min": 0.004,
+        "h_max": 0.02,
+        "eps_min": 0.5,
+        "eps_max": 1.0,
+    },
+    # Paper B's moderate dissipation, Abaqus' default for contact.
+    "moderate": {"method": "hht", "alpha_f": math.sqrt(2) - 1, "h": 5e-4},
+    # Steps as long as the tolerance allows; no run fell into the false state.
+    "controlled": {
+        "method": "chung-hulbert",
+        "rho": 0.3,
+        "mode": "controlled",
+        "h": 1e-5,
+        "h_min": 1e-9,
+        "h_max": 5e-3,
+        "fitted": True,
+    },
+}
+DEFAULT_PRESET = "controlled"

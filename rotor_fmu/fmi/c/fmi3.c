@@ -1,0 +1,293 @@
+/* FMI 3.0 for co-simulation, over instance.h; types and functions as in sections 2 and 4 of the
+   standard. There are no clocks, no events, no arrays and no intermediate updates. */
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "instance.h"
+
+typedef void *fmi3Instance, *fmi3InstanceEnvironment, *fmi3FMUState;
+typedef uint32_t fmi3ValueReference;
+typedef float fmi3Float32;
+typedef double fmi3Float64;
+typedef int8_t fmi3Int8;
+typedef uint8_t fmi3UInt8;
+typedef int16_t fmi3Int16;
+typedef uint16_t fmi3UInt16;
+typedef int32_t fmi3Int32;
+typedef uint32_t fmi3UInt32;
+typedef int64_t fmi3Int64;
+typedef uint64_t fmi3UInt64;
+typedef bool fmi3Boolean, fmi3Clock;
+typedef const char *fmi3String;
+typedef uint8_t fmi3Byte;
+typedef const fmi3Byte *fmi3Binary;
+typedef int fmi3Status, fmi3DependencyKind, fmi3IntervalQualifier;
+typedef void (*fmi3LogMessageCallback)(fmi3InstanceEnvironment, fmi3Status, fmi3String, fmi3String);
+typedef void (*Callback)(void); /* those that are never called */
+
+#define NEEDED(c)                                                                                \
+    if (!(c))                                                                                    \
+    return ERROR
+
+static void tell(Instance *m, Status status, const char *category, const char *message)
+{
+    fmi3LogMessageCallback log = (fmi3LogMessageCallback)m->host;
+    if (log)
+        log(m->environment, status, category, message);
+}
+static const Skin SKIN = {tell, {"Float64", "Int32", "Boolean"}};
+
+EXPORT const char *fmi3GetVersion(void)
+{
+    return "3.0";
+}
+
+EXPORT fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token,
+                                                fmi3String resources, fmi3Boolean,
+                                                fmi3Boolean logging, fmi3Boolean has_events,
+                                                fmi3Boolean may_return_early,
+                                                const fmi3ValueReference[], size_t,
+                                                fmi3InstanceEnvironment environment,
+                                                fmi3LogMessageCallback log, Callback)
+{
+    Instance *m = create(name, token, resources, logging, &SKIN, (void *)log, environment);
+    if (m && has_events) {
+        refuse(m, "instantiate: the event mode is asked for, and there is none");
+        destroy(m);
+        return NULL;
+    }
+    if (m)
+        m->is_whole = !may_return_early; /* what is discarded then has to have changed nothing */
+    return m;
+}
+EXPORT fmi3Instance fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean,
+                                                 fmi3Boolean, fmi3InstanceEnvironment,
+                                                 fmi3LogMessageCallback)
+{
+    fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
+    return NULL;
+}
+EXPORT fmi3Instance fmi3InstantiateScheduledExecution(fmi3String, fmi3String, fmi3String,
+                                                      fmi3Boolean, fmi3Boolean,
+                                                      fmi3InstanceEnvironment,
+                                                      fmi3LogMessageCallback, Callback, Callback,
+                                                      Callback)
+{
+    fprintf(stderr, "instantiate: the FMU is for co-simulation alone\n");
+    return NULL;
+}
+EXPORT void fmi3FreeInstance(fmi3Instance c)
+{
+    destroy(c);
+}
+EXPORT fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
+                                      const fmi3String categories[])
+{
+    NEEDED(c);
+    return choose_categories(c, on, count, categories);
+}
+
+EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance,
+                                              fmi3Float64 tolerance, fmi3Float64 start,
+                                              fmi3Boolean has_stop, fmi3Float64 stop)
+{
+    NEEDED(c);
+    return set_up(c, start, has_stop, stop, has_tolerance, tolerance) ? ERROR : enter(c);
+}
+EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c)
+{
+    NEEDED(c);
+    return leave_initialization(c);
+}
+EXPORT fmi3Status fmi3Terminate(fmi3Instance c)
+{
+    NEEDED(c);
+    return terminate(c);
+}
+EXPORT fmi3Status fmi3Reset(fmi3Instance c)
+{
+    NEEDED(c);
+    begin_anew(c);
+    return OK;
+}
+EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 size, fmi3Boolean,
+                             fmi3Boolean *needs_event, fmi3Boolean *terminates, fmi3Boolean *early,
+                             fmi3Float64 *reached)
+{
+    NEEDED(c);
+    const Instance *m = c;
+    Status status = march(c, current, size);
+    int is_early = status == DISCARD && !m->is_whole;
+    if (needs_event)
+        *needs_event = false;
+    if (terminates)
+        *terminates = false;
+    if (early)
+        *early = is_early;
+    if (reached)
+        *reached = m->state->now;
+    return is_early ? WARNING : status;
+}
+
+/* --- values: of the types that there are no variables of, every reference is refused ---------- */
+
+#define VALUES(KIND, NAME)                                                                       \
+    static void put##NAME(void *values, size_t i, double value)                                  \
+    {                                                                                            \
+        ((fmi3##NAME *)values)[i] = (fmi3##NAME)value;                                           \
+    }                                                                                            \
+    static double item##NAME(const void *values, size_t i)                                       \
+    {                                                                                            \
+        return (double)((const fmi3##NAME *)values)[i];                                          \
+    }                                                                                            \
+    EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
+                                    fmi3##NAME values[], size_t count)                           \
+    {                                                                                            \
+        NEEDED(c);                                                                               \
+        if (count != n)                                                                          \
+            return refuse(c, "get" #NAME ": %zu values for %zu variables", count, n);            \
+        return get_values(c, KIND, #NAME, vr, n, values, put##NAME);                             \
+    }                                                                                            \
+    EXPORT fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
+                                    const fmi3##NAME values[], size_t count)                     \
+    {                                                                                            \
+        NEEDED(c);                                                                               \
+        if (count != n)                                                                          \
+            return refuse(c, "set" #NAME ": %zu values for %zu variables", count, n);            \
+        return set_values(c, KIND, #NAME, vr, n, values, item##NAME);                            \
+    }
+VALUES(A_REAL, Float64)
+VALUES(AN_INTEGER, Int32)
+VALUES(A_BOOLEAN, Boolean)
+
+#define NO_VALUES(NAME)                                                                          \
+    EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
+                                    fmi3##NAME values[], size_t)                                 \
+    {                                                                                            \
+        NEEDED(c);                                                                               \
+        return get_values(c, NO_KIND, #NAME, vr, n, values, NULL);                               \
+    }                                                                                            \
+    EXPORT fmi3Status fmi3Set##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
+                                    const fmi3##NAME values[], size_t)                           \
+    {                                                                                            \
+        NEEDED(c);                                                                               \
+        return set_values(c, NO_KIND, #NAME, vr, n, values, NULL);                               \
+    }
+NO_VALUES(Float32)
+NO_VALUES(Int8)
+NO_VALUES(UInt8)
+NO_VALUES(Int16)
+NO_VALUES(UInt16)
+NO_VALUES(UInt32)
+NO_VALUES(Int64)
+NO_VALUES(UInt64)
+NO_VALUES(String)
+
+EXPORT fmi3Status fmi3GetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n, size_t[],
+                                fmi3Binary values[], size_t)
+{
+    NEEDED(c);
+    return get_values(c, NO_KIND, "Binary", vr, n, values, NULL);
+}
+EXPORT fmi3Status fmi3SetBinary(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                                const size_t[], const fmi3Binary values[], size_t)
+{
+    NEEDED(c);
+    return set_values(c, NO_KIND, "Binary", vr, n, values, NULL);
+}
+EXPORT fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                               fmi3Clock values[])
+{
+    NEEDED(c);
+    return get_values(c, NO_KIND, "Clock", vr, n, values, NULL);
+}
+EXPORT fmi3Status fmi3SetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                               const fmi3Clock values[])
+{
+    NEEDED(c);
+    return set_values(c, NO_KIND, "Clock", vr, n, values, NULL);
+}
+
+/* --- state ---------------------------------------------------------------------------------- */
+
+EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state)
+{
+    NEEDED(c);
+    return take_state(c, state);
+}
+EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state)
+{
+    NEEDED(c);
+    return give_state(c, state);
+}
+EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state)
+{
+    NEEDED(c);
+    free_state(state);
+    return OK;
+}
+EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size)
+{
+    NEEDED(c);
+    if (!state || !size)
+        return refuse(c, "serializedFMUStateSize: NULL given");
+    *size = state_size(c);
+    return OK;
+}
+EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[],
+                                        size_t size)
+{
+    NEEDED(c);
+    return write_state(c, state, bytes, size);
+}
+EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
+                                          fmi3FMUState *state)
+{
+    NEEDED(c);
+    return read_state(c, bytes, size, state);
+}
+
+/* --- what an FMU may leave out, and this one does -------------------------------------------- */
+
+#define NOT_OFFERED(NAME, ...)                                                                   \
+    EXPORT fmi3Status fmi3##NAME(fmi3Instance c __VA_OPT__(, ) __VA_ARGS__)                      \
+    {                                                                                            \
+        NEEDED(c);                                                                               \
+        return refuse(c, #NAME ": is not offered");                                              \
+    }
+typedef const fmi3ValueReference *References;
+NOT_OFFERED(EnterEventMode)
+NOT_OFFERED(EnterStepMode)
+NOT_OFFERED(EnterConfigurationMode)
+NOT_OFFERED(ExitConfigurationMode)
+NOT_OFFERED(EnterContinuousTimeMode)
+NOT_OFFERED(EvaluateDiscreteStates)
+NOT_OFFERED(UpdateDiscreteStates, fmi3Boolean *, fmi3Boolean *, fmi3Boolean *, fmi3Boolean *,
+            fmi3Boolean *, fmi3Float64 *)
+NOT_OFFERED(GetNumberOfVariableDependencies, fmi3ValueReference, size_t *)
+NOT_OFFERED(GetVariableDependencies, fmi3ValueReference, size_t *, fmi3ValueReference *, size_t *,
+            fmi3DependencyKind *, size_t)
+NOT_OFFERED(GetDirectionalDerivative, References, size_t, References, size_t, const fmi3Float64 *,
+            size_t, fmi3Float64 *, size_t)
+NOT_OFFERED(GetAdjointDerivative, References, size_t, References, size_t, const fmi3Float64 *,
+            size_t, fmi3Float64 *, size_t)
+NOT_OFFERED(GetOutputDerivatives, References, size_t, const fmi3Int32 *, fmi3Float64 *, size_t)
+NOT_OFFERED(GetIntervalDecimal, References, size_t, fmi3Float64 *, fmi3IntervalQualifier *)
+NOT_OFFERED(GetIntervalFraction, References, size_t, fmi3UInt64 *, fmi3UInt64 *,
+            fmi3IntervalQualifier *)
+NOT_OFFERED(GetShiftDecimal, References, size_t, fmi3Float64 *)
+NOT_OFFERED(GetShiftFraction, References, size_t, fmi3UInt64 *, fmi3UInt64 *)
+NOT_OFFERED(SetIntervalDecimal, References, size_t, const fmi3Float64 *)
+NOT_OFFERED(SetIntervalFraction, References, size_t, const fmi3UInt64 *, const fmi3UInt64 *)
+NOT_OFFERED(SetShiftDecimal, References, size_t, const fmi3Float64 *)
+NOT_OFFERED(SetShiftFraction, References, size_t, const fmi3UInt64 *, const fmi3UInt64 *)
+NOT_OFFERED(CompletedIntegratorStep, fmi3Boolean, fmi3Boolean *, fmi3Boolean *)
+NOT_OFFERED(SetTime, fmi3Float64)
+NOT_OFFERED(SetContinuousStates, const fmi3Float64 *, size_t)
+NOT_OFFERED(GetContinuousStates, fmi3Float64 *, size_t)
+NOT_OFFERED(GetContinuousStateDerivatives, fmi3Float64 *, size_t)
+NOT_OFFERED(GetNominalsOfContinuousStates, fmi3Float64 *, size_t)
+NOT_OFFERED(GetNumberOfContinuousStates, size_t *)
+NOT_OFFERED(GetEventIndicators, fmi3Float64 *, size_t)
+NOT_OFFERED(GetNumberOfEventIndicators, size_t *)
+NOT_OFFERED(ActivateModelPartition, fmi3ValueReference, fmi3Float64)

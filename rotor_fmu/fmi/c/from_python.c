@@ -1,0 +1,34 @@
+/* What Python calls: a run without an FMU around it, and the instance of the FMU in Python. */
+#include "instance.h"
+#include "kernels.h"
+
+EXPORT int rotor_start(uint8_t *block, double speed, double drive, double rate)
+{
+    CALL(rotor_start, block, speed, drive, rate);
+}
+EXPORT int rotor_advance(uint8_t *block, double t, double drive, double rate)
+{
+    CALL(rotor_advance, block, t, drive, rate);
+}
+EXPORT int rotor_survey(uint8_t *block, double speed, int64_t is_start)
+{
+    CALL(rotor_survey, block, speed, is_start);
+}
+EXPORT int rotor_look(uint8_t *block)
+{
+    CALL(rotor_look, block);
+}
+
+typedef void (*Hear)(void *environment, int status, const char *message);
+static void hear(Instance *m, Status status, const char *category, const char *message)
+{
+    (void)category;
+    ((Hear)m->host)(m->environment, status, message);
+}
+static const Skin SKIN = {hear, {"Real", "Integer", "Boolean"}};
+/* An instance that tells all to `told`; the rest of its life is FMI 2.0's functions. */
+EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Hear told,
+                                   void *environment)
+{
+    return create_of_table(name, table, size, 1, &SKIN, (void *)told, environment);
+}

@@ -1,0 +1,201 @@
+/* The table of a machine, read from the FMU's resources. */
+#include "internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#define NOGDI /* it calls a number ERROR */
+#include <windows.h>
+#endif
+
+
+static int digit(char c)
+{
+    if (c >= '0' && c <= '9')
+        return c - '0';
+    c |= 32;
+    return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
+}
+
+/* The folder of a URI (FMI 2) or of a path (FMI 3), with the file's name behind it. */
+static char *file_in(const char *resources)
+{
+    const char *from = resources;
+    int is_uri = !strncmp(from, "file:", 5);
+    char *path = malloc(strlen(resources) + sizeof TABLE_FILE + 1), *to = path;
+    if (!path)
+        return NULL;
+    if (is_uri) {
+        from += 5;
+        if (!strncmp(from, "//", 2)) /* an authority, empty or localhost */
+            from = strchr(from + 2, '/') ? strchr(from + 2, '/') : from + 2;
+#ifdef _WIN32
+        if (from[0] == '/' && from[1] && (from[2] == ':' || from[2] == '|'))
+            from++;
+#endif
+    }
+    for (; *from; from++) {
+        if (is_uri && *from == '%' && digit(from[1]) >= 0 && digit(from[2]) >= 0) {
+            *to++ = (char)(16 * digit(from[1]) + digit(from[2]));
+            from += 2;
+        } else {
+            *to++ = *from;
+        }
+    }
+    if (to > path && to[-1] != '/' && to[-1] != '\\')
+        *to++ = '/';
+    strcpy(to, TABLE_FILE);
+    return path;
+}
+
+static FILE *opened(const char *path)
+{
+#ifdef _WIN32
+    wchar_t wide[4096];
+    if (!MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, 4096))
+        return NULL;
+    return _wfopen(wide, L"rb");
+#else
+    return fopen(path, "rb");
+#endif
+}
+
+uint64_t checksum(const void *content, size_t size, size_t but)
+{
+    const unsigned char *from = content;
+    uint64_t sum = 0xcbf29ce484222325u, word;
+    for (size_t at = 0; at + 8 <= size; at += 8) {
+        if (at == but)
+            continue;
+        memcpy(&word, from + at, 8);
+        sum = (sum ^ word) * 0x9e3779b97f4a7c15u;
+        sum ^= sum >> 29;
+    }
+    return sum;
+}
+
+/* Whether so many entries of a size lie within, from a place that is a multiple of 8. */
+static int fits(int64_t at, int64_t count, int64_t size, int64_t within)
+{
+    return at >= 0 && at % 8 == 0 && count >= 0 && at <= within && count <= (within - at) / size;
+}
+
+static int is_within(int64_t i, int64_t count)
+{
+    return i >= 0 && i < count;
+}
+
+/* Whether a text begins there: the last of them ends with zeros, and the variables follow. */
+static int is_text(const Table *t, int64_t at)
+{
+    return at >= (int64_t)sizeof *t && at < t->first_variable;
+}
+
+static int is_variable_sound(const Table *t, const Variable *v)
+{
+    int64_t reals = t->inputs - 1, count = 1; /* of what the role says that `at` counts */
+    if (!is_text(t, v->name) || !is_text(t, v->unit) || !is_text(t, v->rule))
+        return 0;
+    if (v->role == LOAD)
+        count = reals;
+    else if (v->role == SETTING)
+        count = t->settings;
+    else if (v->role == READ || v->role == INSTANT)
+        count = t->variables - t->observed_at;
+    return is_within(v->kind, NO_KIND) && is_within(v->role, ROLES) && is_within(v->at, count);
+}
+
+/* Whether all that is counted and pointed to lies where it has to. */
+static int is_sound(const Table *t)
+{
+    const char *file = (const char *)t;
+    int64_t computed = t->variables - t->observed_at;
+    if (!is_within(t->observed_at, t->variables) || t->inputs < 1 || t->inputs > t->observed_at
+        || !is_within(t->drive_at, t->inputs) || t->settings > MOST_SETTINGS
+        || !is_within(t->tolerance_at, t->settings) || t->state_bytes > t->block)
+        return 0;
+    if (!fits(t->first_variable, t->variables, sizeof(Variable), t->bytes)
+        || t->first_variable <= (int64_t)sizeof *t || file[t->first_variable - 1]
+        || !fits(t->first_write, t->writes, sizeof(Write), t->bytes)
+        || !fits(t->first_need, t->needs, sizeof(Need), t->bytes)
+        || !fits(t->first_sentence, t->sentences, sizeof(int64_t), t->bytes)
+        || !fits(t->first_span, t->spans, sizeof(Span), t->bytes)
+        || !fits(t->first_block, t->block, 1, t->bytes) || !fits(0, t->state_bytes, 1, t->block))
+        return 0;
+    const int64_t places[] = {t->is_free_at, t->continues_at, t->time_at,
+                              t->omega_at,   t->surveyed_at,  t->surveyed_to};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        if (!fits(places[i], 1, sizeof(double), t->block))
+            return 0;
+    if (!fits(t->loads_at, t->inputs - 1, sizeof(double), t->block)
+        || !fits(t->rates_at, t->inputs - 1, sizeof(double), t->block)
+        || !fits(t->observed, computed, sizeof(double), t->block))
+        return 0;
+    int has_tolerance = 0;
+    for (int64_t i = 0; i < t->variables; i++) {
+        const Variable *v = variables(t) + i;
+        if (!is_variable_sound(t, v))
+            return 0;
+        has_tolerance |= v->role == SETTING && v->at == t->tolerance_at;
+    }
+    if (!has_tolerance)
+        return 0;
+    const Write *write = (const Write *)(file + t->first_write);
+    for (int64_t i = 0; i < t->writes; i++, write++)
+        if (!is_within(write->variable, t->observed_at)
+            || !fits(write->place, 1, sizeof(double), t->block))
+            return 0;
+    const Need *need = (const Need *)(file + t->first_need);
+    for (int64_t i = 0; i < t->needs; i++, need++)
+        if (!is_within(need->variable, t->observed_at) || !is_within(need->other, t->observed_at)
+            || !is_text(t, need->sentence))
+            return 0;
+    const Span *span = (const Span *)(file + t->first_span);
+    for (int64_t i = 0; i < t->spans; i++, span++)
+        if (!is_within(span->sentence, t->sentences))
+            return 0;
+    for (int64_t i = 0; i < t->sentences; i++)
+        if (!is_text(t, ((const int64_t *)(file + t->first_sentence))[i]))
+            return 0;
+    return 1;
+}
+
+const char *check_table(const void *content, size_t size)
+{
+    const Table *table = content;
+    if (size < sizeof *table || memcmp(table->magic, "ROTORFMU", 8)
+        || (size_t)table->bytes != size || size % 8)
+        return "is no table of a machine, or is truncated";
+    if (memcmp(table->core, CORE, sizeof table->core))
+        return "was made for another build of this FMU's library";
+    if (checksum(table, size, offsetof(Table, checksum)) != table->checksum || !is_sound(table))
+        return "is damaged";
+    return NULL;
+}
+
+Table *read_table(const char *resources, char *why, size_t room)
+{
+    char *path = resources ? file_in(resources) : NULL;
+    FILE *file = path ? opened(path) : NULL;
+    Table *table = NULL;
+    const char *fault = "cannot be read";
+    if (file && !fseek(file, 0, SEEK_END)) {
+        long size = ftell(file);
+        if (size > 0 && (table = malloc((size_t)size)) != NULL) {
+            rewind(file);
+            size_t got = fread(table, 1, (size_t)size, file);
+            fault = got == (size_t)size ? check_table(table, got) : "cannot be read";
+        }
+    }
+    if (file)
+        fclose(file);
+    if (fault) {
+        snprintf(why, room, "%s: %s", path ? path : "the location of the resources", fault);
+        free(table);
+        table = NULL;
+    }
+    free(path);
+    return table;
+}

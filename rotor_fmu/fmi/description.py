@@ -1,0 +1,244 @@
+"""modelDescription.xml of FMI 2.0 and of FMI 3.0, made from the variable table."""
+
+from __future__ import annotations
+
+import uuid
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement
+
+from ..about import RELEASED, __version__
+from ..model.quantities import ALL, SPEED
+from ..model.settings import Settings
+from .variables import Variable, unit
+
+CATEGORIES = {
+    "logAll": "all messages",
+    "logStatusWarning": "messages with the status warning",
+    "logStatusDiscard": "messages with the status discard",
+    "logStatusError": "messages with the status error",
+    "logStatusFatal": "messages with the status fatal",
+    "logStatusPending": "messages with the status pending",
+}
+# FMI 3.0 wants the time among the variables.
+TIME = Variable("time", "Real", "independent", "time", "s")
+_TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
+# The order of the elements in FMI 2.0.
+_ORDER = (
+    "CoSimulation",
+    "UnitDefinitions",
+    "TypeDefinitions",
+    "LogCategories",
+    "DefaultExperiment",
+    "ModelVariables",
+    "ModelStructure",
+)
+
+
+@dataclass(frozen=True)
+class Described:
+    """What a description says of an FMU beside its variables.
+
+    identifier: the model identifier, which the FMU's libraries are named after; guid: see `guid`;
+    tool: what generated it; needs_python: whether it runs in the Python of its host.
+    """
+
+    identifier: str
+    guid: str
+    tool: str = f"rotor-fmu {__version__}"
+    needs_python: bool = False
+
+
+def guid(table: Sequence[Variable], content: str) -> str:
+    """Identifier that follows the interface and the code behind it, and nothing else."""
+    return str(uuid.uuid5(uuid.NAMESPACE_URL, f"rotor-fmu {content} {table!r}"))
+
+
+def description(of: Described, table: Sequence[Variable], fmi: int) -> Element:
+    """The description of an FMU; fmi: 2 or 3."""
+    return _fmi3(of, table) if fmi == 3 else _fmi2(of, table)
+
+
+def _root(of: Described, is_free: bool, **attributes: str) -> Element:
+    drive = "a torque" if is_free else "its speed"
+    return Element(
+        "fmiModelDescription",
+        attributes,
+        modelName=of.identifier,
+        description="Flexible rotor with discs that rubs in two clearance bearings with dry "
+        f"friction, driven by {drive}",
+        author="The rotor-fmu authors",
+        version=__version__,
+        copyright="The rotor-fmu authors",
+        license="MIT",
+        generationTool=of.tool,
+        generationDateAndTime=RELEASED,
+        variableNamingConvention="structured",
+    )
+
+
+def _is_free(table: Sequence[Variable]) -> bool:
+    return any(variable.name == "tau_drive" for variable in table)
+
+
+def _abilities(of: Described, **others: bool) -> dict[str, str]:
+    """What both versions say that an FMU can do, and `others`."""
+    told = {
+        "needsExecutionTool": of.needs_python,
+        "canHandleVariableCommunicationStepSize": True,
+        "canBeInstantiatedOnlyOncePerProcess": False,
+    }
+    return {"modelIdentifier": of.identifier} | {
+        name: str(can).lower() for name, can in (told | others).items()
+    }
+
+
+def _common(root: Element) -> None:
+    categories = SubElement(root, "LogCategories")
+    for name, text in CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+    SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0.0",
+        stopTime="40.0",
+        stepSize="0.04",
+        tolerance=repr(Settings.tolerance),
+    )
+
+
+def _attributes(variable: Variable, reference: int) -> dict[str, str]:
+    """What both versions say of a variable, in FMI 2.0's order."""
+    is_parameter = variable.causality == "parameter"
+    variability = "continuous" if variable.kind == "Real" else "discrete"
+    told = {
+        "name": variable.name,
+        "valueReference": str(reference),
+        "description": variable.text,
+        "causality": variable.causality,
+        "variability": "fixed" if is_parameter else variability,
+    }
+    if is_parameter or variable.is_observed:
+        told["initial"] = "exact" if is_parameter else "calculated"
+    return told
+
+
+def _start(variable: Variable) -> dict[str, str]:
+    if variable.start is None:
+        return {}
+    start = variable.start
+    if variable.kind == "Boolean":
+        return {"start": "true" if start else "false"}
+    return {"start": repr(float(start)) if variable.kind == "Real" else str(start)}
+
+
+def _limits(variable: Variable) -> dict[str, str]:
+    """Units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the variable."""
+    told = {}
+    if variable.kind == "Real":
+        shown = unit(variable.unit)
+        told["unit"] = shown.name
+        if shown.display:
+            told["displayUnit"] = shown.display[0]
+        if variable.nominal is not None:
+            told["nominal"] = repr(variable.nominal)
+    if variable.kind != "Boolean":
+        for key, limit in (("min", variable.low), ("max", variable.high)):
+            if limit is not None:
+                told[key] = repr(limit)
+    return told
+
+
+def _fmi2(of: Described, table: Sequence[Variable]) -> Element:
+    is_free = _is_free(table)
+    root = _root(of, is_free, fmiVersion="2.0", guid=of.guid)
+    abilities = _abilities(
+        of,
+        # pythonfmu's wrapper refuses derivatives before it asks the slave
+        canInterpolateInputs=not of.needs_python,
+        canNotUseMemoryManagementFunctions=True,
+        canGetAndSetFMUstate=True,
+        canSerializeFMUstate=True,
+    )
+    SubElement(root, "CoSimulation", abilities)
+    _common(root)
+    variables = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(table):
+        element = SubElement(variables, "ScalarVariable", _attributes(variable, reference))
+        SubElement(element, variable.kind, _start(variable))
+    SubElement(root, "ModelStructure")
+    return complete(root, table, RELEASED)
+
+
+def complete(root: Element, table: Sequence[Variable], generated: str) -> Element:
+    """Add units, limits, dependencies and initial unknowns to a description of FMI 2.0, as
+    pythonfmu writes one."""
+    root.set("generationDateAndTime", generated)
+    root.append(unit_definitions(table))
+    for element, variable in zip(root.iterfind("ModelVariables/*"), table, strict=True):
+        for key, value in _limits(variable).items():
+            element[0].set(key, value)
+    kept = [child for child in root if child.tag != "ModelStructure"]
+    root[:] = sorted([*kept, _model_structure(table)], key=lambda child: _ORDER.index(child.tag))
+    return root
+
+
+def unit_definitions(table: Sequence[Variable]) -> Element:
+    """The units that variables have."""
+    definitions = Element("UnitDefinitions")
+    for used in map(unit, dict.fromkeys(v.unit for v in table if v.kind == "Real")):
+        node = SubElement(definitions, "Unit", name=used.name)
+        SubElement(node, "BaseUnit", {base: str(exponent) for base, exponent in used.base.items()})
+        if used.display:
+            name, factor = used.display
+            SubElement(node, "DisplayUnit", name=name, factor=repr(factor))
+    return definitions
+
+
+def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
+    """Places in the table of the inputs that reach a variable within an instant.
+
+    At an instant the motion is a state, and so is the speed of a rotor that a torque drives.
+    """
+    inputs = [i for i, other in enumerate(table) if other.causality == "input"]
+    if variable.reached_by == ALL:
+        return inputs
+    return [i for i in inputs if table[i].name == variable.reached_by == SPEED]
+
+
+def _model_structure(table: Sequence[Variable]) -> Element:
+    """Outputs with what they depend on within an instant, and the initial unknowns."""
+    structure = Element("ModelStructure")
+    outputs = SubElement(structure, "Outputs")
+    for index, variable in enumerate(table, 1):
+        if variable.causality == "output":
+            depends = " ".join(str(1 + place) for place in reached_by(table, variable))
+            SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
+    unknowns = SubElement(structure, "InitialUnknowns")
+    for index, variable in enumerate(table, 1):
+        if variable.causality == "output":
+            SubElement(unknowns, "Unknown", index=str(index))
+    return structure
+
+
+def _fmi3(of: Described, table: Sequence[Variable]) -> Element:
+    root = _root(of, _is_free(table), fmiVersion="3.0", instantiationToken=of.guid)
+    abilities = _abilities(
+        of, canGetAndSetFMUState=True, canSerializeFMUState=True, hasEventMode=False
+    )
+    SubElement(root, "CoSimulation", abilities)
+    root.append(unit_definitions(table))
+    _common(root)
+    variables = SubElement(root, "ModelVariables")
+    structure = Element("ModelStructure")
+    for reference, variable in enumerate((*table, TIME)):
+        told = _attributes(variable, reference) | _start(variable) | _limits(variable)
+        SubElement(variables, _TYPES[variable.kind], told)
+    outputs = [i for i, v in enumerate(table) if v.causality == "output"]
+    for reference in outputs:
+        depends = " ".join(map(str, reached_by(table, table[reference])))
+        SubElement(structure, "Output", valueReference=str(reference), dependencies=depends)
+    for reference in outputs:
+        SubElement(structure, "InitialUnknown", valueReference=str(reference))
+    root.append(structure)
+    return root

@@ -1,0 +1,155 @@
+"""The FMU's variables: one table, from which the description, the slave, the command line and the
+documents are made."""
+
+from __future__ import annotations
+
+from ..model.machine.rotor import Name, Rotor
+from ..model.march.observe import observed
+from ..model.protocol.part import BASE, Port
+from ..model.quantities import ANY, Quantity
+from .solver_parameters import solver_parameters
+from .variables import Variable
+
+_HELD = "held until the next communication point, or continued by its derivative"
+_DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
+
+
+def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
+    """All variables of a rotor's FMU: inputs, parameters, then what the model computes in the order
+    of `observe.observed`.
+
+    is_free: a torque drives the rotor, and its speed is a state; otherwise the speed is prescribed.
+    """
+    return (*_inputs(rotor, is_free), *_parameters(rotor, is_free), *_observed(rotor, is_free))
+
+
+def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
+    drive = Variable(
+        "speed",
+        "Real",
+        "input",
+        "speed of rotation about z, x towards y; continued until the next communication point by "
+        "its derivative, without one as speed_continuation says",
+        "rad/s",
+        400.0,
+        nominal=100.0,
+    )
+    if is_free:
+        drive = Variable(
+            "tau_drive",
+            "Real",
+            "input",
+            f"torque of the drive on the rotor about z, x towards y; {_HELD}",
+            "N.m",
+            0.0,
+            nominal=0.1,
+        )
+    return [drive, *(load for port in ports(rotor) for load in _loads(rotor, *port))]
+
+
+def ports(rotor: Rotor) -> list[tuple[str, Port]]:
+    """Where external forces act, with their parts' names, in the order of `Structure.load_dof`."""
+    density = rotor.material.density
+    return [
+        (where, element)
+        for where, part in rotor.named_parts()
+        for element in part.elements(where, density)
+        if isinstance(element, Port)
+    ]
+
+
+def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
+    """External forces on a port along both axes [N], or the acceleration of the base [m/s2]."""
+    if port.node == BASE:
+        return [
+            Variable(
+                f"{name}.a{axis}",
+                "Real",
+                "input",
+                f"acceleration of {port.where}, {direction}; {_HELD}",
+                "m/s2",
+                0.0,
+                nominal=1.0,
+            )
+            for axis, direction in _DIRECTIONS
+        ]
+    where = f"{port.where} at z = {rotor.nodes[port.node - 1]:g} m"
+    return [
+        Variable(
+            f"{name}.f{axis}",
+            "Real",
+            "input",
+            f"external force on {where}, {direction}; {_HELD}",
+            "N",
+            0.0,
+            nominal=10.0,
+        )
+        for axis, direction in _DIRECTIONS
+    ]
+
+
+def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
+    prescribed = [
+        _real(
+            "speed_rate",
+            "rad/s2",
+            0.0,
+            "rate of the speed over the first communication step, when there is no earlier value",
+            low=None,
+        ),
+        Variable(
+            "speed_continuation",
+            "Integer",
+            "parameter",
+            "the speed between two communication points: 0 linear (continues the last change), "
+            "1 hold (for an input that jumps)",
+            start=0,
+            low=0,
+            high=1,
+            choices=("linear", "hold"),
+        ),
+    ]
+    free = [_real("w_start", "rad/s", 400.0, "speed of rotation at the start", low=None)]
+    return [
+        *(free if is_free else prescribed),
+        *(_parameter(*parameter) for parameter in rotor.parameters()),
+        *solver_parameters(),
+    ]
+
+
+def _parameter(name: Name, told: Quantity, value: float | bool) -> Variable:
+    text = f"{_part_of(name)}{told.text}"
+    if told.is_switch:
+        return Variable(str(name), "Boolean", "parameter", text, start=value)
+    return _real(str(name), told.unit, float(value), text, None if told.rule is ANY else 0.0)
+
+
+def _part_of(name: Name) -> str:
+    return f"{name.kind} {name.number}: " if name.number else ""
+
+
+def _real(name: str, unit: str, start: float, text: str, low: float | None) -> Variable:
+    nominal = abs(start) or 1.0
+    return Variable(name, "Real", "parameter", text, unit, start, low=low, nominal=nominal)
+
+
+# Outputs only where they are states or follow from an input.
+_OUTPUTS_IF_FREE = ("w", "a")
+
+
+def _observed(rotor: Rotor, is_free: bool) -> list[Variable]:
+    table = []
+    for name, output in observed(rotor):
+        is_output = output.is_output or (is_free and str(name) in _OUTPUTS_IF_FREE)
+        table.append(
+            Variable(
+                str(name),
+                output.kind,
+                "output" if is_output else "local",
+                f"{_part_of(name)}{output.text}",
+                output.unit,
+                nominal=output.nominal,
+                reached_by=output.reached_by,
+            )
+        )
+    return table

@@ -1,0 +1,224 @@
+"""The table of a machine that the instance in C reads (`c/instance.h`): the variables and what they
+are to the run, limits and sentences, and the block of memory itself as it is before the parameters
+are set.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
+from ..model.march.block import LAYOUT, new_block
+from ..model.march.memory import RECORD
+from ..model.march.observe import observed_names
+from ..model.messages import SENTENCES, closed_at
+from ..model.quantities import ANY, LARGEST, Quantity, Rule
+from ..model.settings import messages as of_settings
+from ..model.settings.table import NAMES, SETTINGS, Number
+from ..model.structure.assembly import interface_names
+from ..model.structure.places import places
+from ..model.structure.reduction import assembled
+from .binding import load_names
+from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
+from .variables import Variable
+
+MAGIC, FILE = b"ROTORFMU", "machine.table"
+KINDS = ("Real", "Integer", "Boolean")
+(DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCED, READ, INSTANT, TIME) = range(11)
+_ROLES = {
+    "speed": DRIVE,
+    "tau_drive": DRIVE,
+    "speed_rate": RATE,
+    "speed_continuation": HOLD,
+    "w_start": START_SPEED,
+    REDUCTION.name: REDUCED,
+    "solver.trapped_at": INSTANT,
+    "solver.overdamped_at": INSTANT,
+    "time": TIME,
+}
+_SETTINGS = {variable.name: at for at, variable in enumerate(GIVEN)}
+_SETTING_RULES = {
+    variable.name: Rule(of.range.low, of.range.is_above, of.rule, of.range.high)
+    for variable, of in zip(GIVEN[1:], SETTINGS, strict=True)
+    if isinstance(of, Number)
+}
+# (variable, what it asks for, why): what parameters ask of each other.
+_NEEDS = (("shaft.eta_h", "shaft.rotating_damping", HYSTERETIC_AT_REST),)
+# As in c/instance.h.
+_HEAD = struct.Struct("<8s16s40s d Q 6q 6q 2q 9q 6q")
+_CHECKSUM_AT = struct.calcsize("<8s16s40s d")
+_VARIABLE = struct.Struct("<3q 4q 7d")
+_ROW = struct.Struct("<3q")
+_SPAN = struct.Struct("<q2d")
+
+
+class Face(NamedTuple):
+    """What an FMU is made of: the machine, and its variables in the order of their references."""
+
+    rotor: Rotor
+    table: Sequence[Variable]
+    is_free: bool
+
+
+class _Texts:
+    """Texts, each once, by their place in what follows."""
+
+    def __init__(self) -> None:
+        self.bytes = b""
+        self._places: dict[str, int] = {}
+
+    def place(self, text: str) -> int:
+        if text not in self._places:
+            self._places[text] = len(self.bytes)
+            self.bytes += text.encode() + b"\0"
+        return self._places[text]
+
+
+def table_bytes(face: Face, core: str, guid: str) -> bytes:
+    """The file's content; core: of the library that reads it, 16 characters; guid: the FMU's.
+
+    Raises `QuantityError` for a machine with a parameter that changes a matrix.
+    """
+    index = {variable.name: i for i, variable in enumerate(face.table)}
+    structure, beyond = assembled(face.rotor, int(face.table[index[REDUCTION.name]].start or 0))
+    block = new_block(structure, len(observed_names(face.rotor)))
+    where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
+    record = where["memory.record"]
+    texts = _Texts()
+    observed_at = next(i for i, v in enumerate(face.table) if v.is_observed)
+    variables = b"".join(_rows(face, texts, observed_at))
+    writes = b"".join(_writes(face.rotor, index, where))
+    needs = [
+        _ROW.pack(index[a], index[b], _HEAD.size + texts.place(why))
+        for a, b, why in _NEEDS
+        if a in index
+    ]
+    warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
+    closed = closed_at(interface_names(face.rotor), LAYOUT.look(block).structure.interfaces)
+    known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
+    own = [text.replace("{where}", closed) for text in known]
+    sentences = [_HEAD.size + texts.place(text) for text in (*own, *warnings)]
+    spans = b"".join(
+        _SPAN.pack(code, table.low, table.high) for code, table in enumerate(beyond, len(SENTENCES))
+    )
+    # texts stand behind the head, so that their places are known first
+    parts = [_padded(texts.bytes)]
+    begins = []
+    for part in (
+        variables,
+        writes,
+        b"".join(needs),
+        struct.pack(f"<{len(sentences)}q", *sentences),
+        spans,
+    ):
+        begins.append(_HEAD.size + sum(map(len, parts)))
+        parts.append(part)
+    begins.append(_HEAD.size + sum(map(len, parts)))
+    parts.append(block.tobytes())
+    body = b"".join(parts)
+    inputs = sum(v.causality == "input" for v in face.table)
+    assert all(v.causality == "input" for v in face.table[:inputs])
+    head = _HEAD.pack(
+        *(MAGIC, core.encode(), guid.encode(), LARGEST, 0),
+        *(_HEAD.size + len(body), len(face.table), observed_at, inputs),
+        *(index["tau_drive" if face.is_free else "speed"], face.is_free),
+        *(len(GIVEN), 1 + NAMES.index("tolerance")),
+        *(len(writes) // _ROW.size, len(needs), len(sentences), len(beyond)),
+        *(len(block), LAYOUT.extent(block, "memory").stop),
+        *(record + _field(RECORD, name)[1] for name in ("is_free", "continues")),
+        *(where[f"memory.{name}"] for name in ("loads", "load_rates")),
+        where["reading.observed"],
+        *(
+            record + _field(RECORD, name)[1]
+            for name in ("t", "omega", "surveyed_at", "surveyed_to")
+        ),
+        *begins,
+    )
+    sum_of_all = struct.pack("<Q", checksum(head + body, _CHECKSUM_AT))
+    return head[:_CHECKSUM_AT] + sum_of_all + head[_CHECKSUM_AT + len(sum_of_all) :] + body
+
+
+def checksum(content: bytes, but: int) -> int:
+    """Of all but the 8 bytes at the place `but`, as `checksum` in c/table.c."""
+    total = 0xCBF29CE484222325
+    for at, (word,) in enumerate(struct.iter_unpack("<Q", content)):
+        if 8 * at != but:
+            total = ((total ^ word) * 0x9E3779B97F4A7C15) % 2**64
+            total ^= total >> 29
+    return total
+
+
+def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
+    """Type and offset of a field of a record."""
+    assert record.fields is not None
+    kind, at = record.fields[name][:2]
+    return kind, at
+
+
+def _padded(data: bytes) -> bytes:
+    return data + bytes(-len(data) % 8)
+
+
+def _offset(block: np.ndarray, i: int) -> int:
+    """Where an array of the layout begins in a block [bytes]."""
+    header = block[: 8 * LAYOUT.header_length].view(np.int64)
+    return int(header[1 + len(LAYOUT.size_names) + i])
+
+
+def _rows(face: Face, texts: _Texts, observed_at: int) -> list[bytes]:
+    quantities = {str(name): told for name, told, _ in face.rotor.parameters()}
+    loads = [name for pair in load_names(face.rotor) for name in pair]
+    rows = []
+    for i, v in enumerate(face.table):
+        role, at, unset, shift = MACHINE, 0, math.nan, 0.0
+        if v.name in _ROLES:
+            role = _ROLES[v.name]
+        elif v.causality == "input":
+            role, at = LOAD, loads.index(v.name)
+        elif v.name in _SETTINGS:
+            role, at, (unset, shift) = SETTING, _SETTINGS[v.name], meaning(v)
+        elif v.is_observed:
+            role = READ
+        if v.is_observed:
+            at = i - observed_at
+        rows.append(_row(texts, v, quantities.get(v.name), (role, at), (unset, shift)))
+    return rows
+
+
+def _row(
+    texts: _Texts,
+    v: Variable,
+    told: Quantity | None,
+    role: tuple[int, int],
+    setting: tuple[float, float],
+) -> bytes:
+    rule = told.rule if told else _SETTING_RULES.get(v.name, ANY)
+    unit = f" {told.unit}" if told and told.unit != "1" else ""
+    return _VARIABLE.pack(
+        *(_HEAD.size + texts.place(t) for t in (v.name, unit, rule.words)),
+        *(KINDS.index(v.kind), *role, rule.is_strict),
+        float(v.start or 0.0),
+        -math.inf if v.low is None else v.low,
+        math.inf if v.high is None else v.high,
+        *setting,
+        rule.least,
+        rule.most,
+    )
+
+
+def _writes(rotor: Rotor, index: dict[str, int], where: dict[str, int]) -> list[bytes]:
+    """Each parameter of the machine with its places in the block."""
+    fields = {field.path: field.dtype for field in LAYOUT.fields}
+    rows = []
+    for name, of in places(rotor).items():
+        for place in of:
+            path = f"structure.{place.member}"
+            kind, at = _field(fields[path], place.field)
+            byte = where[path] + place.row * fields[path].itemsize + at
+            rows.append(_ROW.pack(index[str(name)], byte, kind.kind == "i"))
+    return rows

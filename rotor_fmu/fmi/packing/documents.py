@@ -1,0 +1,134 @@
+"""What the FMU shows to people and tools beside the model: pages, picture, licences, terminals."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Sequence
+from importlib.metadata import distribution
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from xml.etree.ElementTree import Element, SubElement
+
+from ...about import __version__
+from ...model.machine.rotor import Rotor
+from ..variables import Variable
+from .archive import xml_bytes
+from .machine_picture import machine_picture
+from .related_files import related_files
+from .variable_table import rows
+
+_DEPENDENCIES = """This FMU runs in the Python of its host: Python 3.11 or newer, and no
+package beside it. The solver is machine code, in a library for each system that it runs on:
+resources/*/linux64.so, resources/*/win64.dll.
+No network, no licence, no files but these.
+"""
+
+_REFERENCE = """<h2>A reference result</h2>
+<p>The FMU carries the result of its default experiment, to compare an import with: see
+<a href="fmi-ls-ref.txt">fmi-ls-ref.txt</a>.</p>
+"""
+
+# What the page says of the host.
+_START = """<p>$needs
+With FMPy, <code>fmpy simulate $name.fmu --show-plot</code>. A warning or an error is one sentence
+on standard error, and in the host's log where logging is switched on.</p>
+"""
+_NEEDS_PYTHON = """The host runs, or can load, Python 3.11 or newer, and needs no package beside it:
+the solver comes as machine code."""
+_NEEDS_NOTHING = """The host needs nothing but the FMU: its libraries hold the solver as machine
+code."""
+
+# What the page says of the drive, by the input that drives.
+_DRIVES = {
+    "speed": "the speed of the shaft and the external loads go in; displacements, contact angles "
+    "and the torque that the drive must supply come out",
+    "tau_drive": "the torque of the drive and the external loads go in; speed and angle of the "
+    "shaft, displacements and contact angles come out. Friction, whirl and unbalance slow it",
+}
+
+
+def documents(
+    rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int
+) -> dict[str, bytes]:
+    """Files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
+    picture = machine_picture(rotor)
+    related = related_files(rotor, name)
+    pages = files(__package__).joinpath("pages")
+    carried = ("rotor-fmu", "pythonfmu") if needs_python else ("rotor-fmu",)
+    found = {
+        # where FMI 3.0 wants it, and FMI 2.0
+        "terminalsAndIcons/icon.png" if fmi == 3 else "model.png": picture,
+        "documentation/model.png": picture,
+        "documentation/run_down.png": pages.joinpath("run_down.png").read_bytes(),
+        "documentation/index.html": _index(table, name, bool(related), needs_python).encode(),
+        "terminalsAndIcons/terminalsAndIcons.xml": terminals(table, fmi),
+        **{f"documentation/licenses/{of}.txt": _licence(of) for of in carried},
+        **related,
+    }
+    if needs_python:
+        found["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
+    return found
+
+
+def _index(table: Sequence[Variable], name: str, has_reference: bool, needs_python: bool) -> str:
+    page = files(__package__).joinpath("pages", "index.html").read_text(encoding="utf-8")
+    head, *body = rows(table)
+    cells = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
+    cells += ["<tr>" + "".join(f"<td>{html.escape(c)}</td>" for c in row) + "</tr>" for row in body]
+    variables = "<table>\n" + "\n".join(cells) + "\n</table>"
+    return Template(page).substitute(
+        name=name,
+        drive=_DRIVES[table[0].name],
+        start=Template(_START).substitute(
+            name=name, needs=_NEEDS_PYTHON if needs_python else _NEEDS_NOTHING
+        ),
+        version=__version__,
+        variables=variables,
+        reference=_REFERENCE if has_reference else "",
+    )
+
+
+def _licence(of: str) -> bytes:
+    """The licence of an installed distribution."""
+    found = next(
+        file for file in distribution(of).files or () if file.name.upper().startswith("LICEN")
+    )
+    return Path(str(found.locate())).read_bytes()
+
+
+def terminals(table: Sequence[Variable], fmi: int) -> bytes:
+    """terminalsAndIcons.xml: the shaft as a rotational flange, and each body's forces and
+    displacements."""
+    names = {variable.name for variable in table}
+    root = Element("fmiTerminalsAndIcons", fmiVersion=f"{fmi}.0")
+    group = SubElement(root, "Terminals")
+    shaft = SubElement(
+        group,
+        "Terminal",
+        name="shaft",
+        matchingRule="bus",
+        terminalKind="rotational.flange",
+        description="the driven end: motion one way, torque the other",
+    )
+    free = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
+    driven = {"w": "speed", "phi": "phi", "tau": "tau"}
+    for member, variable in (free if "tau_drive" in names else driven).items():
+        _member(shaft, member, variable)
+    bodies = [name.removesuffix(".fx") for name in names if name.endswith(".fx")]
+    for body in sorted(bodies):
+        terminal = SubElement(group, "Terminal", name=body, matchingRule="bus", terminalKind="body")
+        for member in ("fx", "fy", "x", "y"):
+            if f"{body}.{member}" in names:
+                _member(terminal, member, f"{body}.{member}")
+    return xml_bytes(root)
+
+
+def _member(terminal: Element, member: str, variable: str) -> None:
+    SubElement(
+        terminal,
+        "TerminalMemberVariable",
+        memberName=member,
+        variableName=variable,
+        variableKind="signal",
+    )

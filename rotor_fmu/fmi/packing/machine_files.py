@@ -1,0 +1,61 @@
+"""What every FMU of a machine holds, whatever runs it: description, table, documents."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from ...library.build import core_digest
+from ...model.machine.rotor import Rotor
+from ...model.machine.toml import parse_rotor, rig_toml
+from ..description import TIME, Described, description, guid
+from ..interface import interface
+from ..machine_table import FILE, Face, table_bytes
+from ..solver_parameters import REDUCTION
+from ..variables import Variable
+from .archive import DESCRIPTION, xml_bytes
+from .documents import documents
+
+ROTOR_FILE = "resources/rotor.toml"
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine to be built into an FMU: its TOML text, the rotor, its variables, and whether a
+    torque drives it."""
+
+    toml: str
+    rotor: Rotor
+    table: Sequence[Variable]
+    is_free: bool
+
+    def named(self, name: str, free_name: str) -> str:
+        """Of the two names of an FMU the one for what drives the machine."""
+        return free_name if self.is_free else name
+
+
+def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:
+    """The machine of a TOML text, by default the paper's rig; reduction: component modes kept of
+    the shaft, 0 for all of it. Raises `QuantityError` for an impossible rotor."""
+    toml = rig_toml() if toml is None else toml
+    rotor = parse_rotor(toml)
+    table = tuple(
+        replace(variable, start=reduction) if variable.name == REDUCTION.name else variable
+        for variable in interface(rotor, is_free)
+    )
+    return Machine(toml, rotor, table, is_free)
+
+
+def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]:
+    """The files by their path in an FMU of this version of FMI; the GUID of `of` is filled in."""
+    core = core_digest()
+    content = f"{of.identifier} {fmi} {core} {machine.toml}"
+    of = replace(of, guid=guid(machine.table, content))
+    known = machine.table if fmi == 2 else (*machine.table, TIME)
+    face = Face(machine.rotor, known, machine.is_free)
+    return {
+        **documents(machine.rotor, machine.table, of.identifier, of.needs_python, fmi),
+        DESCRIPTION: xml_bytes(description(of, machine.table, fmi)),
+        f"resources/{FILE}": table_bytes(face, core, of.guid),
+        ROTOR_FILE: machine.toml.encode(),
+    }

@@ -1,0 +1,49 @@
+"""Building the FMU that needs no Python: a library a platform, and the machine as data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ...library.build import PLATFORMS, Platform, library
+from ...library.universal import universal
+from ..description import Described
+from .archive import write_archive
+from .machine_files import machine_files, machine_of
+
+NAME, FREE_NAME = "RotorBearingNative", "RotorBearingFreeNative"
+
+
+def build_native(
+    out: Path,
+    rotor_toml: str | None = None,
+    is_free: bool = False,
+    fmi: int = 2,
+    platforms: Sequence[str] = tuple(PLATFORMS),
+    reduction: int = 0,
+) -> Path:
+    """Build `RotorBearingNative.fmu`, or `RotorBearingFreeNative.fmu` where a torque is to drive
+    the rotor, in the folder `out` and return its path.
+
+    rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
+    standard; platforms: of `library.build.PLATFORMS`; reduction: component modes kept of the shaft,
+    0 for all of it. Raises `QuantityError` for an impossible rotor, `CoreError` where a library is
+    missing and cannot be made, and `OSError` if `out` cannot be written.
+    """
+    machine = machine_of(rotor_toml, is_free, reduction)
+    name = machine.named(NAME, FREE_NAME)
+    contents = machine_files(machine, Described(name, ""), fmi)
+    contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)
+    out.mkdir(parents=True, exist_ok=True)
+    return write_archive(out / f"{name}.fmu", contents)
+
+
+def _binaries(platforms: Sequence[Platform], name: str, fmi: int) -> dict[str, bytes]:
+    found = {platform: library(platform).read_bytes() for platform in platforms}
+    intel, arm = PLATFORMS["darwin64"], PLATFORMS["aarch64-darwin"]
+    if fmi == 2 and intel in found and arm in found:
+        found[intel] = universal(found[intel], found[arm])
+    return {
+        f"binaries/{platform.fmi3 if fmi == 3 else platform.fmi2}/{name}{platform.suffix}": data
+        for platform, data in found.items()
+    }

@@ -1,0 +1,134 @@
+"""Building the FMU that pythonfmu wraps: a skin of Python over the library that it carries."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from ...library.build import PLATFORMS, CoreError, core_digest, library
+from ...model.kernels.library import find, here
+from ..description import Described
+from .archive import contents_of, wrap, write_archive
+from .machine_files import Machine, machine_files, machine_of
+
+FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
+SYSTEMS = ("linux64", "win64")  # of pythonfmu's wrapper
+_SKIN = Path(__file__).parents[1] / "python"
+_CLASS = "RotorBearing"  # which pythonfmu names the wrapper's files after
+# What pythonfmu puts into an FMU of its own accord.
+_PYTHONFMUS = ("binaries/", "resources/pythonfmu/", "resources/slavemodule.txt")
+
+
+def build(
+    out: Path,
+    rotor_toml: str | None = None,
+    is_free: bool = False,
+    reduction: int = 0,
+    platforms: Sequence[str] | None = None,
+) -> Path:
+    """Build `RotorBearing.fmu`, or `RotorBearingFree.fmu` where a torque is to drive the rotor, in
+    the folder `out` and return its path.
+
+    rotor_toml: TOML text of the rotor, by default the paper's rig; reduction: component modes kept
+    of the shaft, 0 for all of it; platforms: of `SYSTEMS`, by default those whose library is there,
+    this machine's if there is none. Raises `QuantityError` for an impossible rotor, `CoreError`
+    where a library is missing and cannot be made, and `OSError` if `out` cannot be written. Equal
+    sources give equal bytes.
+    """
+    machine = machine_of(rotor_toml, is_free, reduction)
+    libraries = _libraries(platforms)
+    contents = _contents(machine, libraries)
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
+        folder = Path(name)
+        package, sources = _package(libraries)
+        (folder / package).mkdir()
+        for path, data in sources.items():
+            (folder / path).write_bytes(data)
+        raw = folder / "raw.fmu"
+        wrap(folder / f"{package}_entry.py", [folder / package], raw)
+        wrapped = contents_of(raw)
+    name = _identifier(machine)
+    for path in [path for path in wrapped if path.startswith("binaries/")]:
+        wrapped[path.replace(f"/{_CLASS}.", f"/{name}.")] = wrapped.pop(path)
+    return write_archive(out / f"{name}.fmu", wrapped | contents)
+
+
+def is_current(
+    fmu: Path, rotor_toml: str | None = None, is_free: bool = False, reduction: int = 0
+) -> bool:
+    """Whether `fmu` is what `build` would make now.
+
+    Compares all that this project puts into it; what pythonfmu makes of that by its version alone.
+    Raises `QuantityError` for an impossible rotor, and `CoreError` as `build` does.
+    """
+    if not fmu.is_file() or not zipfile.is_zipfile(fmu):
+        return False
+    with zipfile.ZipFile(fmu) as archive:
+        names = {name for name in archive.namelist() if not name.startswith(_PYTHONFMUS)}
+        if not _has_pythonfmu(archive):
+            return False
+        expected = _contents(machine_of(rotor_toml, is_free, reduction), _libraries(None))
+        return names == {*expected} and all(
+            archive.read(name) == data for name, data in expected.items()
+        )
+
+
+def package_name() -> str:
+    """Name of the package that `build` would put into the FMU now; it follows the code."""
+    return _package(_libraries(None))[0]
+
+
+def _libraries(platforms: Sequence[str] | None) -> dict[str, bytes]:
+    """The libraries of platforms, by the file's name in the FMU's package."""
+    if platforms is None:
+        platforms = [name for name in SYSTEMS if find(name, core_digest())]
+    if not platforms:
+        mine = here()
+        if mine not in SYSTEMS:
+            raise CoreError(
+                f"there is no library of the solver for {' or '.join(SYSTEMS)}, on which the FMU "
+                f"runs: rotor-fmu core --platform {SYSTEMS[0]} makes one"
+            )
+        platforms = [mine]
+    return {
+        f"{name}{PLATFORMS[name].suffix}": library(PLATFORMS[name]).read_bytes()
+        for name in platforms
+    }
+
+
+def _package(libraries: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
+    """Name of the FMU's package, which follows its content, and the files by their path among the
+    resources, the script beside it included."""
+    sources = {name: (_SKIN / name).read_bytes() for name in ("entry.py", "slave.py", "wrapper.py")}
+    digest = hashlib.sha256()
+    for name, data in sorted((sources | libraries).items()):
+        digest.update(f"{name}\0{len(data)}\0".encode() + data)
+    package = f"rotorbearing_{digest.hexdigest()[:12]}"
+    entry = sources.pop("entry.py")
+    inside = {"__init__.py": b"", **sources, **libraries}
+    files = {f"{package}/{name}": data for name, data in inside.items()}
+    return package, files | {f"{package}_entry.py": entry}
+
+
+def _contents(machine: Machine, libraries: dict[str, bytes]) -> dict[str, bytes]:
+    """All of the FMU that is not pythonfmu's, by the path in it."""
+    tool = f"PythonFMU {version('pythonfmu')}"
+    described = Described(_identifier(machine), "", tool, needs_python=True)
+    _, sources = _package(libraries)
+    return machine_files(machine, described, 2) | {
+        f"resources/{path}": data for path, data in sources.items()
+    }
+
+
+def _identifier(machine: Machine) -> str:
+    return Path(machine.named(FMU_NAME, FREE_FMU_NAME)).stem
+
+
+def _has_pythonfmu(archive: zipfile.ZipFile) -> bool:
+    folders = {name.rpartition("/")[0] for name in archive.namelist()}
+    return folders >= {"resources/pythonfmu", *(f"binaries/{platform}" for platform in SYSTEMS)}

@@ -1,0 +1,37 @@
+"""The reference result that the FMU carries: `python -m rotor_fmu.fmi.packing.reference` makes it
+anew after a change of the model."""
+
+from __future__ import annotations
+
+import csv
+import io
+import tempfile
+from pathlib import Path
+
+import fmpy
+
+from .python_fmu import build
+from .related_files import stored
+
+
+def default_experiment(fmu: Path) -> bytes:
+    """CSV of the FMU's default experiment through FMPy: time [s] and every output in SI units."""
+    result = fmpy.simulate_fmu(str(fmu))
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(result.dtype.names)
+    writer.writerows([f"{float(value) + 0.0:.8g}" for value in row] for row in result)
+    return text.getvalue().encode()
+
+
+def main() -> None:
+    """Run the default experiment and store its result."""
+    with tempfile.TemporaryDirectory() as folder:
+        fmu = build(Path(folder))
+        target = stored(fmu.stem)
+        target.write_bytes(default_experiment(fmu))
+    print(target)
+
+
+if __name__ == "__main__":
+    main()

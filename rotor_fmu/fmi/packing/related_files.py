@@ -1,0 +1,57 @@
+"""Files beside the model in the FMU: a reference result, laid out as FMI-LS-REF asks."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement, register_namespace
+
+from ...model.machine.rotor import Rotor
+from ...model.machine.toml import rig
+from .archive import xml_bytes
+
+FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
+_MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
+_DOCUMENT = "fmi-ls-ref.txt"
+_TEXT = f"""The result in {FOLDER} is the result of the default experiment: all
+inputs and parameters at their start values, communication steps of 0.04 s from 0 to 40 s, every
+output in SI units (Booleans as 0 and 1). The rotor starts at rest in its bearings and settles in
+a steady motion, so another processor gives the same within 1e-3 of each output's range.
+"""
+
+
+def related_files(rotor: Rotor, name: str) -> dict[str, bytes]:
+    """Files of the FMU called `name`, by their path in it; none for a rotor other than the paper's
+    rig, and none where no result is stored."""
+    result = stored(name)
+    if rotor != rig() or not result.is_file():
+        return {}
+    return {
+        f"{FOLDER}/fmi-ls-manifest.xml": _manifest(result.name),
+        f"{FOLDER}/{result.name}": result.read_bytes(),
+        f"documentation/{_DOCUMENT}": _TEXT.encode(),
+    }
+
+
+def stored(name: str) -> Path:
+    """The file that goes into the FMU called `name`."""
+    return Path(str(files(__package__).joinpath("pages", f"{name}_out.csv")))
+
+
+def _manifest(result: str) -> bytes:
+    register_namespace("fmi-ls", _MANIFEST)
+    root = Element(
+        "fmiReferences",
+        {
+            f"{{{_MANIFEST}}}fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
+            f"{{{_MANIFEST}}}fmi-ls-version": "1.0.0-alpha.1",
+            f"{{{_MANIFEST}}}fmi-ls-description": "Layered Standard providing information on "
+            "related files included in an FMU.",
+        },
+    )
+    for kind, source, role, what in (
+        ("text/csv", result, "result", "Output of the default experiment"),
+        ("text/plain", f"../../documentation/{_DOCUMENT}", "document", "About that output"),
+    ):
+        SubElement(root, "Related", type=kind, source=source, role=role, description=what)
+    return xml_bytes(root)

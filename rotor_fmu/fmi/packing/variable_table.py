@@ -1,0 +1,49 @@
+"""The FMU's variables as a table for people."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ..variables import Variable, unit
+
+_HEAD = ("variable", "causality", "unit", "start", "what it is")
+
+
+def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
+    """Head and rows; variables of parts that there are several of once, as `disc[i]`."""
+    listed: list[tuple[str, ...]] = [_HEAD]
+    for variable in table:
+        name, text = variable.name, variable.text
+        numbered = re.match(r"(\w+)\[(\d+)\]", name)
+        if numbered:
+            kind, number = numbered.groups()
+            if number != "1":
+                continue
+            name = name.replace(f"{kind}[1]", f"{kind}[i]")
+            text = text.replace(f"{kind} 1", f"{kind} i")
+        text = re.sub(r" at z = \S+ m", "", text)
+        listed.append((name, variable.causality, _unit(variable), _start(variable), text))
+    return listed
+
+
+def markdown(table: Sequence[Variable]) -> str:
+    """The table in Markdown."""
+    head, *body = rows(table)
+    lines = [head, ("---",) * len(head), *((f"`{name}`", *rest) for name, *rest in body)]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def _unit(variable: Variable) -> str:
+    if variable.kind != "Real":
+        return variable.kind
+    display = unit(variable.unit).display
+    return f"{variable.unit} ({display[0]})" if display else variable.unit
+
+
+def _start(variable: Variable) -> str:
+    if variable.start is None:
+        return ""
+    if variable.kind == "Boolean":
+        return str(variable.start).lower()
+    return f"{variable.start:g}"

@@ -1,0 +1,1 @@
+"""What the FMU in Python carries: the skin that pythonfmu calls, and the script that imports it."""

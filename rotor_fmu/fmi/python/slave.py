@@ -1,0 +1,325 @@
+"""The FMI 2.0 slave: pythonfmu's class as a thin skin, each call of which is carried out by the
+function of FMI 2.0 in the library that lies beside this file.
+
+Standard library and pythonfmu only: a host needs nothing beside Python.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from array import array
+from collections.abc import Callable
+from contextlib import suppress
+from ctypes import byref, c_char_p, c_double, c_int, c_size_t, c_void_p
+from functools import wraps
+from pathlib import Path
+from struct import Struct
+from typing import Any
+
+from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
+
+from .wrapper import HeldFromLookUp, hold, settle_exit
+
+TABLE = "machine.table"  # the machine, in an FMU's resources
+INTERRUPTED = "interrupted by the user"
+_LIBRARIES = {"linux": "linux64.so", "win32": "win64.dll"}
+_MOST_ROOMS = 64
+_WARNING = 1  # of FMI's statuses the last after which a call has been carried out
+
+
+class CallFailed(RuntimeError):
+    """What the host is told when a call cannot be carried out."""
+
+    def __repr__(self) -> str:
+        """The sentence alone: the wrapper logs the representation."""
+        return str(self)
+
+
+@ctypes.CFUNCTYPE(None, ctypes.py_object, c_int, c_char_p)
+def _hear(heard: list[tuple[int, str]], status: int, message: bytes) -> None:
+    heard.append((status, message.decode(errors="replace")))
+
+
+def _loaded() -> Any:
+    """The library for this system, or why there is none."""
+    file = Path(__file__).with_name(_LIBRARIES.get(sys.platform, "none"))
+    if not file.is_file():
+        return (
+            f"this FMU carries no library for {sys.platform}; build it with one: rotor-fmu build "
+            "--platform linux64 --platform win64"
+        )
+    try:
+        library = ctypes.CDLL(str(file))  # its calls let other threads run meanwhile
+    except OSError as error:
+        return f"the FMU's library cannot be loaded: {error}"
+    instance, values = c_void_p, (c_void_p, c_void_p, c_size_t, c_void_p)
+    library.rotor_instantiate.restype = c_void_p
+    library.rotor_instantiate.argtypes = (c_char_p, c_char_p, c_size_t, type(_hear), c_void_p)
+    library.fmi2FreeInstance.restype = None
+    for name, types in {
+        "SetupExperiment": (instance, c_int, c_double, c_double, c_int, c_double),
+        "DoStep": (instance, c_double, c_double, c_int),
+        **dict.fromkeys(("SetReal", "SetInteger", "SetBoolean", "SetString"), values),
+        **dict.fromkeys(("GetReal", "GetInteger", "GetBoolean", "GetString"), values),
+        **dict.fromkeys(("EnterInitializationMode", "ExitInitializationMode"), (instance,)),
+        **dict.fromkeys(("Terminate", "FreeInstance"), (instance,)),
+        **dict.fromkeys(("GetFMUstate", "SetFMUstate", "FreeFMUstate"), (instance, c_void_p)),
+        "SerializedFMUstateSize": (instance, c_void_p, c_void_p),
+        "SerializeFMUstate": (instance, c_void_p, c_void_p, c_size_t),
+        "DeSerializeFMUstate": (instance, c_void_p, c_size_t, c_void_p),
+    }.items():
+        getattr(library, f"fmi2{name}").argtypes = types
+    return library
+
+
+# Now, since the FMU's folder may be gone when a run begins.
+_LIBRARY = _loaded()
+_tables: dict[Path, bytes] = {}
+_contents: dict[bytes, bytes] = {}
+
+
+def _table(resources: str) -> bytes | None:
+    """The machine's table of an FMU. It is remembered, since a reset makes the instance anew and
+    the folder may be gone by then; once, however many folders hold the same."""
+    file = Path(resources, TABLE)
+    if file.is_file():
+        content = file.read_bytes()
+        _tables[file] = _contents.setdefault(content, content)
+    return _tables.get(file)
+
+
+def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A call of the wrapper's that on failure tells the host why."""
+
+    @wraps(method)
+    def call(self: RotorBearing, *arguments: object) -> object:
+        try:
+            return method(self, *arguments)
+        except BaseException as error:  # whatever leaves here unheld would crash the host
+            raise self._failed(error) from None
+
+    return call
+
+
+class _Reals:
+    """Room for references and values of Reals that a host asks for together, and where it lies."""
+
+    def __init__(self, vrs: list[int]) -> None:
+        # the wrapper hands references over as signed numbers
+        self._references, self.values = array("i", vrs), array("d", bytes(8 * len(vrs)))
+        at, count = self._references.buffer_info()
+        self.place = at, count, self.values.buffer_info()[0]
+        self.fill = Struct(f"{count}d").pack_into
+
+
+class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
+    """A machine, driven by its speed or by a torque as its table says.
+
+    One class for both: pythonfmu's wrapper finds direct subclasses of its own only.
+    """
+
+    _instance = None
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__(**kwargs)
+        settle_exit(self.resources)
+        self._heard: list[tuple[int, str]] = []
+        self._rooms: dict[tuple[int, ...], _Reals] = {}
+        self._table = _table(self.resources)
+        if self._table is None:  # pythonfmu is making the FMU, which gets its table afterwards
+            return
+        if isinstance(_LIBRARY, str):
+            raise CallFailed(self._print(_LIBRARY))
+        told = _hear, id(self._heard)
+        name = self.instance_name.encode()
+        self._instance = _LIBRARY.rotor_instantiate(name, self._table, len(self._table), *told)
+        if not self._instance:
+            raise CallFailed(self._heard[-1][1] if self._heard else "out of memory")
+
+    def __del__(self) -> None:
+        """The wrapper has dropped the instance."""
+        if self._instance:
+            _LIBRARY.fmi2FreeInstance(self._instance)
+
+    def _call(self, function: Callable[..., int], *arguments: object) -> None:
+        """Let the library carry out a call."""
+        if function(self._instance, *arguments) or self._heard:
+            self._tell()
+
+    def _tell(self) -> None:
+        """Hand over what the library told during a call; raises `CallFailed` if it failed."""
+        heard = self._heard[:]
+        self._heard.clear()
+        if not heard or heard[-1][0] > _WARNING:
+            raise CallFailed(heard[-1][1] if heard else "internal error")
+        for level, sentence in heard:
+            self.log(sentence, Fmi2Status(level))
+
+    def _failed(self, error: BaseException) -> CallFailed:
+        """What is raised for an error: one plain sentence.
+
+        The wrapper hands queued messages to the host's logger, which may itself be Python, while
+        the exception is pending: so the queue is emptied, and the exception is the message.
+        """
+        sentence = self._sentence(error)
+        self._heard.clear()
+        self.log_queue.clear()
+        hold(self, self.log_queue, type(self))
+        return CallFailed(sentence)
+
+    def _sentence(self, error: BaseException) -> str:
+        """What the host is told; it is printed here unless the library has done so."""
+        if isinstance(error, CallFailed):
+            return str(error)
+        if isinstance(error, KeyboardInterrupt):
+            return self._print(INTERRUPTED)
+        if isinstance(error, SystemError | UnicodeDecodeError):  # left pending by the wrapper
+            return self._print("setString: a value is not UTF-8 text")
+        return self._print(f"internal error, {type(error).__name__}: {error}")
+
+    def _print(self, sentence: str) -> str:
+        """Print an error, since hosts drop messages unless logging was switched on; returns it in
+        one line and without percent signs, which the host's logger would read as a format."""
+        plain = " ".join(sentence.replace("%", " percent").split())
+        with suppress(OSError, ValueError):  # a host may have closed it, or have none
+            print(f"{self.instance_name}: error: {plain}", file=sys.stderr, flush=True)
+        return plain
+
+    # --- life of an instance -----------------------------------------------------------------
+
+    @_guarded
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Take the start and the stop time [s] and the relative tolerance [1]."""
+        has_stop, has_tolerance = stop_time is not None, tolerance is not None
+        given = has_tolerance, tolerance or 0.0, start_time, has_stop, stop_time or 0.0
+        self._call(_LIBRARY.fmi2SetupExperiment, *given)
+
+    @_guarded
+    def enter_initialization_mode(self) -> None:
+        """Begin the initialization."""
+        self._call(_LIBRARY.fmi2EnterInitializationMode)
+
+    @_guarded
+    def exit_initialization_mode(self) -> None:
+        """End the initialization."""
+        self._call(_LIBRARY.fmi2ExitInitializationMode)
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """March from current_time [s] over step_size [s]."""
+        try:
+            if _LIBRARY.fmi2DoStep(self._instance, current_time, step_size, 0) or self._heard:
+                self._tell()
+            return True
+        except BaseException as error:
+            raise self._failed(error) from None
+
+    @_guarded
+    def terminate(self) -> None:
+        """End the simulation."""
+        self._call(_LIBRARY.fmi2Terminate)
+
+    # --- state -------------------------------------------------------------------------------
+
+    @_guarded
+    def _get_fmu_state(self) -> bytes:
+        state, size = c_void_p(), c_size_t()
+        self._call(_LIBRARY.fmi2GetFMUstate, byref(state))
+        try:
+            self._call(_LIBRARY.fmi2SerializedFMUstateSize, state, byref(size))
+            content = ctypes.create_string_buffer(size.value)
+            self._call(_LIBRARY.fmi2SerializeFMUstate, state, content, size)
+        finally:
+            _LIBRARY.fmi2FreeFMUstate(self._instance, byref(state))
+        return content.raw
+
+    @HeldFromLookUp
+    @_guarded
+    def _set_fmu_state(self, content: bytes) -> None:
+        state = c_void_p()
+        self._call(_LIBRARY.fmi2DeSerializeFMUstate, content, len(content), byref(state))
+        try:
+            self._call(_LIBRARY.fmi2SetFMUstate, state)
+        finally:
+            _LIBRARY.fmi2FreeFMUstate(self._instance, byref(state))
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return state
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> bytes:
+        # checked when it is set: here the host could not be told
+        return state
+
+    # --- values ------------------------------------------------------------------------------
+
+    def _reals(self, vrs: list[int]) -> _Reals:
+        """The room for some Reals, made once: masters ask for the same at every point."""
+        if len(self._rooms) == _MOST_ROOMS:
+            self._rooms.clear()
+        room = self._rooms[tuple(vrs)] = _Reals(vrs)
+        return room
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values of Real variables."""
+        try:
+            room = self._rooms.get(tuple(vrs)) or self._reals(vrs)
+            if _LIBRARY.fmi2GetReal(self._instance, *room.place) or self._heard:
+                self._tell()
+            return room.values.tolist()
+        except BaseException as error:
+            raise self._failed(error) from None
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set Real variables."""
+        try:
+            room = self._rooms.get(tuple(vrs)) or self._reals(vrs)
+            room.fill(room.values, 0, *values)
+            if _LIBRARY.fmi2SetReal(self._instance, *room.place) or self._heard:
+                self._tell()
+        except BaseException as error:
+            raise self._failed(error) from None
+
+    def _exchange(self, call: str, kind: str, vrs: list[int], given: Any = None) -> list[Any]:
+        """Get variables, or set them to the values `given`; kind: of `array`."""
+        if not vrs:
+            return []
+        values = array(kind, bytes(8 * len(vrs)) if given is None else given)
+        references = array("i", vrs)
+        place = *references.buffer_info(), values.buffer_info()[0]
+        self._call(getattr(_LIBRARY, call), *place)
+        return values.tolist()
+
+    @_guarded
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Values of Integer variables."""
+        return self._exchange("fmi2GetInteger", "i", vrs)
+
+    @_guarded
+    def get_boolean(self, vrs: list[int]) -> list[int]:
+        """Values of Boolean variables."""
+        return self._exchange("fmi2GetBoolean", "i", vrs)
+
+    @_guarded
+    def get_string(self, vrs: list[int]) -> list[str]:
+        """Values of String variables, of which there are none."""
+        return self._exchange("fmi2GetString", "q", vrs)
+
+    @_guarded
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set Integer variables."""
+        self._exchange("fmi2SetInteger", "i", vrs, values)
+
+    @_guarded
+    def set_boolean(self, vrs: list[int], values: list[bool]) -> None:
+        """Set Boolean variables."""
+        self._exchange("fmi2SetBoolean", "i", vrs, values)
+
+    @_guarded
+    def set_string(self, vrs: list[int], values: list[str]) -> None:
+        """Set String variables, of which there are none."""
+        self._exchange("fmi2SetString", "q", vrs, [0] * len(vrs))

@@ -1,0 +1,108 @@
+"""The FMU's variables that choose the integration, `solver.*`, and how they stand for settings.
+
+A host that sets every start value must change nothing: so a start value that is no setting of any
+run means "as the preset".
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from ..model.settings import DEFAULT_PRESET, PRESETS, Settings, SettingsError, settings_of_given
+from ..model.settings.table import MOST_MODES, SETTINGS, Choice, Number
+from .variables import Variable
+
+AS_PRESET = "as the preset"
+PREFIX = "solver."
+_PRESET = Variable(
+    f"{PREFIX}preset",
+    "Integer",
+    "parameter",
+    "named set of settings: " + ", ".join(f"{i} {name}" for i, name in enumerate(PRESETS)),
+    start=list(PRESETS).index(DEFAULT_PRESET),
+    low=0,
+    high=len(PRESETS) - 1,
+    choices=tuple(PRESETS),
+)
+REDUCTION = Variable(
+    f"{PREFIX}reduction",
+    "Integer",
+    "parameter",
+    "Craig-Bampton modes kept of the shaft beside the deflections of bearings, discs and coupling; "
+    "0: all of the shaft; chosen when an FMU is built",
+    start=0,
+    low=0,
+    high=MOST_MODES,
+)
+
+
+def _variable(setting: Choice | Number) -> Variable:
+    name = f"{PREFIX}{setting.variable or setting.name}"
+    choices: tuple[str, ...] = ()
+    if isinstance(setting, Number):
+        text = f"{setting.text}; {setting.unset:g}: {AS_PRESET}"
+        kind, unit, start = "Real", setting.unit, setting.unset
+        low, high = min(setting.range.low, start), max(setting.range.high, start)
+        if setting.is_whole:
+            kind, start, low, high = "Integer", int(start), int(low), int(high)
+    else:
+        choices = (AS_PRESET, *setting.values)
+        text = f"{setting.text}: " + ", ".join(f"{i} {name}" for i, name in enumerate(choices))
+        kind, unit, start = "Integer", "1", 0
+        low, high = 0, len(setting.values)
+    return Variable(
+        name,
+        kind,
+        "parameter",
+        text,
+        unit,
+        start,
+        low,
+        high,
+        choices=choices,
+        is_unset_at_start=True,
+    )
+
+
+# In the order in which the resolver takes them, the preset first (`settings.resolver.resolve`).
+GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
+
+
+def solver_parameters() -> list[Variable]:
+    """The FMU's variables that choose the integration."""
+    return [*GIVEN, REDUCTION]
+
+
+def meaning(variable: Variable) -> tuple[float, float]:
+    """Of one of `GIVEN`: the value that leaves it to the preset, NaN where none does, and what is
+    to be taken from any other."""
+    unset = float(variable.start or 0.0) if variable.is_unset_at_start else math.nan
+    return unset, 1.0 if variable.is_unset_at_start and variable.choices else 0.0
+
+
+def settings_of(
+    values: Mapping[str, float],
+    tolerance: float | None = None,
+    warn: Callable[[str], None] = lambda message: None,
+) -> Settings:
+    """The settings that values of the solver's parameters, by name, stand for.
+
+    tolerance: the experiment's [1], which a value of the FMU's own overrides. A value that changes
+    nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an impossible value, by
+    the parameter's name.
+    """
+    given = np.full(len(GIVEN), np.nan)
+    for at, variable in enumerate(GIVEN):
+        unset, shift = meaning(variable)
+        if values[variable.name] != unset:
+            given[at] = values[variable.name] - shift
+    try:
+        settings, said = settings_of_given(given, int(values[REDUCTION.name]), tolerance)
+    except SettingsError as error:
+        raise SettingsError(f"{PREFIX}{error}") from error
+    for sentence in said:
+        warn(f"{PREFIX}{sentence}")
+    return settings

@@ -1,1 +1,0 @@
-"""What an FMU is: its variables, its rules, its state, and pythonfmu's skin."""

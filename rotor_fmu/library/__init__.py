@@ -1,0 +1,1 @@
+"""The solver library: kernels -> LLVM IR -> objects -> one library a platform."""

@@ -1,0 +1,278 @@
+"""The solver library for each platform: kernels -> LLVM IR -> objects -> linked with the FMU's
+instance in C. Made once for a version of the sources.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.util import find_spec
+from pathlib import Path
+
+from ..errors import RunFailed
+from ..model.kernels.code_cache import kernels_content
+from ..model.kernels.library import CARRIED, file_name, find, made_here
+from ..model.kernels.sealed_folder import make_private
+
+_HERE = Path(__file__).parent
+_FMI = _HERE.parent / "fmi"
+C_SOURCES = _FMI / "c"
+# What the kernels' IR is made of beside the kernels, and what the table is that the instance reads.
+_ENTRIES = tuple(_HERE / f"{name}.py" for name in ("entry_points", "emit"))
+_TABLE = _FMI / "machine_table.py"
+_KEPT_VERSIONS = 8
+# What is emitted in one process: two, of about the same work.
+_EMITTED_TOGETHER = (
+    ("rotor_advance", "rotor_look", "rotor_settle", "rotor_doubt"),
+    (
+        "rotor_start",
+        "rotor_survey",
+        "rotor_no_rest",
+        "rotor_growth",
+        "rotor_hidden",
+        "rotor_outcome",
+    ),
+)
+_FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+
+
+class CoreError(RunFailed):
+    """A library that cannot be made; says what is missing or what the linker says."""
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A platform: its folder among an FMU's binaries, of FMI 2.0 and of FMI 3.0; what LLVM and what
+    zig call it; the processor that every machine of the kind has; how its libraries end; what else
+    LLVM may use of the processor."""
+
+    fmi2: str
+    fmi3: str
+    triple: str
+    processor: str
+    zig: str
+    suffix: str
+    features: str = ""
+
+    @property
+    def name(self) -> str:
+        """What a user calls it: FMI 2.0's name."""
+        return self.fmi2
+
+
+# FMI 2.0 names no ARM platforms: those are called as in FMI 3.0, the words turned round.
+PLATFORMS = {
+    platform.name: platform
+    for platform in (
+        Platform(
+            "linux64",
+            "x86_64-linux",
+            "x86_64-unknown-linux-gnu",
+            "x86-64",
+            "x86_64-linux-gnu.2.17",
+            ".so",
+        ),
+        Platform(
+            "win64",
+            "x86_64-windows",
+            "x86_64-w64-windows-gnu",
+            "x86-64",
+            "x86_64-windows-gnu",
+            ".dll",
+        ),
+        Platform(
+            "darwin64",
+            "x86_64-darwin",
+            "x86_64-apple-macosx11.0.0",
+            "x86-64",
+            "x86_64-macos",
+            ".dylib",
+        ),
+        Platform(
+            "aarch64-linux",
+            "aarch64-linux",
+            "aarch64-unknown-linux-gnu",
+            "generic",
+            "aarch64-linux-gnu.2.17",
+            ".so",
+        ),
+        Platform(
+            "aarch64-darwin",
+            "aarch64-darwin",
+            "arm64-apple-macosx11.0.0",
+            "apple-m1",
+            "aarch64-macos",
+            ".dylib",
+        ),
+    )
+}
+
+
+def _emitted() -> str:
+    """Sixteen characters that follow what the kernels' IR is made of, and by which compilers."""
+    return _digest(_ENTRIES, f"{kernels_content()} {version('numba')} {version('llvmlite')}")
+
+
+def _digest(files: Iterable[Path], before: str) -> str:
+    digest = hashlib.sha256(before.encode())
+    for file in files:
+        text = file.read_bytes().replace(b"\r\n", b"\n")
+        digest.update(file.name.encode() + b"\0" + text + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def core_digest() -> str:
+    """Sixteen characters that follow the sources of the library."""
+    files = (*_ENTRIES, Path(__file__), _TABLE, *sorted(C_SOURCES.glob("*.[ch]")))
+    return _digest(files, kernels_content())
+
+
+def library(platform: Platform) -> Path:
+    """The library for a platform, made if there is none; a minute or two, which is said on standard
+    error.
+
+    It stands beside the kernels in a source tree, for all whatever their cache, and for what is
+    built of the tree; else in the user's cache. Raises `CoreError`.
+    """
+    found = find(platform.name, core_digest())
+    if found:
+        return found
+    if find_spec("ziglang") is None or find_spec("numba") is None:
+        raise CoreError(
+            f"there is no library of the solver for {platform.name}, and none can be made: ziglang "
+            "is not installed: pip install 'rotor-fmu[native]'"
+        )
+    print(f"making the library for {platform.name}", file=sys.stderr, flush=True)
+    folder = _folder()
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:
+        work = Path(name)
+        made = work / f"core{platform.suffix}"
+        link(platform, objects(platform, kernels(), work), made)
+        return _put(folder, platform, made.read_bytes())
+
+
+def _folder() -> Path:
+    if (CARRIED.parents[1] / "pyproject.toml").is_file():
+        CARRIED.mkdir(exist_ok=True)
+        return CARRIED
+    make_private(made_here().parent)
+    make_private(made_here())
+    return made_here()
+
+
+def _put(folder: Path, platform: Platform, content: bytes) -> Path:
+    """Write a library whole, and take away those of older sources where they lie beside them."""
+    target = folder / file_name(platform.name, core_digest(), platform.suffix, content)
+    unfinished = folder / f"{target.name}.{os.getpid()}.part"
+    unfinished.write_bytes(content)
+    unfinished.replace(target)
+    others = [file for file in folder.glob(f"{platform.name}.*") if file != target]
+    others.sort(key=lambda file: file.stat().st_mtime, reverse=True)
+    for old in others if folder == CARRIED else others[_KEPT_VERSIONS:]:
+        with contextlib.suppress(OSError):
+            old.unlink()
+    return target
+
+
+def kernels() -> Path:
+    """The folder with the kernels' LLVM IR, which no platform is in yet."""
+    versions = made_here()
+    folder = versions / f"kernels-{_emitted()}"
+    if folder.is_dir():
+        os.utime(folder)
+    else:
+        _forget_old(versions)
+        with _unfinished(folder) as work:
+            emit = [sys.executable, "-m", f"{__package__}.emit", str(work)]
+            _run_all([[*emit, *names] for names in _EMITTED_TOGETHER], "the kernels")
+    return folder
+
+
+class _unfinished:
+    """A folder that is moved to its place when all in it is done."""
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+
+    def __enter__(self) -> Path:
+        self._target.parent.mkdir(parents=True, exist_ok=True)
+        self._work = Path(tempfile.mkdtemp(prefix="part-", dir=self._target.parent))
+        return self._work
+
+    def __exit__(self, kind: type | None, *_: object) -> None:
+        if kind is None:
+            try:
+                self._work.rename(self._target)
+            except OSError:  # another process was faster
+                if not self._target.is_dir():
+                    raise
+        shutil.rmtree(self._work, ignore_errors=True)
+
+
+def _forget_old(versions: Path) -> None:
+    if not versions.is_dir():
+        return
+    finished = list(versions.glob("kernels-*"))
+    by_age = sorted(finished, key=lambda p: p.stat().st_mtime, reverse=True)
+    for old in by_age[_KEPT_VERSIONS - 1 :]:
+        shutil.rmtree(old, ignore_errors=True)
+
+
+def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
+    """The kernels for a platform as object files."""
+    import llvmlite.binding as llvm
+
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    target = llvm.Target.from_triple(platform.triple)
+    machine = target.create_target_machine(
+        cpu=platform.processor, features=platform.features, opt=3, reloc="pic", codemodel="default"
+    )
+    made = []
+    for file in sorted(folder.glob("*.ll")):
+        text = file.read_text(encoding="utf-8")
+        layout = f'target datalayout = "{machine.target_data}"'
+        text = re.sub(r"(?m)^target datalayout = .*$", layout, text)
+        text = re.sub(r"(?m)^target triple = .*$", f'target triple = "{platform.triple}"', text)
+        module = llvm.parse_assembly(text)
+        module.verify()
+        module.get_function(file.stem).visibility = "hidden"
+        made.append(work / f"{file.stem}.o")
+        made[-1].write_bytes(machine.emit_object(module))
+    return made
+
+
+def link(platform: Platform, parts: list[Path], target: Path) -> None:
+    """Link object files with the instance in C. Raises `CoreError`."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig, *_FLAGS]
+    command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
+    if platform.suffix == ".dylib":
+        command.append(f"-Wl,-install_name,@rpath/{target.name}")
+    command += [str(file) for file in (*sorted(C_SOURCES.glob("*.c")), *parts)]
+    if platform.suffix == ".so":
+        command.append("-lm")  # of it, what is exact on every system: sqrt, ceil
+    _run_all([command], f"the library for {platform.name}")
+
+
+def _run_all(commands: list[list[str]], what: str) -> None:
+    """Run commands at the same time. Raises `CoreError` if one fails."""
+    with ThreadPoolExecutor(len(commands)) as pool:
+        for done in pool.map(_run, commands):
+            if done.returncode:
+                lines = [line for line in done.stderr.splitlines() if "rror" in line]
+                reason = lines[-1].strip() if lines else "no reason given"
+                raise CoreError(f"{what} could not be made: {reason}")
+
+
+def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(command, capture_output=True, text=True, check=False)

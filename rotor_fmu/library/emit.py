@@ -1,0 +1,93 @@
+"""The library's functions as LLVM IR: `python -m rotor_fmu.library.emit FOLDER FUNCTION ...`.
+
+Run in a process of its own, since numba is told the processor before it is imported, and is kept
+from what no process will use: wrappers for callers in Python and in C, and machine code of its own.
+That takes numba's insides; `emit` checks that what is left is whole.
+"""
+
+from __future__ import annotations
+
+import os
+
+if __name__ == "__main__":
+    os.environ |= {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
+
+import re
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding as llvm
+import numba
+from numba.core import codegen, cpu
+
+from ..model.kernels import dispatching
+from .entry_points import FUNCTIONS
+
+_NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+def emit(folder: Path, names: Iterable[str]) -> None:
+    """Write NAME_kernel.ll of these functions of `FUNCTIONS`, `NAME_kernel` its one visible symbol.
+
+    Raises `RuntimeError` where numba left a function without its body.
+    """
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    _make_no_machine_code()
+    for name in names:
+        function, signature = FUNCTIONS[name]
+        kernel = numba.njit(error_model="numpy", _nrt=False, **_NO_WRAPPERS)(function)
+        kernel.compile(signature)
+        text = alone(kernel.inspect_llvm(signature), function.__name__, f"{name}_kernel")
+        (folder / f"{name}_kernel.ll").write_text(text, encoding="utf-8")
+
+
+def _make_no_machine_code() -> None:
+    """Keep numba from compiling what it has optimised, and from wrapping functions that kernels
+    alone call."""
+    codegen.JITCodeLibrary._finalize_specific = lambda library: None
+    codegen.JITCodeLibrary.get_pointer_to_function = lambda library, name: 0
+    codegen.JITCPUCodegen._add_module = lambda generator, module: None
+    cpu.CPUContext.get_executable = _finalized
+    dispatching.keep = lambda dispatcher: None
+    dispatching.EXTRA.update(_NO_WRAPPERS)
+
+
+def _finalized(context: Any, library: Any, description: Any, environment: Any) -> Any:
+    """In the place of `CPUContext.get_executable`, on whose way a library is optimised and linked:
+    something that can be called and never is."""
+    library._ensure_finalized()
+    return [].append
+
+
+def alone(text: str, function: str, name: str) -> str:
+    """The module with one visible function, called `name`.
+
+    Raises `RuntimeError` if what it calls of the project's is missing.
+    """
+    module = llvm.parse_assembly(text)
+    entry = next(
+        f.name
+        for f in module.functions
+        if not f.is_declaration
+        and re.search(rf"\d{function}B", f.name)
+        and not f.name.startswith(("_ZN7cpython", "cfunc."))
+    )
+    for item in (*module.functions, *module.global_variables):
+        if not item.is_declaration and item.name != entry:
+            item.linkage = "internal"
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    options = llvm.create_pipeline_tuning_options(speed_level=0)
+    passes.run(module, llvm.create_pass_builder(machine, options))
+    missing = [f.name for f in module.functions if f.is_declaration and "rotor_fmu" in f.name]
+    if missing:
+        raise RuntimeError(f"{function}: {missing[0]} is missing: another numba than this is known")
+    return str(module).replace(entry, name)
+
+
+if __name__ == "__main__":
+    emit(Path(sys.argv[1]), sys.argv[2:])
