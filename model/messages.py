@@ -16,6 +16,7 @@ from .stability import sentences as whirls
 
 GOOD = settings.GOOD
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
+_NO_REST = "no static equilibrium under gravity and the loads at the start"
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 
 
@@ -37,10 +38,15 @@ _DOES = _either(*whirls.DOES, "{seen:.3g}")
 _SENTENCES = {
     "NOT_HELD": "no static equilibrium: the rotor is held at {d} of its nodes and would tilt under "
     "gravity; at least 2 bearings or supports are needed",
-    "TOO_FAR": "no static equilibrium under gravity and the loads at the start: it would lie "
-    "beyond {.3g} m, a tenth of the shaft's length; clearances and loads must be smaller, or "
-    "springs stiffer",
-    "NO_REST": "no static equilibrium under gravity and the loads at the start was found",
+    "TOO_FAR": f"{_NO_REST}: it would lie beyond {{.3g}} m, a tenth of the shaft's length; "
+    "clearances and loads must be smaller, or springs stiffer",
+    "NO_REST": f"{_NO_REST} was found",
+    "LOST_IN_ROUNDING": f"{_NO_REST} was found: beside the stiffness of the shaft's elements, "
+    "{.2g} N/m, rounding hides what holds it, {.2g} N/m; a smaller young is as rigid",
+    "ON_A_HUMP": f"{_NO_REST} that is stable was found: a journal lies on a hump of its worn bore; "
+    "change wear_angle, or tell a [start]",
+    "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
+    "of the shaft's length",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
     "DIVERGED": f"{_DIVERGED}try a smaller solver.h; what diverges at every step length is the "
@@ -61,6 +67,9 @@ _FIRST = len(settings.SENTENCES)
     NOT_HELD,
     TOO_FAR,
     NO_REST,
+    LOST_IN_ROUNDING,
+    ON_A_HUMP,
+    START_BEYOND,
     NOT_CONVERGED,
     DIVERGED,
     DIVERGED_UNSTABLE,
@@ -75,10 +84,10 @@ _FIRST = len(settings.SENTENCES)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
-    """What stands for `{where}`: all contacts open, all that are walls closed, each alone.
+    """What stands for `{where}`: all contacts open, all that slip closed, each alone.
 
     contacts: names of the interfaces."""
-    walls = np.flatnonzero((interfaces.has_wall == 1) & (interfaces.states == 0)).tolist()
+    walls = np.flatnonzero(interfaces.slips == 1).tolist()
     together = whirls.AND.join(contacts[j] for j in walls)
     alone = [f"{name}{whirls.SLIPPING}" for name in contacts]
     return choice((whirls.OPEN, f"{together}{whirls.SLIPPING}", *alone))

@@ -20,12 +20,39 @@ from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 _TWO_PI = 2 * math.pi
 _ROUNDING = 1e-9  # of a root: an imaginary part below it is what a processor rounds to
 _TWO_DIGITS = 10.0
+_LOST = 1e-9  # of the shaft's stiffness: what is softer rounding may hide
 
 
 @compiled
-def _held_nodes(run):
+def no_rest(run, status, told):
+    """Why a start has no equilibrium."""
+    structure, numbers = run.structure, run.structure.numbers[0]
+    if status == equilibrium.BEYOND:
+        farthest = _farthest(run)
+        told[0] = structure.deflections[farthest, 1]
+        told[1] = modulus(run.motion.q[structure.deflections[farthest, 0]])
+        told[2] = numbers.bound
+        return say.START_BEYOND
+    told[0] = _held_nodes(structure)
+    if told[0] < 2.0:
+        return say.NOT_HELD
+    if status == equilibrium.UNSTABLE:
+        return say.ON_A_HUMP
+    stiffest, mass = 0.0, 0.0
+    for i in range(len(structure.deflections)):
+        dof = structure.deflections[i, 0]
+        stiffest = max(stiffest, structure.K_shaft[dof, 0])
+        mass += structure.mass_sum[dof]
+    told[0], told[1] = stiffest, mass * numbers.lowest_omega * numbers.lowest_omega
+    if _LOST * stiffest > told[1]:
+        return say.LOST_IN_ROUNDING
+    told[0] = numbers.bound
+    return say.TOO_FAR if status == equilibrium.NOT_HELD else say.NO_REST
+
+
+@compiled
+def _held_nodes(structure):
     """How many nodes have a spring or an interface."""
-    structure = run.structure
     held = 0
     for dof in range(structure.M.shape[0]):
         is_held = False
@@ -36,19 +63,6 @@ def _held_nodes(run):
             is_held = is_held or structure.interfaces[j].dof == dof
         held += 1 if is_held else 0
     return held
-
-
-@compiled
-def no_rest(run, status, told):
-    """Why a start found no equilibrium."""
-    held = _held_nodes(run)
-    if held < 2:
-        told[0] = held
-        return say.NOT_HELD
-    if status == equilibrium.NOT_HELD:
-        told[0] = run.structure.numbers[0].bound
-        return say.TOO_FAR
-    return say.NO_REST
 
 
 @compiled

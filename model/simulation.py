@@ -13,7 +13,6 @@ from .code import Code, calls, chosen
 from .doubts import DOUBTS
 from .kernels.compiled import INTERPRETED_WARNING, plain
 from .machine.rotor import Rotor
-from .machine.speed_tables import tables_of
 from .march import march
 from .march.block import LAYOUT, RunData, new_block
 from .march.equilibrium import HELD
@@ -24,8 +23,8 @@ from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .spelling import TOLD, spell
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
-from .structure.assembly import assemble, interface_names
-from .structure.reduction import reduced
+from .structure.assembly import interface_names
+from .structure.reduction import assembled
 from .structure.structure import Structure
 
 
@@ -81,9 +80,7 @@ class Simulation:
         self._warn_if_interpreted()
         self.rotor = rotor
         self.settings = settings
-        structure = assemble(rotor)
-        if settings.reduction:
-            structure = reduced(structure, int(settings.reduction))
+        structure, self._ranges = assembled(rotor, int(settings.reduction))
         self.names = observed_names(rotor)
         for warning in settings.warnings:
             self._warn(warning)
@@ -96,7 +93,6 @@ class Simulation:
         self._run.tape.channels[:] = channels
         self._run.tape.head[0].least = taped.angle
         self._run.method.numbers[0] = settings.numbers
-        self._tables = tables_of(rotor)
 
         numbers = self._run.memory.record[0]
         numbers.t = t
@@ -121,7 +117,7 @@ class Simulation:
         status = self._code.start(float(speed), float(drive), float(rate))
         if status != HELD:
             raise EquilibriumError(self._sentence(outcomes.no_rest, self._run, status))
-        self._warn_beyond_tables(speed)
+        self._warn_beyond(speed)
         self._speed = self._run.memory.record["omega"]
         self._has_warned_of_whirls = False
         self._has_warned_of_growth = False
@@ -195,8 +191,8 @@ class Simulation:
         status = self._code.advance(float(to), float(drive), math.nan if rate is None else rate)
         if status != march.DONE:
             raise StepFailure(self._failure(status))
-        if self._tables:
-            self._warn_beyond_tables(float(self._run.memory.record["omega"][0]))
+        if self._ranges:
+            self._warn_beyond(float(self._run.memory.record["omega"][0]))
         if not self._surveyed_from[0] <= abs(self._speed[0]) <= self._surveyed_to[0]:
             self._survey(False)
         for entry in tuple(self._doubts):
@@ -263,12 +259,12 @@ class Simulation:
             _has_said_interpreted = True
             self._warn(INTERPRETED_WARNING)
 
-    def _warn_beyond_tables(self, speed: float) -> None:
-        """Say once of every table that the speed [rad/s] has left it."""
-        for table in list(self._tables):
-            if not table.low <= speed <= table.high:
-                self._tables.remove(table)
-                self._warn(table.beyond.format(speed=speed))
+    def _warn_beyond(self, speed: float) -> None:
+        """Say once of every range that the speed [rad/s] has left it."""
+        for allowed in list(self._ranges):
+            if not allowed.low <= speed <= allowed.high:
+                self._ranges.remove(allowed)
+                self._warn(allowed.beyond.format(speed=speed))
 
     def _failure(self, status: int) -> str:
         """Why a step failed."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -53,6 +54,8 @@ def run(app: Callable[..., int | None]) -> None:
         _end(_one_line(error), BAD_INPUT)
     except Refusal as error:
         _end(str(error), BAD_INPUT)
+    except OSError as error:
+        _end(_unreachable(error), FAILED)
     if status == INTERRUPTED:  # which typer may have made of Ctrl-C by itself
         _end("stopped; nothing unfinished was written", INTERRUPTED)
     sys.exit(status)
@@ -66,6 +69,15 @@ def _one_line(error: typer.TyperException) -> str:
             value = sys.argv[sys.argv.index(option) + 1]
             return f"{option} {value}: {text}"
     return text
+
+
+def _unreachable(error: OSError) -> str:
+    """What cannot be read or written, and why, in one line; a full disk, for one."""
+    if isinstance(error, shutil.Error):  # of a folder: a file each
+        _, file, reason = error.args[0][0]
+    else:
+        file, reason = error.filename, error.strerror or str(error)
+    return f"{file or 'a file or the output'}: cannot be read or written: {reason}"
 
 
 def _end(message: str, status: int) -> None:

@@ -59,14 +59,15 @@ def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
 
 def json_text(figures: Mapping[str, Any]) -> str:
     """Figures as JSON, which knows no infinity: null where a number is not finite."""
-    return dumps(_plain(figures), indent=2, allow_nan=False) + "\n"
+    return dumps(plain(figures), indent=2, allow_nan=False) + "\n"
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Figures of which JSON has words: None where a number is not finite."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, Path):
         return str(value)
     if isinstance(value, Integral) and not isinstance(value, bool):

@@ -22,7 +22,7 @@ def recorded(stop=6.0, step=1e-3, speed=300.0, rate=-20.0, **about):
     return Recording(t, columns, units, {"machine": "closed form", "status": "ok", **about})
 
 
-def write_study(folder, runs=60, planned=80):
+def write_study(folder, runs=60, planned=80, kind="random"):
     """A study's folder: the largest x over friction and clearance, some runs failed, a curve."""
     import json
 
@@ -50,14 +50,16 @@ def write_study(folder, runs=60, planned=80):
     pq.write_table(table.slice(0, runs // 2), folder / "rows" / "b.parquet")
     kept = {"text": "largest x", "unit": "m", "dimension": "", "coordinate": []}
     curve = {"text": "amplitude", "unit": "m", "dimension": "speed", "coordinate": grid}
+    law = {"distribution": "uniform", "parameters": {"low": 0.0, "high": 1.0}}
     about = {
         "name": "tolerances",
         "runs": planned,
         "design": {
+            **{"kind": kind, "size": planned, "seed": 0, "levels": 4},
             "axes": [
-                {"name": name, "targets": [name], "unit": unit}
+                {"name": name, "targets": [name], "unit": unit, **law}
                 for name, unit in (("mu", "1"), ("clearance", "m"))
-            ]
+            ],
         },
         "columns": [
             {"name": "peak", "coordinate_unit": "1", **kept},

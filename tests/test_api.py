@@ -171,3 +171,23 @@ def test_files_that_are_none_are_refused_by_their_name(tmp_path):
 def test_a_signal_that_was_not_recorded_is_told_its_neighbour(result):
     with pytest.raises(KeyError, match=r"disc\[3\]\.xx.*nearest name is disc\[3\]\.v?x"):
         result["disc[3].xx"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "stop", "why"),
+    [
+        (([0, 1], [200, 190]), None, "the run ends within the start-up, 2 s"),
+        (150.0, 2.5, "the speed is constant"),
+        (([0, 3], [60, 50]), None, "the amplitude is largest at an edge of the run"),
+    ],
+)
+def test_peaks_that_are_none_say_why(speed, stop, why):
+    peaks = rf.simulate(RIG, speed=speed, stop=stop, tolerance=1e-2).peaks
+    assert peaks == ()
+    assert peaks.why == why
+    assert str(peaks) == f"no peaks: {why}"
+
+
+def test_peaks_of_a_run_read_from_its_folder_say_that_they_are_not_kept(result, tmp_path):
+    result.save(tmp_path)
+    assert "read from its folder" in str(rf.read_run(tmp_path).peaks)

@@ -218,6 +218,17 @@ def test_signals_from_a_file_drive_the_run(command, tmp_path):
     assert last["energy.external_work"] != 0
 
 
+@pytest.mark.parametrize(
+    ("times", "rate"),
+    [((0, 2), 5.0), ((3, 5), 0.0), ((-4, -2), 0.0), ((-1, 1), 5.0)],
+)
+def test_a_speed_does_not_change_before_the_first_time_that_is_given(tmp_path, times, rate):
+    """Nor after the last; what is held until then begins without a rate."""
+    rows = "".join(f"{t},{100 + 10 * i}\n" for i, t in enumerate(times))
+    (tmp_path / "in.csv").write_text(f"time,speed\n{rows}")
+    assert read_signals(tmp_path / "in.csv", interface(rig())).first_rate == rate
+
+
 def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
     (tmp_path / "one.csv").write_text("time,speed\n0.25,300\n1.5,30\n")
     other = "# recorded by hand\ntime [ms];speed [rpm]\n250;{}\n\n1500;{}\n"

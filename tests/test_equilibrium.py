@@ -144,3 +144,98 @@ def test_a_shaft_too_stiff_to_calculate_with_is_not_said_to_be_loose():
     with pytest.raises((EquilibriumError, QuantityError)) as refused:
         rest(parse_rotor(rig_toml().replace("young = 2.1e11", "young = 1e25")))
     assert "held at" not in str(refused.value)
+
+
+def test_a_shaft_that_rounding_makes_loose_is_said_to_be_too_stiff():
+    bearing = "[[linear_bearing]]\nkxx = 1e6\nkyy = 1e6\ncxx = 1.0\ncyy = 1.0\nnode = {}\n"
+    stiff = (
+        "[material]\nyoung = 2e18\ndensity = 1e-3\n[[section]]\nlength = 1.0\nouter = 0.3\n"
+        "elements = 60\n[[point_mass]]\nnode = 31\nmass = 10.0\n"
+    )
+    machine = parse_rotor(stiff + bearing.format(1) + bearing.format(61))
+    with pytest.raises(EquilibriumError, match=r"rounding hides what holds it, 2e\+06 N/m"):
+        rest(machine)
+
+
+@pytest.mark.parametrize(("young", "elements"), [(2e13, 60), (2e15, 60), (2e16, 20)])
+def test_a_textbooks_rigid_shaft_rests_on_its_bearings(young, elements):
+    """Steps in which rounding no longer shrinks are told from those that lead on."""
+    bearing = "[[linear_bearing]]\nkxx = 1e6\nkyy = 1e6\ncxx = 1.0\ncyy = 1.0\nnode = {}\n"
+    stiff = (
+        f"[material]\nyoung = {young}\ndensity = 1.0\n[[section]]\nlength = 1.0\nouter = 0.1\n"
+        f"elements = {elements}\n[[point_mass]]\nnode = {elements // 2 + 1}\nmass = 10.0\n"
+    )
+    q = rest(parse_rotor(stiff + bearing.format(1) + bearing.format(elements + 1)))
+    weight = (10.0 + math.pi / 4 * 0.1**2) * 9.81
+    np.testing.assert_allclose(q[[0, 2 * elements]].imag, -weight / 2e6, rtol=1e-5)
+
+
+@pytest.mark.parametrize("inclination", [math.pi / 2, 1.5708, -math.pi / 2, 1.5 * math.pi])
+def test_a_vertical_machine_between_its_contacts_has_no_weight_across(inclination):
+    vertical = replace(RIG, inclination=inclination)
+    assert np.all(rest(vertical) == 0)
+    simulation = Simulation(vertical, speed=100.0)
+    simulation.advance(0.01, 100.0)
+    assert simulation.read("disc[1].r_amp") > 0
+
+
+def test_a_machine_that_leans_lies_on_its_bearings_by_the_share_of_the_cosine():
+    leaning = replace(RIG, inclination=1.57)
+    np.testing.assert_allclose(
+        reactions(leaning).sum(), total_weight(RIG) * math.cos(1.57), rtol=1e-9
+    )
+
+
+def worn(wear, angle=math.pi / 2, both=True):
+    """The rig with bores worn in a direction, upwards for one; the second bearing too or not."""
+    first, last = (replace(b, wear=wear, wear_angle=angle) for b in (FIRST, LAST))
+    return RIG.with_parts(Bearing, first, last if both else LAST)
+
+
+@pytest.mark.parametrize("wear", [1.1e-4, 2e-4, 1e-3])
+@pytest.mark.parametrize("both", [True, False], ids=["both", "one"])
+def test_a_bore_worn_opposite_the_load_holds_the_journal_beside_the_hump(wear, both):
+    """s = c + w (1 + cos(psi - pi / 2)) / 2: the lowest point of the bore is where the cosine of
+    the angle from the bottom is c / w + 1 / 2, and the bottom a hump where that is below 1."""
+    simulation = Simulation(worn(wear, both=both))
+    clearance = FIRST.clearance + 14.0 / FIRST.k  # half of the weight presses it in
+    lowest = math.acos(clearance / wear + 0.5)
+    aside = simulation.read("bearing[1].psi") - 1.5 * math.pi
+    assert aside == pytest.approx(lowest, rel=0.02)
+    assert (simulation.read("bearing[2].psi") - 1.5 * math.pi > 0.1) == both
+    # and it stays: on the hump it fell off by itself
+    before = simulation.motion.q.copy()
+    simulation.advance(0.2, 0.0)
+    np.testing.assert_allclose(simulation.motion.q, before, atol=1e-9 * clearance)
+
+
+@pytest.mark.parametrize(("wear", "angle"), [(9e-5, math.pi / 2), (2e-4, 1.5 * math.pi)])
+def test_a_bore_worn_less_or_below_the_load_holds_it_at_the_bottom(wear, angle):
+    simulation = Simulation(worn(wear, angle))
+    for j in (1, 2):
+        assert simulation.read(f"bearing[{j}].psi") == pytest.approx(1.5 * math.pi, abs=1e-9)
+
+
+def test_a_hump_without_a_rest_beside_it_is_said():
+    with pytest.raises(
+        EquilibriumError, match="lies on a hump of its worn bore; change wear_angle"
+    ):
+        rest(worn(0.3))
+
+
+@pytest.mark.parametrize(
+    ("start", "node", "distance"),
+    [("y = -0.05", 1, 0.05), ("x = 0.03\ny = 0.03", 1, 0.0424), ("tilt_x = 0.5", 1, 0.0907)],
+)
+def test_a_start_beyond_what_a_machine_reaches_is_refused(start, node, distance):
+    rotor = parse_rotor(f"{rig_toml()}[start]\n{start}\n")
+    with pytest.raises(EquilibriumError) as refused:
+        Simulation(rotor)
+    message = str(refused.value)
+    assert message.startswith(f"[start]: node {node} lies {distance:.3g} m from the axis")
+    assert message.endswith("must be within 0.033 m, a tenth of the shaft's length")
+
+
+def test_a_start_within_the_bound_is_taken():
+    rotor = parse_rotor(f"{rig_toml()}[start]\ny = 0.03\n")
+    Simulation(rotor).advance(1e-4, 0.0)

@@ -96,8 +96,55 @@ def test_once_a_turn_is_what_order_tracking_finds_in_a_rub(speed):
         at = np.linspace(k * turn, (k + 1) * turn, 2000, endpoint=False)
         moved = np.interp(at, t, z.real), np.interp(at, t, z.imag)
         for axis, part in enumerate(moved):
-            right = 2 * (part * np.exp(-1j * speed * at)).mean()
+            # a lag is negative whichever way the shaft turns
+            right = 2 * (part * np.exp(-1j * abs(speed) * at)).mean()
             assert abs(shown[k][axis] - right) < 1e-3 * abs(right), (k, axis)
+
+
+AMPLITUDES = ("x_amp", "y_amp", "r_amp", "x_1x", "y_1x")
+
+
+def test_what_is_of_the_last_revolution_is_nothing_minutes_after_the_shaft_stands():
+    """Stopped at once from 130 rad/s and left alone: what vibrates on dies away, and is told."""
+    settings = choose("controlled", tolerance=1e-4)
+    sim = Simulation(overhung(eta_v=1e-3), settings, speed=130.0, continues_speed=False)
+    still = rest(sim.rotor)
+    dof = disc_dofs(sim.rotor)[1]
+    sim.advance(2.0, 130.0)
+    before = {name: sim.read(f"disc[2].{name}") for name in AMPLITUDES}
+    assert min(before.values()) > 1e-6
+    for i in range(1, 121):
+        sim.advance(2.0 + i, 0.0)
+        shown = {name: sim.read(f"disc[2].{name}") for name in AMPLITUDES}
+        assert shown["x_1x"] == shown["y_1x"] == 0.0
+        assert shown["r_amp"] >= abs(sim.motion.q[dof] - still[dof])
+    assert all(shown[name] < 0.02 * before[name] for name in AMPLITUDES)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_what_is_of_the_last_revolution_begins_anew_where_the_shaft_turns_back(way):
+    sim = Simulation(overhung(eta_v=1e-3), choose("controlled"), speed=60.0 * way, rate=-60.0 * way)
+    seen = []
+    for i in range(1, 401):
+        sim.advance(0.005 * i, way * (60.0 - 0.3 * (i - 1)))
+        seen.append([sim.read("phi"), *(sim.read(f"disc[2].{name}") for name in AMPLITUDES)])
+    seen = np.array(seen)
+    turned = way * seen[:, 0]
+    back = int(np.argmax(turned))
+    assert seen[back - 5, 4] > 0.0
+    first = slice(back + 1, back + int(np.argmax(turned[back:] < turned[back] - 2 * math.pi)))
+    assert first.stop > first.start + 10
+    assert not seen[first, 4:].any()
+    assert (seen[first.stop :, 4:] > 0).all()
+
+
+def test_a_shaft_that_turns_slowly_still_has_its_last_revolution():
+    speed = 0.1  # rad/s, a revolution a minute
+    sim = Simulation(overhung(eta_v=1e-3), choose("controlled"), speed=speed)
+    for i in range(1, 131):
+        sim.advance(float(i), speed)
+    assert sim.read("disc[2].x_1x") > 0.0
+    assert sim.read("disc[2].x_amp") >= sim.read("disc[2].x_1x") * 0.99
 
 
 def test_amplitudes_are_the_largest_distances_from_rest_over_the_last_revolutions():

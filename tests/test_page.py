@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from rotor_fmu import vibration
-from rotor_fmu.report.page import runs_page, write_page
+from rotor_fmu.files import write_text
+from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.places import Recorded
 from rotor_fmu.report.study import study_page
 
@@ -19,6 +20,8 @@ BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 DRIVER = shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="needs chromium and chromedriver")
 PATIENCE = 60.0  # [s]
+NASTY = "<!--<script> $$\\frac{a}{b}$$"
+OTHERS = ("two", "steady", "cut", "nasty", "backward", "both ways", "study")
 
 
 class Page:
@@ -111,19 +114,23 @@ def pages(tmp_path_factory):
     two = Recorded(recorded(speed=350.0, rate=-30.0), "two")
     steady = Recorded(recorded(rate=0.0), "steady")
     cut = Recorded(recorded(stop=0.03, status="failed: whirled apart"), "cut")
-    for name, runs in {"one": [one], "two": [one, two], "steady": [steady], "cut": [cut]}.items():
-        write_page(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
+    nasty = Recorded(recorded(machine=NASTY, messages=[NASTY]), NASTY)
+    shown = {"one": [one], "two": [one, two], "steady": [steady], "cut": [cut], "nasty": [nasty]}
+    shown["backward"] = [Recorded(recorded(speed=-300.0, rate=20.0), "backward")]
+    shown["both ways"] = [Recorded(recorded(speed=150.0, rate=-50.0), "both ways")]
+    for name, runs in shown.items():
+        write_text(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
     write_study(folder / "study")
     from rotor_fmu.look.reading import read_study
 
-    write_page(study_page(*read_study(folder / "study")), folder / "study.html")
+    write_text(study_page(*read_study(folder / "study")), folder / "study.html")
     return folder
 
 
 @pytest.mark.parametrize(("width", "dark"), [(400, True), (1600, False)])
 @pytest.mark.parametrize(
     "name",
-    ["one", *(pytest.param(n, marks=pytest.mark.slow) for n in ("two", "steady", "cut", "study"))],
+    ["one", *(pytest.param(n, marks=pytest.mark.slow) for n in OTHERS)],
 )
 def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dark):
     look(silent, width, dark)
@@ -176,6 +183,33 @@ def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):
     mark = page.run("const d = over.parts[0].marks.data; return [d.x[0], d.y[0]]")
     expected = 80 * np.exp(-0.6j) + 20
     assert complex(*mark) == pytest.approx(expected, abs=0.1)
+
+
+@pytest.mark.parametrize(("name", "sign"), [("backward", -1), ("both ways", 1)])
+def test_speeds_of_a_shaft_that_turns_backward_are_below_zero(silent, pages, name, sign):
+    page = Page(silent, pages / f"{name}.html")
+    hz = np.array(page.run("return over.runs[0].stations.hz"))
+    low, high = page.run("const r = over.bode.plot.x_range; return [r.start, r.end]")
+    assert low < hz.min() < 0
+    assert hz.max() < high
+    assert (hz.max() > 0) == (sign > 0)
+    page.set("station", 0)
+    page.find("near").click()
+    near = page.run("return time.range.end - time.range.start")
+    assert near == pytest.approx(8 / abs(hz[0]), rel=1e-3)
+    # z turns with the shaft, more forward than backward, whichever way that is
+    order, top = page.run(
+        "const d = over.parts[0].spectrum.data; return [[...d.order], [...d.top]]"
+    )
+    assert order[int(np.argmax(top))] == 1.0
+    assert "whirls forward" in page.text("reading")
+
+
+def test_a_name_is_shown_as_it_is(silent, pages):
+    page = Page(silent, pages / "nasty.html")
+    assert page.run("return document.querySelector('h1').textContent") == NASTY
+    assert page.run("return document.querySelector('.about').textContent") == NASTY
+    assert page.run("return time.runs[0].name") == NASTY
 
 
 @pytest.mark.slow
@@ -313,9 +347,9 @@ def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
     assert float(told["mu [-]"]) == pytest.approx(columns["mu"][row], rel=1e-4)
     assert float(told["clearance [µm]"]) == pytest.approx(1e6 * columns["clearance"][row], rel=1e-4)
     axes = "return [map.chart.plot, map.curve.plot].flatMap((p) => [p.below[0], p.left[0]])"
-    labels = page.run(f"{axes}.map((a) => a.axis_label)")
+    labels = page.run(f"{axes}.map((a) => a.axis_label.text)")
     assert labels == ["mu [-]", "clearance [µm]", "speed [Hz]", "amplitude [µm]"]
-    assert page.run("return map.bar.title") == "peak [µm]"
+    assert page.run("return map.bar.title.text") == "peak [µm]"
     assert float(told["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
     assert told["with its signals"] == "rotor-fmu study ... --select id017"
     hertz = page.run("return map.line.data.x")

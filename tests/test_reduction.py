@@ -1,9 +1,12 @@
 """Component modes: exact with all of them, closer with each, and the same machine."""
 
+import re
+
 import numpy as np
 import pytest
+import scipy.linalg
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.settings import SettingsError, choose
@@ -87,3 +90,91 @@ def test_a_rotor_on_supports_rests_where_it_rested():
 def test_a_number_of_modes_that_cannot_be_is_refused(value):
     with pytest.raises(SettingsError, match=r"^reduction = .*integer >= 0"):
         choose(reduction=value)
+
+
+# --- what a reduction moves is said ---
+
+# A thin shaft on two bearings, a hub amid: three places where something acts, sixty elements.
+SLENDER = """
+[material]
+young = 2.1e11
+density = 7800.0
+[[section]]
+length = 2.0
+outer = 0.03
+elements = 60
+[[body]]
+node = 31
+mass = 0.1
+I_d = 1e-4
+I_p = 1e-4
+""" + "".join(
+    f"[[linear_bearing]]\nnode = {node}\nkxx = 1e7\nkyy = 1e7\ncxx = 1e3\ncyy = 1e3\n"
+    for node in (1, 61)
+)
+LONG = parse_rotor(SLENDER)
+
+
+def natural(rotor, modes):
+    """Frequencies [Hz] of a shaft at rest, by dense matrices of the structure itself."""
+    structure = assemble(rotor)
+    if modes:
+        structure = reduced(structure, modes)
+    K = to_dense(structure.K)
+    K[structure.interfaces.dof, structure.interfaces.dof] += 1e7
+    squares = scipy.linalg.eigh(K, to_dense(structure.M), eigvals_only=True)
+    return np.sqrt(squares) / (2 * np.pi)
+
+
+def warnings_of(rotor, modes, *speeds):
+    """What is said of a reduction at the start and after each speed [rad/s]."""
+    messages, told = [], []
+    sim = Simulation(
+        rotor,
+        choose("robust", reduction=modes),
+        speed=speeds[0],
+        continues_speed=False,
+        warn=messages.append,
+    )
+    for i, speed in enumerate((*speeds[1:], speeds[-1])):
+        told.append([m for m in messages if m.startswith("solver.reduction")])
+        messages.clear()
+        sim.advance(1e-3 * (i + 1), speed)
+    return told
+
+
+def test_a_mode_that_a_reduction_moves_is_said_with_both_frequencies():
+    full, few = natural(LONG, 0), natural(LONG, 1)
+    assert few[2] > 2 * full[2]
+    ((told,),) = warnings_of(LONG, 1, 500.0)
+    hertz = [float(number) for number in re.findall(r"([\d.]+) Hz", told)]
+    np.testing.assert_allclose(hertz, [full[2], few[2]], rtol=1e-3)
+    assert "reduction = 1 is too coarse: mode 3 of the shaft, " in told
+    enough = int(re.search(r"take at least (\d+), or 0$", told)[1])
+    off = [natural(LONG, modes)[2] / full[2] - 1 for modes in (enough - 1, enough)]
+    assert off[0] > 0.02 > off[1]
+    assert warnings_of(LONG, enough, 500.0) == [[]]
+
+
+def test_it_is_said_once_when_the_speed_comes_to_half_of_the_frequency():
+    half = np.pi * natural(LONG, 0)[2]
+    told = warnings_of(LONG, 1, 0.0, 0.9 * half, -1.1 * half, 1.2 * half, 0.5 * half)
+    assert [len(now) for now in told] == [0, 0, 1, 0, 0]
+
+
+def test_of_the_rig_contacts_open_and_pinned_are_told_apart():
+    (told,) = warnings_of(rig(), 1, 2200.0)
+    assert [text.partition(" with contacts ")[2].partition(",")[0] for text in told] == [
+        *["open"] * 3,
+        *["pinned"] * 3,
+    ]
+    assert warnings_of(rig(), 1, 400.0) == [[]]
+    assert warnings_of(rig(), 3, 2200.0) == [[]]
+    assert warnings_of(rig(), ALL, 1e4) == [[]]
+
+
+def test_a_mode_that_is_lost_is_said():
+    full, few = natural(LONG, 0), natural(LONG, 1)
+    lost = len(few)
+    told = warnings_of(LONG, 1, np.pi * full[lost] * 0.99, np.pi * full[lost] * 1.01)
+    assert f"mode {lost + 1} of the shaft, {full[lost]:.4g} Hz, is lost, and" in told[1][0]

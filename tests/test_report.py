@@ -2,7 +2,9 @@
 test_page.py."""
 
 import json
+import math
 import re
+from html import escape
 
 import numpy as np
 import pytest
@@ -11,9 +13,12 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
+from rotor_fmu.look.reading import read_study
 from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
-from rotor_fmu.report.page import write_report
+from rotor_fmu.report.page import runs_page, write_report
+from rotor_fmu.report.places import Recorded
 from rotor_fmu.report.signals import extremes
+from rotor_fmu.report.study import study_page
 
 from .recordings import recorded, write_study
 
@@ -89,12 +94,38 @@ def test_the_tables_say_what_the_closed_form_has(tmp_path):
     assert float(cells["bearing 1"][2]) == pytest.approx(50.0, abs=1.0)
 
 
-def test_a_page_cannot_be_broken_by_a_name(tmp_path):
-    nasty = '</script><img src=x onerror="alert(1)">'
-    write_report(recorded(machine=nasty, messages=[nasty]), {}, tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+@pytest.mark.parametrize("nasty", ['</script><img src=x onerror="alert(1)">', "<!--<script>"])
+def test_a_page_cannot_be_broken_by_a_name(tmp_path, nasty):
+    given = recorded(machine=nasty, messages=[nasty], status=f"failed: {nasty}")
+    text = runs_page([Recorded(given, nasty)], [{}])
     assert nasty not in text
-    assert "&lt;/script&gt;&lt;img" in text
+    assert text.count(escape(nasty)) >= 5  # title, heading, machine, messages
+    assert block(text, "data")["runs"][0]["name"] == nasty
+    # after "<!--<script" nothing but another "</script>" would end a script
+    for name in ("data", "signals"):
+        assert "<" not in re.search(rf'id="{name}">(.*?)</script>', text, re.S).group(1)
+
+
+def test_a_studys_page_cannot_be_broken_by_a_name(tmp_path):
+    write_study(tmp_path / "study")
+    about, rows = read_study(tmp_path / "study")
+    text = study_page(about | {"name": "<!--<script>"}, rows, {"id000": "<!--<script>"})
+    assert "<!--<script>" not in text
+    assert block(text, "data")["pages"] == {"id000": "<!--<script>"}
+
+
+def test_numbers_that_are_not_finite_leave_a_page_that_can_be_read(tmp_path):
+    given = recorded(status="failed: diverged")
+    for name in ("energy.friction_loss", "disc[1].x", "bearing[1].fn", "w"):
+        given.columns[name][-5:] = np.nan
+    text = runs_page([Recorded(given, "diverged")], [{"wall_s": math.nan}])
+    shown = block(text, "data")["runs"][0]
+    assert shown["why"] is None
+    assert [sink["total"] for sink in shown["power"]["sinks"]] == [
+        None,
+        pytest.approx(3.0, rel=1e-2),
+    ]
+    assert "NaN" not in re.search(r'id="data">(.*?)</script>', text, re.S).group(1)
 
 
 def test_a_failed_run_says_how_far_it_came_and_why(tmp_path):
@@ -147,6 +178,17 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
     assert "The study goes on: 60 of 80 runs" in text
     failed = columns["status"].count("failed: whirled apart")
     assert f"{failed} runs: failed: whirled apart" in text
+
+
+def test_a_map_of_morris_tells_no_quantiles(tmp_path):
+    for kind in ("random", "morris"):
+        write_study(tmp_path / kind, kind=kind)
+        found = report(tmp_path / kind, "--out", tmp_path / f"{kind}.html")
+        assert found.exit_code == 0, found.output
+        text = (tmp_path / f"{kind}.html").read_text(encoding="utf-8")
+        cells = re.findall(r"<td>(.*?)</td>", re.search(r"<tr><td>peak</td>.*?</tr>", text).group())
+        assert all(cell != "-" for cell in cells[2:7:4])  # least and largest
+        assert (cells[3:6] == ["-"] * 3) == (kind == "morris")
 
 
 def test_a_run_made_again_with_its_signals_has_a_page_that_the_map_links(tmp_path):

@@ -197,17 +197,11 @@ def test_a_signal_of_too_few_turns_is_refused_with_its_length(function):
         getattr(vibration, function)(t, 300.0 * t, t + 0j)
 
 
-def test_what_was_recorded_after_the_shaft_turned_back_is_left_out():
-    t = np.linspace(0, 10.0, 20001)
-    phi = 100.0 * t - 10.0 * t**2  # turns back at 5 s
-    found = vibration.synchronous(t, phi, np.exp(1j * phi))
-    assert found.marks[-1] < 5.0
-    assert np.abs(np.abs(found.values) - 1.0).max() < 1e-3
-
-
 def test_an_order_that_the_block_does_not_hold_is_refused():
     t, phi = run_down(2.0)
-    with pytest.raises(ValueError, match=r"order 0\.3: a block of 4 turns"):
+    with pytest.raises(
+        ValueError, match=r"order 0\.3: a block of 4 turns tells multiples of 0\.25 from 0\.5 on"
+    ):
         vibration.order_track(t, phi, phi + 0j, [0.3])
     with pytest.raises(ValueError, match=r"order 3: must be one of 0\.5, 1, 2"):
         vibration.order_track(t, phi, phi + 0j).x(3)

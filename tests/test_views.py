@@ -14,6 +14,7 @@ from rotor_fmu.runs.summary import summary
 from rotor_fmu.runs.views import (
     envelope,
     is_constant,
+    late_turns,
     once_a_turn,
     peak_index,
     place_of,
@@ -167,3 +168,16 @@ def test_pictures_go_with_the_recording_that_they_were_drawn_of(tmp_path):
     (tmp_path / "recording.npz").write_bytes(b"")
     clear(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {"mine.png"}
+
+
+@pytest.mark.parametrize("speed", [100.0, -103.3, 107.7])
+def test_the_spectrum_of_a_run_at_one_speed_has_its_1x_on_a_line(speed):
+    t = np.arange(0.0, 4.0, 4e-4)
+    phi = speed * t
+    x = 3e-5 * np.cos(phi - 0.4)
+    recording = Recording(t, {"phi": phi, "w": np.full_like(t, speed), "disc[1].x": x}, {}, {})
+    late = late_turns(recording)
+    assert 1.9 < t[-1] - t[late][0] < 2.0
+    f, lines = spectrum(t[late], x[late])
+    assert lines.max() == pytest.approx(3e-5, rel=2e-3)
+    assert f[np.argmax(lines)] == pytest.approx(abs(speed) / TURN, rel=2e-3)

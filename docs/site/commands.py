@@ -22,6 +22,7 @@ motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.
 `paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms). `--set
 solver.tolerance=1e-4`, or `--preset robust --set solver.h=1e-4`, and the like change a preset;
 `solver.reduction=4` keeps four component modes of the shaft, which pays where it has many elements.
+Too few for the speed are said, with the modes that they move.
 """
 
 

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from rotor_fmu import studies
 from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
-from rotor_fmu.studies.analysis import analyse, design_of, is_drawn
+from rotor_fmu.studies.analysis import analyse, design_of, drawn_rows
 from rotor_fmu.studies.dataset import about_of
 from rotor_fmu.studies.design import Design
 
@@ -120,7 +120,7 @@ def tolerances(data: xarray.Dataset, design: Design, report: dict, path: Path) -
     first.remove()
     left, right = figure.subplots(1, 2)
     found = report["limits"]["X"]
-    left.hist(1e6 * data.X.values[is_drawn(design, data.run.values)], bins=30, color=BLUE)
+    left.hist(1e6 * data.X.values[drawn_rows(design, data.run.values)], bins=30, color=BLUE)
     left.axvline(1e6 * found["limit"], color=ORANGE)
     left.set_title(f"{found['share']:.1%} of the rigs pass the limit", loc="left", fontsize=10)
     left.set(xlabel="Horizontal peak X of disc 3 [µm]", ylabel="Rigs [-]")

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..contact.wall import ContactQuantities
 from ..kernels.band import to_dense
 from ..machine.rotor import Rotor
-from ..parts.clearance_contact import ContactQuantities
 from ..rest import rest
 from ..schemes.family import Scheme
 from ..step.excitation import Spin, add_applied, spin_of

@@ -185,7 +185,7 @@ def _growth(modes: Modes) -> float:
     """Largest share of growth of a mode, Re lambda / |lambda|; of what does not oscillate, its
     sign."""
     growing = [1.0] if (modes.decays > 0).any() else []
-    return max([*(-modes.damping_ratio), *growing], default=-1.0)
+    return max([*(-modes.damping_ratio[modes.is_sound]), *growing], default=-1.0)
 
 
 def _threshold(follow: _Follower, seen: Sequence[Modes]) -> float | None:

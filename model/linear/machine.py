@@ -16,15 +16,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
 
 from ..kernels.compiled import plain
 from ..machine.rotor import Rotor
 from ..parts.housing import masses
 from ..protocol.part import Interface, Mount, Spring
-from ..quantities import QuantityError
 from ..structure.assembly import assemble
+from ..structure.elastic import factorized, strains
+from ..structure.parameters import elastic_share
 from ..structure.structure import Structure
+from .linearized import Linear, LinearError, Strain
 from .tangents import Tangents, tangents
 
 OPEN, PINNED = "open", "pinned"
@@ -32,24 +33,7 @@ CONTACTS = (OPEN, PINNED)
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
 _ITERATIONS = 50
-_CHANGE = 1e-12
-
-
-class LinearError(QuantityError):
-    """A linear answer that the machine cannot have; says which and what to do."""
-
-
-class Linear(NamedTuple):
-    """The machine at one speed [rad/s]: sparse matrices of the unknowns, shape (N, N), the
-    displacements at rest, shape (N,) [m, rad], 0 where nothing holds the machine, and what the
-    interfaces do there (those that are open or pinned: nothing)."""
-
-    speed: float
-    M: sp.csc_matrix
-    D: sp.csc_matrix
-    K: sp.csc_matrix
-    rest: np.ndarray
-    laws: Tangents
+_CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
 class Supports(NamedTuple):
@@ -74,7 +58,7 @@ class LinearMachine:
         self.rotor = rotor
         self.structure = assemble(rotor)
         self.supports = _supports(rotor)
-        self._full = _matrices(self.structure)
+        self._full = _matrices(rotor, self.structure)
         self._set_contacts(contacts or OPEN)
         if contacts is None and self.has_contacts and not self.is_held:
             self._set_contacts(PINNED)
@@ -89,19 +73,15 @@ class LinearMachine:
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
         self.expand = _expansion(size, held)
         self.M = (self.expand.T @ self._full.M @ self.expand).tocsc()
-        self._K, self._D, self._circulation, self._gyroscopic = (
+        self._K, self._D, self._gyroscopic = (
             (self.expand.T @ matrix @ self.expand).tocsc()
-            for matrix in (
-                self._full.K,
-                self._full.C,
-                self._full.circulation,
-                self._full.gyroscopic,
-            )
+            for matrix in (self._full.K, self._full.C, self._full.gyroscopic)
         )
         ends = [(dof, end) for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)]
         self.across = _differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
-        self.is_held = self._holds(self.at_zero_load(0.0).K)
+        self._strained = (self._full.strained @ self.expand).tocsr()
+        self.is_held = self._holds(self.at_zero_load(0.0))
 
     @property
     def has_contacts(self) -> bool:
@@ -137,14 +117,18 @@ class LinearMachine:
         given = self.weight if loads is None else self.weight + loads
         force = self.expand.T @ given
         rest = np.zeros(self.expand.shape[1])
+        before = math.inf
         for _ in range(_ITERATIONS):
             linear = self._linear(speed, rest)
-            of_laws = self._across.T @ in_plane(linear.laws.force)
-            others = self._constant_stiffness(speed) @ rest
-            change = splu(linear.K).solve(force + of_laws - others)
-            rest = rest + change
-            if np.abs(change).max(initial=0.0) <= _CHANGE * np.abs(rest).max(initial=0.0):
-                return linear._replace(rest=rest)
+            # Newton's step to where the tangents lead, not by what is left: that is small numbers
+            # of large ones where the shaft is stiff
+            of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
+            found, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
+            change, size = (np.abs(x).max(initial=0.0) for x in (found - rest, found))
+            rest = found
+            if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
+                return linear._replace(rest=rest, pull=pull)
+            before = change
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
 
     @property
@@ -159,13 +143,16 @@ class LinearMachine:
         numbers = self.structure.numbers[0]
         return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
 
-    def _constant_stiffness(self, speed: float) -> sp.csc_matrix:
-        """All but the interfaces."""
-        return (self._K + self._kappa(speed) * self._circulation).tocsc()
+    def _strain(self, speed: float) -> Strain:
+        """What the shaft's strain adds."""
+        numbers = self.structure.numbers[0]
+        by_d = plain(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * _TURN
+        by_v = numbers.eta_v * np.eye(2)
+        return Strain(self._strained, self._full.stiffness, by_d, by_v)
 
     def _linear(self, speed: float, at: np.ndarray) -> Linear:
         """The matrices linearized at the displacements `at`."""
-        K = self._constant_stiffness(speed)
+        K = self._K
         D = (self._D + speed * self._gyroscopic).tocsc()
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
@@ -174,45 +161,51 @@ class LinearMachine:
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in found))
             K = (K - self._between(laws.by_d)).tocsc()
             D = (D - self._between(laws.by_v)).tocsc()
-        return Linear(speed, self.M, D, K, at, laws)
+        none = np.zeros(len(self._strained.indptr) - 1)
+        return Linear(speed, self.M, D, K, self._strain(speed), at, none, laws)
+
+    def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """What tangents by interface make of displacements, x and y in turn."""
+        d = (self._across @ u).reshape(-1, 2)
+        return np.einsum("jab,jb->ja", tangents, d).ravel()
 
     def _between(self, tangents: np.ndarray) -> Any:
         """Matrix of what acts between nodes and housings, of its tangents by interface."""
         blocks = sp.block_diag([sp.coo_array(tangent) for tangent in tangents])
         return self._across.T @ blocks @ self._across
 
-    def loads(self, linear: Linear, u: np.ndarray, force: np.ndarray, omega: float) -> np.ndarray:
+    def loads(
+        self, linear: Linear, u: np.ndarray, pull: np.ndarray, force: np.ndarray, omega: float
+    ) -> np.ndarray:
         """What springs, then interfaces bear, x and y, shape (springs + interfaces, 2) [N].
 
-        The machine moves as Re(u exp(i omega t)) under `force`, x, y of every dof; at omega = 0 it
-        rests.
+        The machine moves as Re(u exp(i omega t)), its elements pulling with `pull`, under `force`,
+        x, y of every dof; at omega = 0 it rests.
         """
         s = self.structure
         whole = self.expand @ u
         motion = np.column_stack([whole[::2], whole[1::2]])
         factor = s.springs.stiffness + 1j * omega * s.springs.damping
         springs = factor[:, None] * motion[s.springs.dof]
-        d = (self._across @ u).reshape(-1, 2)
-        tangent = linear.laws.by_d + 1j * omega * linear.laws.by_v
-        acting = -np.einsum("jab,jb->ja", tangent, d).astype(complex)
+        tangents = linear.laws.by_d + 1j * omega * linear.laws.by_v
+        acting = -self._tangent(tangents, u).reshape(-1, 2).astype(complex)
         if omega == 0.0:
             acting = -in_plane(linear.laws.force).reshape(-1, 2).astype(complex)
         if self.contacts == PINNED and len(self.pinned):
-            acting[self.pinned] = self._reactions(linear.speed, whole, force, omega, acting)
+            acting[self.pinned] = self._reactions(linear.speed, whole, pull, force, omega, acting)
         return np.concatenate([springs, acting])
 
-    def _reactions(self, speed, whole, force, omega, acting) -> np.ndarray:
+    def _reactions(self, speed, whole, pull, force, omega, acting) -> np.ndarray:
         """What the pins bear: that which all else leaves, shape (pins, 2)."""
         full = self._full
-        stiffness = full.K + self._kappa(speed) * full.circulation
         damping = full.C + speed * full.gyroscopic
-        left = force - stiffness @ whole - 1j * omega * (damping @ whole)
+        left = force - full.strained.T @ pull - full.K @ whole - 1j * omega * (damping @ whole)
         left = left + omega**2 * (full.M @ whole) - self.across.T @ acting.ravel()
         rows = np.column_stack([2 * self.pinned, 2 * self.pinned + 1]).ravel()
         found = _forces_of_pins(self.across[rows], left)
         return found.reshape(-1, 2)
 
-    def _holds(self, K: sp.csc_matrix) -> bool:
+    def _holds(self, linear: Linear) -> bool:
         """Whether the stiffness resists every motion as a rigid body."""
         soft = _SOFT * self.structure.numbers[0].lowest_omega ** 2
         nodes, size = self.nodes, self.across.shape[1] // 2
@@ -223,7 +216,9 @@ class LinearMachine:
             motions[plane : 2 * n : 4, 2 + plane] = nodes - nodes.mean()
             motions[2 + plane : 2 * n : 4, 2 + plane] = 1.0
         rigid = self.expand.T @ motions
-        moved = splu((K + soft * self.M).tocsc()).solve(soft * (self.M @ rigid))
+        flexibility = linear.strain.flexibility(linear.strain.by_d)
+        solve = factorized(linear.own_K + soft * self.M, self._strained, flexibility)
+        moved, _ = solve(soft * (self.M @ rigid))
         return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
 
     def why_not_held(self) -> str:
@@ -238,18 +233,22 @@ class LinearMachine:
 
 
 class _Full(NamedTuple):
-    """Matrices of x, y of every dof, housing and ground, before anything is pinned."""
+    """Matrices of x, y of every dof, housing and ground, before anything is pinned, C and K without
+    what the shaft's strain adds; its strains by them, and each element's stiffness."""
 
     M: sp.csr_matrix
     C: sp.csr_matrix
     K: sp.csr_matrix
-    circulation: sp.csr_matrix
     gyroscopic: sp.csr_matrix
+    strained: sp.csr_matrix
+    stiffness: np.ndarray
 
 
-def _matrices(s: Structure) -> _Full:
+def _matrices(rotor: Rotor, s: Structure) -> _Full:
     housings = s.housings
-    both, turned = np.eye(2), -_TURN
+    by_deflection, stiffness = strains(rotor)
+    behind = sp.csr_array((by_deflection.shape[0], len(housings) + 1))
+    both = np.eye(2)
 
     def full(band: np.ndarray, matrix: np.ndarray, x: np.ndarray, y: np.ndarray) -> sp.csr_matrix:
         n, width = band.shape
@@ -260,13 +259,17 @@ def _matrices(s: Structure) -> _Full:
         own = np.append(np.column_stack([x, y]).ravel(), [0.0, 0.0])
         return sp.block_diag([sp.kron(plane, matrix), sp.diags_array(own)]).tocsr()
 
+    damping, stiff = np.zeros_like(s.K), s.K_axial.copy()
+    np.add.at(damping[:, 0], s.springs.dof, s.springs.damping)
+    np.add.at(stiff[:, 0], s.springs.dof, s.springs.stiffness)
     none = np.zeros(len(housings))
     return _Full(
         M=full(s.M, both, *plain(masses)(housings)),
-        C=full(s.C, both, housings.cx, housings.cy),
-        K=full(s.K, both, housings.kx, housings.ky),
-        circulation=full(s.K_shaft, turned, none, none),
-        gyroscopic=full(s.G, turned, none, none),
+        C=full(damping, both, housings.cx, housings.cy),
+        K=full(stiff, both, housings.kx, housings.ky),
+        gyroscopic=full(s.G, -_TURN, none, none),
+        strained=sp.kron(sp.hstack([by_deflection, behind]), both).tocsr(),
+        stiffness=stiffness,
     )
 
 

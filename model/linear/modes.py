@@ -2,7 +2,7 @@
 
 With lambda = -zeta omega_n + i omega_d the motion is Re(shape exp(lambda t)). What is solved is the
 inverse at a real shift sigma, whose largest eigenvalues 1 / (lambda - sigma) are the lowest modes:
-these come out exact to rounding where the machine itself is stiff by ten decades.
+these come out exact to rounding however stiff the shaft is, its stiffness being inverted only.
 """
 
 from __future__ import annotations
@@ -12,10 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, splu
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..machine.rotor import Rotor
-from .machine import Linear, LinearError, LinearMachine
+from .linearized import Linear, LinearError
+from .machine import LinearMachine
 from .spectrum import Spectrum
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
@@ -27,6 +28,7 @@ _PLANAR = 1e-3  # forwardness below which an orbit is a line
 # out apart by the root of rounding.
 _REAL = 1e-5
 DEFAULT_COUNT = 8
+DOUBTFUL = 1e-6  # a residual that is said
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,8 @@ class Modes(Spectrum):
     complex of shape (m,); x, y: shapes, complex of shape (m, n), the largest semi-axis 1; slope_x,
     slope_y [1/m], alike; housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,),
     whether a mode shares its eigenvalue, so that it may whirl either way; decays: eigenvalues of
-    what does not oscillate [1/s], slowest first.
+    what does not oscillate [1/s], slowest first; residuals: what each mode leaves of its equation,
+    shape (m,) [1], about the relative error of its eigenvalue.
     """
 
     speed: float
@@ -52,6 +55,12 @@ class Modes(Spectrum):
     housing_y: np.ndarray
     is_degenerate: np.ndarray
     decays: np.ndarray
+    residuals: np.ndarray
+
+    @property
+    def is_sound(self) -> np.ndarray:
+        """Which modes satisfy their equations within `DOUBTFUL`; others are rounding in part."""
+        return self.residuals <= DOUBTFUL
 
     @property
     def forwardness(self) -> np.ndarray:
@@ -107,15 +116,17 @@ def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     if count < 1:
         raise LinearError(f"count = {count}: must be at least 1")
     linear = machine.at(speed)
-    values, vectors = _eigen(linear, machine.structure.numbers[0].lowest_omega, count)
+    inverse = _Inverse(linear, machine.structure.numbers[0].lowest_omega)
+    values, states = _eigen(inverse, count)
+    residuals = inverse.residuals(values, states)
     oscillates = values.imag > _REAL * np.abs(values)
-    is_real = np.abs(values.imag) <= _REAL * np.abs(values)
+    is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
     decays = np.sort(values[is_real].real)[::-1]
     found = np.flatnonzero(oscillates)
     found = found[np.argsort(np.abs(values[found]))][:count]
-    values, shapes = values[found], vectors[:, found]
+    values, shapes = values[found], states[: inverse.size, found]
     degenerate = _untangle(values, shapes, machine)
-    return _as_modes(machine, speed, values, shapes, degenerate, decays)
+    return _as_modes(machine, speed, values, shapes, degenerate, decays, residuals[found])
 
 
 def check_speed(speed: float) -> None:
@@ -124,35 +135,68 @@ def check_speed(speed: float) -> None:
         raise LinearError(f"speed = {speed}: must be finite")
 
 
-def _eigen(linear: Linear, scale: float, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues [1/s] and the displacements of their vectors; at least `count` that oscillate
-    where there are so many. scale: a frequency of the machine [rad/s]."""
-    # in units of time of 1 / scale, so that displacements and velocities are alike
-    M, D, K = scale**2 * linear.M, scale * linear.D, linear.K
-    size = M.shape[0]
-    sigma = _SHIFT
-    factors = splu((sigma**2 * M + sigma * D + K).tocsc())
+class _Inverse:
+    """(A - sigma)^-1 of x' = A x, x = (u, u'), at a real shift sigma, in units of time of
+    1 / scale, so that displacements and velocities are alike; scale: a frequency [rad/s]."""
 
-    def inverse(state: np.ndarray) -> np.ndarray:
-        q, v = state[:size], state[size:]
-        moved = factors.solve(-(M @ v) - D @ q - sigma * (M @ q))
-        return np.concatenate([moved, q + sigma * moved])
+    def __init__(self, linear: Linear, scale: float) -> None:
+        self.scale, self.sigma = scale, _SHIFT
+        self._M, self._D, K = scale**2 * linear.M, scale * linear.own_D, linear.own_K
+        self._shifted = (self.sigma**2 * self._M + self.sigma * self._D + K).tocsc()
+        self._solve = linear.factorized(self.sigma * scale)
+        # The shaft's part of D u is Z_v Z^-1 of its part of (sigma^2 M + sigma D + K) u, which is
+        # what is solved for.
+        by_v = scale * linear.strain.by_v
+        self._viscous = by_v @ np.linalg.inv(linear.strain.by_d + self.sigma * by_v)
+        self.size = linear.M.shape[0]
 
+    def __call__(self, state: np.ndarray) -> np.ndarray:
+        """Of states, shape (2 size,) or (2 size, columns)."""
+        if np.iscomplexobj(state):
+            return self(state.real) + 1j * self(state.imag)
+        q, v = state[: self.size], state[self.size :]
+        pairs = q.reshape(-1, 2, *q.shape[1:])
+        viscous = np.einsum("ab,jb...->ja...", self._viscous, pairs).reshape(q.shape)
+        pushed = self._shifted @ viscous - self._D @ q - self._M @ (v + self.sigma * q)
+        moved = self._solve(pushed)[0] - viscous
+        return np.concatenate([moved, q + self.sigma * moved])
+
+    def eigenvalues(self, inverted: np.ndarray) -> np.ndarray:
+        """Of the machine [1/s], of those of the inverse."""
+        return self.scale * (self.sigma + 1 / inverted)
+
+    def residuals(self, values: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """What eigenvalues [1/s] and their states leave of (A - sigma)^-1 x = x / (lambda - sigma),
+        of its right side: the larger of displacements' and velocities' shares [1]."""
+        left = self(states) * (values / self.scale - self.sigma) - states
+        halves = (np.s_[: self.size], np.s_[self.size :])
+        norm = np.linalg.norm
+        return np.max([norm(left[h], axis=0) / norm(states[h], axis=0) for h in halves], axis=0)
+
+
+def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues [1/s] and the states that belong to them; at least `count` that oscillate where
+    there are so many."""
+    size = 2 * inverse.size
     wanted = 2 * count + 4
     while True:
-        if 2 * size <= _DENSE or wanted + 2 >= 2 * size // 3:
-            inverted, vectors = scipy.linalg.eig(inverse(np.eye(2 * size)))
+        if size <= _DENSE or wanted + 2 >= size // 3:
+            inverted, states = scipy.linalg.eig(inverse(np.eye(size)))
         else:
-            operator = LinearOperator((2 * size, 2 * size), matvec=inverse, dtype=float)
-            start = np.random.default_rng(1).standard_normal(2 * size)
+            operator = LinearOperator((size, size), matvec=inverse, dtype=float)
+            start = np.random.default_rng(1).standard_normal(size)
             try:
-                inverted, vectors = eigs(operator, k=wanted, v0=start, which="LM")
+                inverted, states = eigs(operator, k=wanted, v0=start, which="LM")
             except ArpackNoConvergence as error:
-                raise LinearError("the modes did not converge; ask for fewer or more") from error
-        values = scale * (sigma + 1 / inverted)
-        is_complete = len(values) == 2 * size
+                # what is faster by many decades is rounding beside the slowest: there are no more
+                inverted, states = error.eigenvalues, error.eigenvectors
+                if not len(inverted):
+                    raise LinearError("the modes did not converge") from error
+                return inverse.eigenvalues(inverted), states
+        values = inverse.eigenvalues(inverted)
+        is_complete = len(values) == size
         if is_complete or np.sum(values.imag > _REAL * np.abs(values)) >= count:
-            return values, vectors[:size]
+            return values, states
         wanted *= 2
 
 
@@ -185,6 +229,7 @@ def _as_modes(
     shapes: np.ndarray,
     degenerate: np.ndarray,
     decays: np.ndarray,
+    residuals: np.ndarray,
 ) -> Modes:
     whole = (machine.expand @ shapes).T
     x, y = whole[:, ::2], whole[:, 1::2]
@@ -212,4 +257,5 @@ def _as_modes(
         housing_y=y[:, n:-1],
         is_degenerate=degenerate,
         decays=decays,
+        residuals=residuals,
     )

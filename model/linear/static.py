@@ -60,7 +60,7 @@ def static(
     whole = machine.expand @ linear.rest
     x, y = whole[::2], whole[1::2]
     n = 2 * len(machine.nodes)
-    bears = machine.loads(linear, linear.rest, machine.weight + force, 0.0).real
+    bears = machine.loads(linear, linear.rest, linear.pull, machine.weight + force, 0.0).real
     return Static(
         speed=speed,
         contacts=machine.contacts,

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
 from ..machine.rotor import Rotor
 from . import orbit
@@ -24,7 +23,7 @@ from .static import check_node
 @dataclass(frozen=True)
 class UnbalanceResponse:
     """Steady whirl at s speeds [rad/s] of n nodes: complex amplitudes, x(t) = Re(x exp(i Omega t)),
-    whose angles are measured from the shaft's mark, a lag negative.
+    whose angles are measured from the shaft's mark.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y: shape (s, n) [m]; housings:
     names, housing_x, housing_y, shape (s, housings) [m]; supports: names of what bears the shaft;
@@ -70,13 +69,18 @@ class UnbalanceResponse:
 
     @property
     def phase_x(self) -> np.ndarray:
-        """Angle by which x leads the shaft's mark, shape (s, n) [rad]."""
-        return np.angle(self.x)
+        """Angle by which x leads the shaft's mark, a lag negative whichever way it turns, shape
+        (s, n) [rad]."""
+        return self._lead(self.x)
 
     @property
     def phase_y(self) -> np.ndarray:
-        """Angle by which y leads the shaft's mark, -pi / 2 more than x of a circle [rad]."""
-        return np.angle(self.y)
+        """Angle by which y leads the shaft's mark, of a circle -pi / 2 more than x, and pi / 2 more
+        at negative speeds [rad]."""
+        return self._lead(self.y)
+
+    def _lead(self, vector: np.ndarray) -> np.ndarray:
+        return np.angle(vector) * np.where(self.speeds < 0, -1.0, 1.0)[:, None]
 
 
 def unbalance_response(
@@ -107,10 +111,9 @@ def unbalance_response(
         check_speed(speed)
         linear = machine.at(speed)
         force = speed**2 * both
-        dynamic = linear.K + 1j * speed * linear.D - speed**2 * linear.M
-        u = splu(dynamic.tocsc()).solve(machine.expand.T @ force)
+        u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
         found.append(machine.expand @ u)
-        bears.append(machine.loads(linear, u, force, speed) if speed else _nothing(machine))
+        bears.append(machine.loads(linear, u, pull, force, speed) if speed else _nothing(machine))
     whole = np.array(found).reshape(-1, size, 2)
     load = np.array(bears).reshape(len(whole), -1, 2)
     n = 2 * len(machine.nodes)

@@ -6,6 +6,7 @@ as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4)
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -37,6 +38,7 @@ HYSTERETIC_AT_REST = (
 )
 
 
+_VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually given
 _TAKEN = ("shaft", "solver", "energy")  # headings of other names
 
 
@@ -103,7 +105,10 @@ class Rotor:
         "rad", "angle of gravity from downwards (-y), x towards y", ANY, 0.0
     )
     inclination: float = quantity(
-        "rad", "angle of the shaft to the horizontal; pi / 2: a vertical machine", ANY, 0.0
+        "rad",
+        "angle of the shaft to the horizontal; within 1e-5 of pi / 2: a vertical machine",
+        ANY,
+        0.0,
     )
     name: str = "rotor"
     start: float = quantity("m", "position of the first node", ANY, 0.0)
@@ -225,6 +230,12 @@ class Rotor:
     def nodes(self) -> tuple[float, ...]:
         """Positions of the nodes along the shaft [m]."""
         return tuple(accumulate((s.length for s in self.sections), initial=self.start))
+
+    @property
+    def weight_share(self) -> float:
+        """Share of gravity that acts across the shaft [1]; of a vertical one none."""
+        share = math.cos(self.inclination)
+        return share if abs(share) > _VERTICAL else 0.0
 
     @property
     def length(self) -> float:

@@ -3,7 +3,7 @@
 Either `[shaft]` gives the nodes' positions and a diameter between any two, or `[[section]]` tables
 tell one stretch after another, each of one or more elements:
 
-    length, elements (1), material, axial_force (0), shear ("cowper"), taper ("mean")
+    length, elements (1), material, axial_force (0), shear ("cowper"), taper ("exact")
     outer, or outer_left and outer_right; bore (0), or bore_left and bore_right
     [[section.layer]]: what else lies there, a sleeve say, told in the same way
 """

@@ -1,4 +1,4 @@
-"""Tables over the speed that parts have, and what is said where the speed leaves one."""
+"""What is said where the speed leaves a range: of the tables over the speed that parts have."""
 
 from __future__ import annotations
 
@@ -7,23 +7,24 @@ from typing import NamedTuple
 from .rotor import Rotor
 
 
-class SpeedTable(NamedTuple):
-    """The speeds [rad/s] that the table of a part covers, and the part's name."""
+class SpeedRange(NamedTuple):
+    """Speeds [rad/s], and what is said of one outside, {speed:.4g} in it to be filled in."""
 
-    where: str
     low: float
     high: float
-
-    @property
-    def beyond(self) -> str:
-        """The sentence for a speed outside, {speed:.4g} in it to be filled in."""
-        return (
-            f"{self.where}: speed {{speed:.4g}} rad/s lies outside its table, {self.low:g} to "
-            f"{self.high:g} rad/s; from there on its coefficients are those of the end"
-        )
+    beyond: str
 
 
-def tables_of(rotor: Rotor) -> list[SpeedTable]:
-    """Those of a machine."""
+def tables_of(rotor: Rotor) -> list[SpeedRange]:
+    """Those that the tables of a machine's parts cover."""
     named = ((where, getattr(part, "speed", ())) for where, part in rotor.named_parts())
-    return [SpeedTable(where, speeds[0], speeds[-1]) for where, speeds in named if speeds]
+    return [
+        SpeedRange(
+            speeds[0],
+            speeds[-1],
+            f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {speeds[0]:g} to "
+            f"{speeds[-1]:g} rad/s; from there on its coefficients are those of the end",
+        )
+        for where, speeds in named
+        if speeds
+    ]

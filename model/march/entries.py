@@ -12,7 +12,7 @@ from ..structure.parameters import prepare
 from . import march, tape
 from .block import LAYOUT
 from .control import Control
-from .equilibrium import HELD, find_equilibrium, release
+from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
 from .error_control import first_size
 from .observe import observe
 
@@ -59,6 +59,8 @@ def start(block, speed, drive, rate):
     r.omega = speed
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
+        if is_beyond(run.structure, run.motion):
+            return BEYOND
     else:
         status = find_equilibrium(
             run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
@@ -69,7 +71,7 @@ def start(block, speed, drive, rate):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     march.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     first_size(run.structure, speed, run.motion, run.memory)
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
     tape.start(run.structure, run.motion, run.memory, run.work, run.tape, run.reading.observed)
     return HELD
 
@@ -95,7 +97,7 @@ def advance(block, t_end, drive, rate):
         run.reading,
         run.tape,
     )
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
     return status
 
 
@@ -111,4 +113,4 @@ def look(block):
     """`observe` alone; what depends on the state but is not in it is made anew."""
     run = _view(block)
     run.work.key[0] = -1.0
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)

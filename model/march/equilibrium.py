@@ -9,24 +9,35 @@ meanwhile, so that there is no friction.
 
 from __future__ import annotations
 
-from ..kernels.compiled import compiled, inlined
-from ..kernels.functions import modulus
+import math
+
+from ..kernels.compiled import called, compiled, inlined
+from ..kernels.functions import angle, direction, modulus
 from ..parts.housing import masses
 from ..schemes.family import Scheme
 from ..step.excitation import falling, resting
 from ..step.fitting import unfitted
+from ..step.laws import law_tangent, relative
 from ..step.step import try_step
 
-HELD, NOT_HELD, NOT_FOUND = 0, 1, 2
+HELD, NOT_HELD, NOT_FOUND, UNSTABLE, BEYOND, MOVED = 0, 1, 2, 3, 4, 5
 _ITERATIONS = 200
 _FIRST = 10.0  # radians of the lowest mode that a step takes
 _GROWTH, _LONGEST = 3.0, 1e6
 _FAST = 0.1  # of one change to the next: what is slower takes longer steps
 _SMALL = 1e-16  # a change that is rounding, of the largest displacement
 _FALLS = 12  # steps that fail
-_STEADY = 1e-9  # a change that no longer shrinks and is below this is rounding too
+# A change that no longer shrinks and is below this is rounding too; in long steps that of a shaft
+# that is stiff by many decades, which the last steps leave behind.
+_STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
 # A step's rounding is that of a fall through its length: the last ones are short.
 _POLISH, _POLISHES = 1.0, 24
+# Off a hump: how often; the push, of a clearance, and the share of it that tilts; the first step,
+# in radians, how much longer the next one is, how many there are; what is back, of the push, and
+# what has arrived, of the largest force.
+_HUMPS, _PUSH, _TILTED, _DOWNHILL, _LONGER, _STEPS = 5, 1e-3, 0.3, 0.3, 1.2, 5000
+_BACK, _ARRIVED = 0.1, 1e-3
+_ROUND = 1e-9  # of a wall's stiffness: below it is rounding
 
 
 @compiled
@@ -54,12 +65,144 @@ def _take(motion, trial):
         motion.force[j] = trial.force[j]
 
 
+@compiled
+def is_beyond(structure, motion):
+    """Whether a deflection is larger than any machine's."""
+    bound = structure.numbers[0].bound
+    for i in range(len(structure.deflections)):
+        if modulus(motion.q[structure.deflections[i, 0]]) > bound:
+            return True
+    return False
+
+
+@called
+def _hump(structure, omega, motion, problem):
+    """How fast a journal that touches its wall would be driven away along it [1/s], at most, and
+    where to, towards the right if it may be [1]; 0 where none would be: only the wear of a bore
+    does that."""
+    steepest, where = 0.0, 0.0j
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if interface.has_wall == 0 or motion.force[j] == 0.0:
+            continue
+        d = relative(interface, motion.q)
+        own = motion.own[interface.own :]
+        _force, p, q = law_tangent(
+            structure.laws,
+            interface,
+            d,
+            0.0j,
+            omega,
+            0.0,
+            1.0,
+            0.0,
+            0.0,
+            own,
+            problem.own[interface.own :],
+        )
+        # the largest of the symmetric part of p z + q conj(z)
+        driven = p.real + modulus(q)
+        if driven <= _ROUND * modulus(p):
+            continue
+        lightest = structure.M[interface.dof, 0]
+        wall = interface.end - structure.M.shape[0]
+        if wall < len(structure.housings):
+            lightest = min(lightest, min(masses(structure.housings[wall])))
+        if driven > steepest * steepest * lightest:
+            steepest = math.sqrt(driven / lightest)
+            along = direction(0.5 * angle(q))
+            steepest, where = driven, along if along.real >= 0.0 else -along
+    return steepest, where
+
+
+@inlined
+def _leave(structure, motion, trial, memory, work, problem, spin, steepest, where):
+    """Push a machine off the hump that it lies on and let it go downhill; returns HELD if it comes
+    back, to where it lay, UNSTABLE if it gets nowhere, and MOVED if it lies beside the hump.
+
+    In steps so short that inertia outweighs the hump, implicit steps without velocity never gain
+    potential energy, and go on as they began; a longer one that turns back is made anew.
+    """
+    scheme, fit = Scheme(0.0, 0.0, 1.0, 0.0), unfitted()
+    deflections = structure.deflections
+    start, step = motion.v_dot, motion.jerk  # nobody's until the run begins
+    widest = 0.0
+    for i in range(len(deflections)):
+        widest = max(widest, abs(structure.one_body[1, deflections[i, 0]]))
+    for i in range(len(motion.q)):
+        start[i] = motion.q[i]
+    push = _PUSH * structure.numbers[0].clearance
+    for i in range(len(structure.weight)):
+        shape = structure.one_body[0, i] + _TILTED / widest * structure.one_body[1, i]
+        motion.q[i] += push * shape * where
+    shortest = _DOWNHILL / steepest
+    tau = shortest
+    status = UNSTABLE
+    fastest = 0.0
+    for _ in range(_STEPS):
+        done, _ = try_step(
+            structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
+        )
+        if done == 2:
+            break
+        change = away = onward = 0.0
+        for i in range(len(deflections)):
+            dof = deflections[i, 0]
+            moved = trial.q[dof] - motion.q[dof]
+            change = max(change, modulus(moved))
+            away = max(away, modulus(trial.q[dof] - start[dof]))
+            onward += (step[dof].conjugate() * moved).real
+        if tau > shortest and (done != 0 or onward < 0.0):
+            tau = max(shortest, 0.25 * tau)
+            continue
+        for i in range(len(motion.q)):
+            step[i] = trial.q[i] - motion.q[i]
+        _take(motion, trial)
+        if away < _BACK * push:
+            status = HELD
+            break
+        pace = change / (tau * tau)
+        fastest = max(fastest, pace)
+        if away > 10.0 * push and pace < _ARRIVED * fastest:
+            status = MOVED
+            break
+        tau *= _LONGER
+    for i in range(len(motion.q)):
+        if status != MOVED:
+            motion.q[i] = start[i]
+        start[i] = 0.0
+        step[i] = 0.0
+    return status
+
+
 @inlined
 def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
     """Fill motion.q with the displacements at rest at the speed omega [rad/s] under memory.loads,
-    starting from those that are there; returns HELD or why not."""
-    scheme = Scheme(0.0, 0.0, 1.0, 0.0)
-    spin, fit = resting(omega), unfitted()
+    starting from those that are there; returns HELD or why not. Of a bore worn so that the rest
+    below the load is a hump, that beside it is taken."""
+    spin = resting(omega)
+    status = NOT_FOUND
+    for _ in range(_HUMPS):
+        status = _settle(structure, spin, motion, trial, memory, work, problem)
+        if status == MOVED:
+            continue
+        if status != HELD:
+            break
+        steepest, where = _hump(structure, omega, motion, problem)
+        if steepest == 0.0:
+            break
+        status = _leave(structure, motion, trial, memory, work, problem, spin, steepest, where)
+        if status != MOVED:
+            break
+    work.key[0] = -1.0
+    return UNSTABLE if status == MOVED else status
+
+
+@inlined
+def _settle(structure, spin, motion, trial, memory, work, problem):
+    """`find_equilibrium`, whether it is stable or not; MOVED where the last, short, steps lead away
+    from it."""
+    scheme, fit = Scheme(0.0, 0.0, 1.0, 0.0), unfitted()
     lowest = structure.numbers[0].lowest_omega
     radians = _FIRST
     before = 0.0
@@ -84,13 +227,17 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
             change = max(change, modulus(trial.q[i] - motion.q[i]))
             size = max(size, modulus(trial.q[i]))
         _take(motion, trial)
-        if change <= _SMALL * size or (change <= _STEADY * size and change >= 0.5 * before):
+        rounding = _STEADY if radians < _LONG else _STIFF
+        if change <= _SMALL * size or (change <= rounding * size and change >= 0.5 * before):
             status = HELD
             break
         if before > 0.0 and change > _FAST * before:
             radians = min(_GROWTH * radians, _LONGEST)
         before = change
     if status == HELD:
+        found = motion.v_dot  # nobody's until the run begins
+        for i in range(len(motion.q)):
+            found[i] = motion.q[i]
         for _ in range(_POLISHES):
             tau = _POLISH / lowest
             done, _ = try_step(
@@ -99,5 +246,10 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
             if done != 0:
                 break
             _take(motion, trial)
-    work.key[0] = -1.0
+        drift = 0.0
+        for i in range(len(motion.q)):
+            drift = max(drift, modulus(motion.q[i] - found[i]))
+            found[i] = 0.0
+        if drift > _PUSH * structure.numbers[0].clearance:
+            status = MOVED
     return status

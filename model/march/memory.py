@@ -41,7 +41,7 @@ RECORD = np.dtype(
             "drive_ref",  # and at t_ref, since when it has been linear in time: [N.m], [N.m/s]
             "drive_rate",
             "turn",  # angle at which the present revolution began [rad]
-            "swept",  # of the present revolution [rad]
+            "swept",  # of the present revolution, negative where the angle falls [rad]
             "trapped_at",  # time at which the false state was first seen [s], or NaN
             "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
             "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
@@ -86,11 +86,11 @@ class Memory(NamedTuple):
     and squared distance [m2] from rest of the probes in the present revolution, in the one before,
     and since the last communication point; once: of their z from rest, z exp(-i theta) and
     z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
-    one before [m]; bounce: of each interface the direction of the last contact (cos, sin), steps
-    since then, score of crossings; rest: the probes under the loads at the start [m]; center: the
-    mean position of the last revolutions [m]; loads: on the ports at t [N], of the base its
-    acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear in time
-    [N, N/s].
+    one before, by the angle turned [m]; bounce: of each interface the direction of the last contact
+    (cos, sin), steps since then, score of crossings; rest: the probes under the loads at the start
+    [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
+    base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
+    in time [N, N/s].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]

@@ -138,9 +138,15 @@ _PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
 _OWN_STORES, _OWN_FLOWS = len(OWN_STORES), len(OWN_FLOWS)
 
 
+@inlined
+def energies_at(structure, out):
+    """Place in `out` where the energies begin."""
+    return len(out) - (_OWN_STORES + len(structure.stores) + _OWN_FLOWS + len(structure.losses) + 1)
+
+
 @compiled
-def observe(structure, motion, memory, work, out):
-    """Fill `out` in the order of `observed`."""
+def observe(structure, motion, memory, work, out, has_energies):
+    """Fill `out` in the order of `observed`, the energies, which cost most, on demand."""
     r = memory.record[0]
     inertia = structure.numbers[0].inertia
     out[0] = r.theta
@@ -150,8 +156,7 @@ def observe(structure, motion, memory, work, out):
     out[4] = r.torque - inertia * r.alpha
     out[5] = inertia
     _observe_parts(structure, motion, memory, out[_PARTS_AT:])
-    energies = _OWN_STORES + len(structure.stores) + _OWN_FLOWS + len(structure.losses) + 1
-    at = len(out) - energies - _SOLVERS
+    at = energies_at(structure, out) - _SOLVERS
     out[at] = r.h_last
     out[at + 1] = r.steps
     out[at + 2] = r.rejected
@@ -163,7 +168,8 @@ def observe(structure, motion, memory, work, out):
     out[at + 8] = r.trapped
     out[at + 9] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
     out[at + 10] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
-    _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
+    if has_energies:
+        _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
 
 
 @inlined

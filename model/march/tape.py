@@ -18,7 +18,7 @@ from ..kernels.compiled import called, compiled
 from ..machine.rotor import Name, Rotor, spelled
 from ..protocol.part import VELOCITY_OUTPUTS, Probe
 from ..step.excitation import at_place
-from .observe import Observed, observe, observed
+from .observe import Observed, energies_at, observe, observed
 
 TAPE = np.dtype(
     [
@@ -100,7 +100,10 @@ def write(structure, motion, memory, work, tape, out):
         _thin(tape)
         head.since = head.spacing
     head.since = min(head.since - head.spacing, head.spacing)
-    observe(structure, motion, memory, work, out)
+    low, has_energies = energies_at(structure, out), False
+    for channel in tape.channels:
+        has_energies = has_energies or low <= channel < len(out)
+    observe(structure, motion, memory, work, out, has_energies)
     row = rows[head.written]
     row[0] = memory.record[0].t
     for i in range(len(tape.channels)):

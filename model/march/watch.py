@@ -37,6 +37,8 @@ SLOW = 300_000
 # put a run on another branch of solutions without any other sign.
 COARSEST, COARSEST_RMS = 0.1, 0.02
 TURN = 2.0 * math.pi
+# Speed below which a shaft stands [rad/s]: a revolution takes a thousand seconds.
+STANDSTILL = TURN / 1000.0
 _FRICTION = FLOWS.index("friction")
 _LOSSES = len(INFLOWS)
 
@@ -44,18 +46,25 @@ _LOSSES = len(INFLOWS)
 @compiled
 def watch_revolution(structure, spin, motion, memory):
     """Of the probes: largest displacements, over the last whole revolution and what has passed of
-    the present one; forward and backward 1x components, over the last whole revolution."""
+    the present one; forward and backward 1x components, over the last whole revolution. Where the
+    shaft stands or turns back there is no revolution before, and none that goes on."""
     r = memory.record[0]
     peaks, once = memory.peaks, memory.once
-    swept = abs(spin.theta - r.turn)
-    by_step = swept - r.swept
-    is_whole = swept >= TURN
-    before = (TURN - r.swept) / by_step if is_whole else 1.0
-    r.swept = swept
+    past = spin.theta - r.turn
+    if abs(spin.omega) < STANDSTILL or (past - r.swept) * r.swept < 0.0:
+        r.turn = spin.theta
+        r.swept = 0.0
+        past = 0.0
+        peaks[:2, :, :] = 0.0
+        once[1:, :, :] = 0.0
+    by_step = abs(past - r.swept)
+    is_whole = abs(past) >= TURN
+    before = (TURN - abs(r.swept)) / by_step if is_whole else 1.0
+    r.swept = past
     if is_whole:
-        r.turn += math.copysign(TURN, spin.theta - r.turn)
-        r.swept = swept - TURN
-        if r.swept >= TURN:  # of steps longer than a revolution nothing can be said
+        r.turn += math.copysign(TURN, past)
+        r.swept = past - math.copysign(TURN, past)
+        if abs(r.swept) >= TURN:  # of steps longer than a revolution nothing can be said
             r.turn = spin.theta
             r.swept = 0.0
             before = 0.0
@@ -68,8 +77,10 @@ def watch_revolution(structure, spin, motion, memory):
             end = last + before * (now - last)
             once[1, way, i] += 0.5 * before * by_step * (last + end)
             if is_whole:
-                once[2, way, i] = once[1, way, i] * (1.0 / TURN)
-                once[1, way, i] = 0.5 * r.swept * (end + now)
+                # by the angle turned, so that a lag is negative whichever way the shaft turns
+                ahead = way if past > 0.0 else 1 - way
+                once[2, ahead, i] = once[1, way, i] * (1.0 / TURN)
+                once[1, way, i] = 0.5 * abs(r.swept) * (end + now)
             once[0, way, i] = now
         x, y = abs(moved.real), abs(moved.imag)
         size = (x, y, x * x + y * y)

@@ -22,4 +22,4 @@ _KINDS = [
 # Every kind of part that is imported above, in that order, those of which a machine has one last.
 PARTS: tuple[type[Part], ...] = tuple(sorted(_KINDS, key=lambda kind: kind.IS_SINGLE))
 # The force laws of these parts, each once; a law's place here is its code in the kernels.
-LAWS: tuple[Law, ...] = tuple({part.LAW.name: part.LAW for part in PARTS if part.LAW}.values())
+LAWS: tuple[Law, ...] = tuple({law.name: law for part in PARTS for law in part.LAWS}.values())

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..contact.wall import ContactQuantities
 from ..protocol.law import Law
 from ..protocol.part import Element, Interface, Mount, Part, Shape
-from .clearance_contact import CLEARANCE_CONTACT, ContactQuantities
+from .clearance_contact import ClearanceContact, contact_law
 from .housing import HousingQuantities
 
 
@@ -19,13 +20,13 @@ class Bearing(HousingQuantities, ContactQuantities, Part):
 
     KIND: ClassVar[str] = "bearing"
     TEXT: ClassVar[str] = "a journal in the clearance of a housing of its own"
-    LAW: ClassVar[Law] = CLEARANCE_CONTACT
+    LAWS: ClassVar[tuple[Law, ...]] = ClearanceContact.LAWS
 
     node: int
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """A housing, and the contact with it."""
-        yield Interface(self.node, CLEARANCE_CONTACT, self, where)
+        yield Interface(self.node, contact_law(self), self, where)
         yield Mount(where, self)
 
     def outline(self) -> Iterator[Shape]:

@@ -192,7 +192,7 @@ class LinearBearing(Coefficients, Part):
 
     KIND: ClassVar[str] = "linear_bearing"
     TEXT: ClassVar[str] = "a bearing by its stiffness and damping coefficients"
-    LAW: ClassVar[Law] = LINEAR_BEARING
+    LAWS: ClassVar[tuple[Law, ...]] = (LINEAR_BEARING,)
 
     node: int
     housing: str = GROUND

@@ -9,7 +9,7 @@ from ..quantities import ANY, NOT_NEGATIVE, QuantityError, check_all, quantity
 
 STEEL_POISSON = 0.3
 SHEARS = ("cowper", "hutchinson", "ross-hutchinson", "rigid")
-TAPERS = ("mean", "middle")
+TAPERS = ("exact", "mean", "middle")
 _OVERLAP = 1e-6  # of diameters, that is rounding
 
 
@@ -40,8 +40,9 @@ class Section:
     """The shaft between two nodes, of circular sections that may taper and be hollow: length,
     outer diameters and bores at its left and right end [m], its material; axial_force: tension [N];
     layers: what else lies at the same place, of the same length; shear: the coefficient of the
-    shear stiffness, one of `SHEARS`; taper: whether the share of shear in the
-    bending is that of the section's `mean` area and moment or of its `middle`."""
+    shear stiffness, one of `SHEARS`; taper: whether a tapered section has its own, `exact`, shape
+    functions, or those of a cylinder with the shear ratio of its `mean` area and moment or of its
+    `middle`."""
 
     length: float = quantity("m", "length")
     outer_left: float = quantity("m", "outer diameter at the left end")

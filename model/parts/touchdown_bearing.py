@@ -8,9 +8,10 @@ and the friction force T that brakes the journal drives the race against its dra
 
     J w' = (R + clearance) T - drag w / sqrt(w^2 + w_s^2) - damping w
 
-Over a step w = free + b w' is one equation in w. Its left side less its right rises with w
-(friction falls with it, drag rises), and the largest friction gives bounds of its root: Newton,
-kept between them.
+Its own states are w and the elongation of the spring by which the journal may stick to the race
+(`contact.rubbing`). Over a step w = free + b w' is one equation in w. Its left side less its right
+rises with w (friction falls with it, drag rises), and the largest friction gives bounds of its
+root: Newton, kept between them.
 """
 
 from __future__ import annotations
@@ -19,24 +20,12 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from ..contact.rubbing import contact_tangent, rub, rubbing_force, stretched, stretching
+from ..contact.wall import ContactQuantities, compression, length, opening, touch
 from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
 from ..quantities import NOT_NEGATIVE, SPEED, Output, quantity
-from .clearance_contact import (
-    LOSSES,
-    OUTPUTS,
-    STORES,
-    ClearanceContact,
-    ContactQuantities,
-    compression,
-    contact_tangent,
-    friction,
-    length,
-    observe_contact,
-    opening,
-    rubbing_force,
-    touch,
-)
+from .clearance_contact import LOSSES, OUTPUTS, STORES, ClearanceContact, observe_contact
 
 _ITERATIONS = 100
 _ROUNDING = 1e-14
@@ -79,9 +68,9 @@ def _radius(part):
 
 
 @compiled
-def _race_speed(part, pressure, sliding, b, free, guess):
+def _race_speed(part, pressure, sliding, b, free, guess, free_z):
     """The race's speed at the end of a step [rad/s]; pressure: normal force [N], sliding: speed
-    past a race at rest [m/s]; b: weight of the rate [s]."""
+    past a race at rest [m/s]; b: weight of the rate [s]; free_z: see `contact.rubbing` [m]."""
     per = b / part.race_inertia
     if per == 0.0:
         return free
@@ -91,7 +80,7 @@ def _race_speed(part, pressure, sliding, b, free, guess):
     low, high = (free - largest) * held, (free + largest) * held
     w = min(high, max(low, guess))
     for _ in range(_ITERATIONS):
-        mu_t, slope = friction(part, sliding - radius * w)
+        mu_t, slope, _, _ = rub(part, pressure, sliding - radius * w, b, free_z)
         drag, drag_slope = _drag(part, w)
         excess = w - free - per * (radius * mu_t * pressure - drag)
         if excess > 0.0:
@@ -110,7 +99,8 @@ def _race_speed(part, pressure, sliding, b, free, guess):
 @called
 def _force(part, tables, d, d_dot, speed, spin, own):
     """See `protocol.law`."""
-    return rubbing_force(part, d, d_dot, part.journal_radius * spin - _radius(part) * own[0])[0]
+    surface = part.journal_radius * spin - _radius(part) * own[0]
+    return rubbing_force(part, d, d_dot, surface, own[1])[0]
 
 
 @called
@@ -118,21 +108,24 @@ def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)
     """See `protocol.law`."""
     delta, _, n, _, n_a, c, e, local, gradient, h, h_b = touch(part, d, d_dot)
     if delta <= 0.0 or n <= 0.0:
-        own[0] = _race_speed(part, 0.0, 0.0, by_own, free[0], own[0])
+        own[0] = _race_speed(part, 0.0, 0.0, by_own, free[0], own[0], free[1])
+        own[1] = rub(part, 0.0, 0.0, by_own, free[1])[3]
         return 0.0j, 0.0j, 0.0j
     steep = math.sqrt(1.0 + gradient.imag * gradient.imag)
     normal = gradient * (1.0 / steep)
     pressure = n * steep
     sliding = (normal.conjugate() * local).imag + part.journal_radius * spin
-    w = _race_speed(part, pressure, sliding, by_own, free[0], own[0])
-    own[0] = w
+    w = _race_speed(part, pressure, sliding, by_own, free[0], own[0], free[1])
     radius = _radius(part)
-    mu_t, slope = friction(part, sliding - radius * w)
+    mu_t, slope, by_n, z = rub(part, pressure, sliding - radius * w, by_own, free[1])
+    own[0], own[1] = w, z
     # the race follows a change dT of the friction by dw = b / J R dT / (1 + b / J drag')
     per = by_own / part.race_inertia
     follows = radius * per / (1.0 + per * _drag(part, w)[1])
     give = 1.0 / max(1e-3, 1.0 + pressure * slope * radius * follows)
-    p, q = contact_tangent(e, local, n, n_a, c, gradient, h, h_b, mu_t, slope, give, by_d, by_v)
+    p, q = contact_tangent(
+        e, local, n, n_a, c, gradient, h, h_b, mu_t, slope, by_n, give, by_d, by_v
+    )
     return -complex(pressure, mu_t * pressure) * normal * e, p, q
 
 
@@ -140,23 +133,25 @@ def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)
 def _rates(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`."""
     surface = part.journal_radius * spin - _radius(part) * own[0]
-    rubbing = rubbing_force(part, d, d_dot, surface)[2]
+    rubbing = rubbing_force(part, d, d_dot, surface, own[1])[2]
     out[0] = (_radius(part) * rubbing - _drag(part, own[0])[0]) / part.race_inertia
+    out[1] = stretching(part, rubbing, own[1])
 
 
 @compiled
 def _energy(part, tables, d, own):
     """See `protocol.law`: contact, race."""
-    return compression(part, d), 0.5 * part.race_inertia * own[0] * own[0]
+    elastic = compression(part, d) + stretched(part, own[1])
+    return elastic, 0.5 * part.race_inertia * own[0] * own[0]
 
 
 @called
 def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`: contact damping, friction, drag."""
     surface = part.journal_radius * spin - _radius(part) * own[0]
-    _, _, rubbing, damping, _, rate, sliding = rubbing_force(part, d, d_dot, surface)
+    _, _, rubbing, damping, _, rate, sliding = rubbing_force(part, d, d_dot, surface, own[1])
     out[0] = damping * rate
-    out[1] = rubbing * sliding
+    out[1] = rubbing * sliding - part.k_t * own[1] * stretching(part, rubbing, own[1])
     out[2] = _drag(part, own[0])[0] * own[0]
     return part.journal_radius * rubbing
 
@@ -165,7 +160,7 @@ def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
 def _observe(part, tables, d, d_dot, speed, spin, own, out):
     """See `protocol.law`."""
     surface = part.journal_radius * spin - _radius(part) * own[0]
-    _, normal, rubbing, _, _, _, sliding = rubbing_force(part, d, d_dot, surface)
+    _, normal, rubbing, _, _, _, sliding = rubbing_force(part, d, d_dot, surface, own[1])
     observe_contact(d, normal, rubbing, out)
     out[6] = own[0]
     out[7] = sliding
@@ -189,8 +184,9 @@ TOUCHDOWN_BEARING = Law(
     ),
     stores=(*STORES, Output("races", "J", "kinetic energy of the races", nominal=1.0)),
     losses=(*LOSSES, Output("drag", "J", "dissipated by the races' drag", nominal=1.0)),
-    states=(0.0,),
+    states=(0.0, 0.0),
     has_wall=True,
+    turns=True,
 )
 
 
@@ -200,4 +196,9 @@ class TouchdownBearing(TouchdownQuantities, ClearanceContact):
 
     KIND: ClassVar[str] = "touchdown_bearing"
     TEXT: ClassVar[str] = "a journal in the clearance of a race that friction turns"
-    LAW: ClassVar[Law] = TOUCHDOWN_BEARING
+    LAWS: ClassVar[tuple[Law, ...]] = (TOUCHDOWN_BEARING,)
+
+    @property
+    def law(self) -> Law:
+        """That of a race."""
+        return TOUCHDOWN_BEARING

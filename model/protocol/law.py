@@ -68,8 +68,9 @@ class Law:
     name: of its records; kind: the data class whose quantities the records hold; stores: names and
     texts of the energies that it stores; losses: of what it dissipates; states: start values of its
     own states; has_wall: whether the force begins at a wall, the circle of radius `length` about
-    the housing; table: the table of a part, shape (rows, columns), where the law takes one;
-    stiffness: by which a part holds its node at rest [N/m], where the law holds it softly.
+    the housing; turns: whether friction turns that wall, which then slips for a while only; table:
+    the table of a part, shape (rows, columns), where the law takes one; stiffness: by which a part
+    holds its node at rest [N/m], where the law holds it softly.
     """
 
     name: str
@@ -87,6 +88,7 @@ class Law:
     rates: Callable[..., Any] = no_rates
     states: tuple[float, ...] = ()
     has_wall: bool = False
+    turns: bool = False
     table: Callable[[Any], np.ndarray] | None = None
     stiffness: Callable[[Any], float] | None = None
 

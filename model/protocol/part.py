@@ -109,42 +109,22 @@ class Interface(NamedTuple):
 Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount | Interface
 
 
+_LAST = "over the last revolution, or, where the shaft stands, since the last communication point"
+_FROM_REST = f"{_LAST}; at rest under the loads at the start"
+_ONCE = (
+    "0-p, over the last whole revolution; 0 before the first one way, and where the shaft stands"
+)
+_LEADS = "leads phi, in the sense in which the shaft turns: a lag is negative"
 PROBE_OUTPUTS = (
     Output("x", "m", "displacement to the right", True, 1e-4),
     Output("y", "m", "displacement upwards, at rest below 0 by the sag", True, 1e-4),
-    Output(
-        "x_amp",
-        "m",
-        "largest abs(x - x at rest) over the last revolution, at rest under the loads at the start",
-        nominal=1e-4,
-    ),
-    Output(
-        "y_amp",
-        "m",
-        "largest abs(y - y at rest) over the last revolution, at rest under the loads at the start",
-        nominal=1e-4,
-    ),
-    Output(
-        "r_amp",
-        "m",
-        "largest distance from rest over the last revolution, in any direction",
-        True,
-        1e-4,
-    ),
-    Output(
-        "x_1x",
-        "m",
-        "amplitude of the 1x component of x, 0-p, over the last whole revolution",
-        nominal=1e-4,
-    ),
-    Output(
-        "y_1x",
-        "m",
-        "amplitude of the 1x component of y, 0-p, over the last whole revolution",
-        nominal=1e-4,
-    ),
-    Output("x_1x_phase", "rad", "angle by which the 1x component of x leads phi", nominal=1.0),
-    Output("y_1x_phase", "rad", "angle by which the 1x component of y leads phi", nominal=1.0),
+    Output("x_amp", "m", f"largest abs(x - x at rest) {_FROM_REST}", nominal=1e-4),
+    Output("y_amp", "m", f"largest abs(y - y at rest) {_FROM_REST}", nominal=1e-4),
+    Output("r_amp", "m", f"largest distance from rest in any direction {_LAST}", True, 1e-4),
+    Output("x_1x", "m", f"amplitude of the 1x component of x, {_ONCE}", nominal=1e-4),
+    Output("y_1x", "m", f"amplitude of the 1x component of y, {_ONCE}", nominal=1e-4),
+    Output("x_1x_phase", "rad", f"angle by which the 1x component of x {_LEADS}", nominal=1.0),
+    Output("y_1x_phase", "rad", f"angle by which the 1x component of y {_LEADS}", nominal=1.0),
 )
 VELOCITY_OUTPUTS = (
     Output("vx", "m/s", "velocity to the right", True, 1e-2),
@@ -172,13 +152,13 @@ class Part(ABC):
     """A part of a machine. Subclasses declare their quantities as fields.
 
     KIND: its table in a machine file and its name in the FMU; TEXT: what it is, in a line;
-    IS_SINGLE: whether a machine has one at most; LAW: of its interfaces, if it has any.
+    IS_SINGLE: whether a machine has one at most; LAWS: that its interfaces may have.
     """
 
     KIND: ClassVar[str]
     TEXT: ClassVar[str]
     IS_SINGLE: ClassVar[bool] = False
-    LAW: ClassVar[Law | None] = None
+    LAWS: ClassVar[tuple[Law, ...]] = ()
 
     @abstractmethod
     def elements(self, where: str, density: float) -> Iterator[Element]:

@@ -19,9 +19,9 @@ _DEPTH, _SLIPPING = 0.1, 1e9
 
 @compiled
 def is_wall(interface):
-    """Whether it may be closed and slip: a wall with a state of its own, a race that turns, is
-    taken along instead of slipping for long."""
-    return interface.has_wall == 1 and interface.states == 0
+    """Whether it may be closed and slip: a race that turns is taken along instead of slipping for
+    long."""
+    return interface.slips == 1
 
 
 @compiled

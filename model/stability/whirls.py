@@ -67,7 +67,7 @@ class Whirl:
 def whirls_found(structure: Structure, survey: Survey) -> tuple[Whirl, ...]:
     """What the last `look_for_whirls` found, the fastest growing first."""
     interfaces = structure.interfaces
-    walls = ((interfaces.has_wall == 1) & (interfaces.states == 0)).nonzero()[0].tolist()
+    walls = (interfaces.slips == 1).nonzero()[0].tolist()
     cases = {OPEN: (), ALL: tuple(walls)}
     return tuple(
         Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)

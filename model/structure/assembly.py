@@ -56,6 +56,8 @@ from .structure import (
 )
 
 HALF_BANDWIDTH = 3
+_LOST = 1e-11  # of the highest square of a frequency: below it rounding takes digits of one
+_ITERATIONS = 50
 
 
 def assemble(rotor: Rotor) -> Structure:
@@ -65,13 +67,12 @@ def assemble(rotor: Rotor) -> Structure:
     inertia = 0.0
     for i, section in enumerate(rotor.sections):
         at = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
-        for layer in section.all_layers:
-            element = shaft_element(layer)
-            M[at] += element.translation + element.tilting
-            G[at] += 2 * element.tilting
-            K_shaft[at] += element.stiffness
-            K_axial[at] += element.tension
-            inertia += layer.polar_inertia
+        element = shaft_element(section)
+        M[at] += element.translation + element.tilting
+        G[at] += 2 * element.tilting
+        K_shaft[at] += element.stiffness
+        K_axial[at] += element.tension
+        inertia += sum(layer.polar_inertia for layer in section.all_layers)
     elements = list(machine_elements(rotor))
     for _, body in _of(Body, elements):
         dof = _dof(body)
@@ -94,15 +95,15 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
     numbers[0].gravity = rotor.gravity
-    down = -1j * cmath.exp(1j * rotor.gravity_angle) * math.cos(rotor.inclination)
+    down = -1j * cmath.exp(1j * rotor.gravity_angle) * rotor.weight_share
     numbers[0].down_x, numbers[0].down_y = down.real, down.imag
     ports = [port for _, port in _of(Port, elements)]
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
     numbers[0].own_inertia = inertia
-    held = _held(len(M), springs, elements)
+    held = soft_stiffness(len(M), springs, elements)
     numbers[0].is_held = np.count_nonzero(held) >= 2
-    numbers[0].lowest_omega = _lowest_omega(M, K_shaft + K_axial, held, elements)
+    numbers[0].lowest_omega = _lowest_omega(rotor, M, K_shaft, K_axial, held, elements)
     numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
     unbalances = [u for _, u in _of(Unbalance, elements)]
     structure = Structure(
@@ -207,6 +208,7 @@ def _mechanism(
                 states,
                 outputs[i],
                 element.law.has_wall,
+                element.law.has_wall and not element.law.turns,
                 0.0,
             )
         )
@@ -242,7 +244,7 @@ def _weights(M: np.ndarray) -> np.ndarray:
     return lumped / lumped.sum()
 
 
-def _held(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
+def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
     """Stiffness of springs and soft laws at each dof [N/m], shape (n,)."""
     held = np.zeros(n)
     np.add.at(held, springs.dof, springs.stiffness)
@@ -253,24 +255,55 @@ def _held(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:
 
 
 def _lowest_omega(
-    M: np.ndarray, K_shaft: np.ndarray, held: np.ndarray, elements: list[Element]
+    rotor: Rotor,
+    M: np.ndarray,
+    K_shaft: np.ndarray,
+    K_axial: np.ndarray,
+    held: np.ndarray,
+    elements: list[Element],
 ) -> float:
     """Of the elastic modes on springs and soft laws [rad/s]; where those do not hold the shaft at
     two nodes, it is pinned to its walls."""
     walls = [_dof(i) for _, i in _of(Interface, elements) if i.law.stiffness is None]
     pinned = [] if np.count_nonzero(held) >= 2 else walls
-    K = K_shaft + np.diag(held)
+    K = K_shaft + K_axial + np.diag(held)
     free = np.setdiff1d(np.arange(len(M)), pinned)
+    among = np.ix_(free, free)
     try:
-        inverse = np.linalg.inv(np.linalg.cholesky(M[np.ix_(free, free)]))
-        squares = np.linalg.eigvalsh(inverse @ K[np.ix_(free, free)] @ inverse.T)
-    except np.linalg.LinAlgError:
+        inverse = np.linalg.inv(np.linalg.cholesky(M[among]))
+        squares = np.linalg.eigvalsh(inverse @ K[among] @ inverse.T)
+        is_held = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
+        if is_held and squares[0] < _LOST * squares[-1]:
+            others = (K_axial + np.diag(held))[among]
+            return math.sqrt(_lowest_square(rotor, M[among], others, free))
+    except (np.linalg.LinAlgError, RuntimeError):
         raise QuantityError(
             "shaft: its masses and stiffnesses lie too far apart to calculate with; look for a "
             "length or a diameter of a wrong power of ten"
         ) from None
     # what is smaller is a motion as a rigid body, and rounding
     return math.sqrt(squares[squares > 1e-13 * squares[-1]][0])
+
+
+def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.ndarray) -> float:
+    """Of the frequencies of a shaft that is held [rad2/s2], by inverse iteration, however stiff it
+    is; others: the stiffness of all else; free: the dofs of both."""
+    import scipy.sparse as sp  # which no other machine of an FMU needs
+
+    from .elastic import factorized, strains
+
+    across, stiffness = strains(rotor)
+    solve = factorized(sp.csc_array(others), across[:, free], np.linalg.inv(stiffness))
+    root = np.linalg.cholesky(M)
+    shapes = np.eye(len(free))[:, [0, 1, -2]]
+    largest = 0.0
+    for _ in range(_ITERATIONS):
+        moved = root.T @ solve(root @ shapes)[0]
+        before, largest = largest, np.linalg.eigvalsh(shapes.T @ moved)[-1]
+        shapes, _ = np.linalg.qr(moved)
+        if abs(largest - before) <= 1e-9 * largest:
+            break
+    return float(1 / largest)
 
 
 def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, Any]:

@@ -2,14 +2,18 @@
 
 Degrees of freedom: deflection w and slope psi at its left, then at its right node. A circular shaft
 has the same matrices in both planes, so with complex coordinates z = x + i y one real 4x4 matrix
-serves both. The shape functions are those of a uniform element with the section's mean shear ratio
-(Nelson 1980); the integrals over them take the section as it changes, exactly.
+serves both. The shape functions are those of the element at rest, so that its stiffness is exact:
+of a cylinder Nelson's polynomials (1980); of a tapered element the integrals of the bending and
+the shear that unit forces at its end cause (force method; Przemieniecki 1968, ch. 5). As ROSS has
+it, or on demand, a tapered element takes the polynomials of a cylinder with its middle or mean
+shear ratio instead, and is then of second order or less.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,6 +22,20 @@ from ..parts.shaft import Section
 # Points at which polynomials of degree 9 are integrated exactly: shape functions squared, of
 # degree 6, times an area, or of degree 4 times a moment of area of degree 4.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
+
+
+def _integration(count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gauss' points in (0, 1) and their weights, each of shape (count,), and the matrix that makes
+    of a function's values there those of its integral from 0."""
+    legendre = np.polynomial.legendre
+    points, weights = legendre.leggauss(count)
+    coefficients = np.linalg.inv(legendre.legvander(points, count - 1))
+    integrals = legendre.legint(coefficients, lbnd=-1, axis=0)
+    return (1 + points) / 2, weights / 2, legendre.legvander(points, count) @ integrals / 2
+
+
+# Enough for an element whose diameter changes by a factor of ten.
+_SHARES, _SHARE_WEIGHTS, _UP_TO = _integration(32)
 
 
 class Element(NamedTuple):
@@ -35,7 +53,7 @@ class Element(NamedTuple):
     tension: np.ndarray
 
 
-def shear_coefficient(poisson: float, ratio: float = 0.0, name: str = "cowper") -> float:
+def shear_coefficient(poisson: float, ratio: Any = 0.0, name: str = "cowper") -> Any:
     """Shear coefficient of a circular section [1]; ratio: bore over diameter; name: `cowper`
     (Cowper 1966), `hutchinson` (Hutchinson 2001), or `ross-hutchinson`, ROSS 2's reading of it,
     which lacks a factor 1 + poisson."""
@@ -54,14 +72,61 @@ def _area_and_moment(outer: np.ndarray, bore: np.ndarray) -> tuple[np.ndarray, n
 
 
 def shaft_element(section: Section) -> Element:
-    """The matrices of the shaft between two nodes (Nelson 1980)."""
+    """The matrices of the shaft between two nodes, its layers included."""
+    layers = section.all_layers
+    if section.taper == "exact" and not all(layer.is_cylinder for layer in layers):
+        return _tapered(layers)
+    each = [_polynomial(layer) for layer in layers]
+    return Element(*(sum(matrices[1:], matrices[0]) for matrices in zip(*each, strict=True)))
+
+
+def _tapered(layers: Sequence[Section]) -> Element:
+    """The matrices of layers that bend as one, by the force method."""
+    length = layers[0].length
+    x, weight = _SHARES * length, _SHARE_WEIGHTS * length
+    bending, shearing, mass, tilting, tension = (np.zeros_like(x) for _ in range(5))
+    is_rigid = False
+    for layer in layers:
+        outer, bore = _diameters(layer, _SHARES)
+        area, moment = _area_and_moment(outer, bore)
+        bending += layer.material.young * moment
+        is_rigid |= layer.shear == "rigid"
+        shearing += _shear_stiffness(layer, bore / outer) * area
+        mass += layer.material.density * area
+        tilting += layer.material.density * moment
+        tension += layer.axial_force
+    # by a unit force, and by a unit moment, at the right end of what is clamped at its left
+    curvature = np.array([length - x, np.ones_like(x)]) / bending
+    strain = np.array([np.zeros_like(x) if is_rigid else 1 / shearing, np.zeros_like(x)])
+    flexibility = (curvature * (bending * weight)) @ curvature.T
+    flexibility += (strain * (shearing * weight)) @ strain.T
+    # forces by what the nodes' deflections and slopes leave when the element has turned as one
+    left = np.array([[-1.0, -length, 1.0, 0.0], [0.0, -1.0, 0.0, 1.0]])
+    forces = np.linalg.solve(flexibility, left)
+    slope = curvature @ _UP_TO.T * length
+    deflection = (slope + strain) @ _UP_TO.T * length
+    slopes = forces.T @ slope + np.outer([0, 1, 0, 0], np.ones_like(x))
+    strains = forces.T @ strain
+    deflections = forces.T @ deflection + np.array([np.ones_like(x), x, 0 * x, 0 * x])
+
+    def integral(factor: np.ndarray, shape: np.ndarray) -> np.ndarray:
+        return (shape * (factor * weight)) @ shape.T
+
+    return Element(
+        translation=integral(mass, deflections),
+        tilting=integral(tilting, slopes),
+        stiffness=left.T @ forces,
+        tension=integral(tension, slopes + strains),
+    )
+
+
+def _polynomial(section: Section) -> Element:
+    """The matrices of one layer with the shape functions of a cylinder (Nelson 1980)."""
     material, length = section.material, section.length
     x = (1 + _POINTS) / 2
     weight = _WEIGHTS / 2 * length
-    outer = section.outer_left + x * (section.outer_right - section.outer_left)
-    bore = section.bore_left + x * (section.bore_right - section.bore_left)
-    area, moment = _area_and_moment(outer, bore)
-    shear = _shear_stiffness(section)
+    area, moment = _area_and_moment(*_diameters(section, x))
+    shear = _shear_stiffness(section, _middle_ratio(section))
     phi = _shear_ratio(section, shear)
     one = np.ones_like(x)
     deflection = np.array(
@@ -97,28 +162,37 @@ def shaft_element(section: Section) -> Element:
     )
 
 
-def _shear_stiffness(section: Section) -> float:
-    """kappa G [Pa] of the section's middle; of one that shear does not bend, 0."""
+def _diameters(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Outer diameter and bore [m] at shares x of the length."""
+    outer = section.outer_left + x * (section.outer_right - section.outer_left)
+    bore = section.bore_left + x * (section.bore_right - section.bore_left)
+    return outer, bore
+
+
+def _middle_ratio(section: Section) -> float:
+    """Bore over outer diameter in the middle [1]."""
+    outer = section.outer_left + section.outer_right
+    return (section.bore_left + section.bore_right) / outer
+
+
+def _shear_stiffness(section: Section, ratio: Any) -> Any:
+    """kappa G [Pa] where the bore has this ratio to the outer diameter; of a section that shear
+    does not bend, 0."""
     if section.shear == "rigid":
         return 0.0
-    outer = section.outer_left + section.outer_right
-    ratio = (section.bore_left + section.bore_right) / outer
-    return (
-        shear_coefficient(section.material.poisson, ratio, section.shear) * section.material.shear
-    )
+    coefficient = shear_coefficient(section.material.poisson, ratio, section.shear)
+    return coefficient * section.material.shear
 
 
 def _shear_ratio(section: Section, shear: float) -> float:
     """phi = 12 E I / (kappa G A L^2), deflection by shear over that by bending [1].
 
-    Where diameters change, of the mean area and moment, or, as ROSS has it, of those at the middle.
+    Where diameters change, of those at the middle, as ROSS has it, or of the mean area and moment.
     """
     if section.shear == "rigid":
         return 0.0
     x = np.array([0.5]) if section.taper == "middle" else (1 + _POINTS) / 2
     weight = np.array([1.0]) if section.taper == "middle" else _WEIGHTS / 2
-    outer = section.outer_left + x * (section.outer_right - section.outer_left)
-    bore = section.bore_left + x * (section.bore_right - section.bore_left)
-    area, moment = _area_and_moment(outer, bore)
+    area, moment = _area_and_moment(*_diameters(section, x))
     bending = 12 * section.material.young * (weight @ moment)
     return bending / (shear * (weight @ area) * section.length**2)

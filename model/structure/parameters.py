@@ -43,10 +43,15 @@ def prepare(structure):
 
 
 @compiled
+def elastic_share(eta_h):
+    """What hysteretic damping makes of the shaft's stiffness (Zorzi and Nelson 1977) [1]."""
+    return (1.0 + eta_h) / math.sqrt(1.0 + eta_h * eta_h)
+
+
+@compiled
 def _prepare_shaft(structure, numbers):
     """Damping, stiffness and weight."""
-    hysteresis = math.sqrt(1.0 + numbers.eta_h * numbers.eta_h)
-    share = (1.0 + numbers.eta_h) / hysteresis
+    share = elastic_share(numbers.eta_h)
     n, width = structure.M.shape
     for i in range(n):
         for d in range(width):
@@ -60,4 +65,5 @@ def _prepare_shaft(structure, numbers):
         structure.K[spring.dof, 0] += spring.stiffness
         structure.C[spring.dof, 0] += spring.damping
     numbers.kappa_v = numbers.eta_v if numbers.rotating_damping == 1 else 0.0
+    hysteresis = math.sqrt(1.0 + numbers.eta_h * numbers.eta_h)
     numbers.kappa_h = numbers.eta_h / hysteresis if numbers.rotating_damping == 1 else 0.0

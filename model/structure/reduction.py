@@ -7,15 +7,22 @@ lowest modes with those deflections held (Craig and Bampton 1968).
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
 from ..kernels.compiled import plain
-from .assembly import moved
+from ..machine.rotor import Rotor
+from ..machine.speed_tables import SpeedRange, tables_of
+from .assembly import assemble, machine_elements, moved, soft_stiffness
 from .structure import Structure
 
+# A frequency may move by this share; excited are those up to so many times the speed; of those that
+# move so many are said. A share of the lowest elastic one below which the shaft moves as one body.
+_MOVED, _EXCITED, _SAID, _SLOW = 0.02, 2.0, 3, 1e-3
 _MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
 
 
@@ -81,3 +88,88 @@ def reduced(structure: Structure, modes: int) -> Structure:
         one_body=one_body,
         deflections=deflections,
     )
+
+
+def assembled(rotor: Rotor, modes: int) -> tuple[Structure, list[SpeedRange]]:
+    """The structure of a machine, reduced to so many component modes unless they are 0, and the
+    ranges of the speed beyond which something is to be said of it."""
+    structure, ranges = assemble(rotor), tables_of(rotor)
+    if modes == 0:
+        return structure, ranges
+    return reduced(structure, modes), [*ranges, *too_coarse(rotor, structure, modes)]
+
+
+class _Spectrum:
+    """Frequencies of a shaft at standstill by how many component modes are kept, nested."""
+
+    def __init__(self, rotor: Rotor, structure: Structure) -> None:
+        self._kept, T = component_modes(structure, len(structure.weight))
+        held = soft_stiffness(len(T), structure.springs, machine_elements(rotor))
+        K = to_dense(structure.K_shaft) + to_dense(structure.K_axial) + np.diag(held)
+        self._M, self._K = T.T @ to_dense(structure.M) @ T, T.T @ K @ T
+        self._walls = structure.interfaces.dof[structure.interfaces.has_wall == 1]
+        self.most = len(T) - len(self._kept)
+        self.slow = _SLOW * structure.numbers[0].lowest_omega
+
+    @property
+    def has_walls(self) -> bool:
+        """Whether there are contacts, which may be open or pinned."""
+        return len(self._walls) > 0
+
+    def frequencies(self, modes: int, is_pinned: bool) -> np.ndarray:
+        """Of the elastic modes [rad/s], ascending; those as one body are exact in any case."""
+        held = np.isin(self._kept, self._walls) if is_pinned else np.zeros(len(self._kept), bool)
+        free = np.flatnonzero(~np.append(held, np.zeros(modes, bool)))
+        among = np.ix_(free, free)
+        inverse = np.linalg.inv(np.linalg.cholesky(self._M[among]))
+        squares = np.linalg.eigvalsh(inverse @ self._K[among] @ inverse.T)
+        return np.sqrt(squares[squares > self.slow**2])
+
+
+def too_coarse(rotor: Rotor, structure: Structure, modes: int) -> list[SpeedRange]:
+    """Ranges of the speed beyond which the reduction to so many modes moves, or loses, what the
+    speed excites: the lowest modes at standstill, contacts open and pinned."""
+    spectrum = _Spectrum(rotor, structure)
+    if modes >= spectrum.most:
+        return []
+    states = (False, True) if spectrum.has_walls else (False,)
+    return [found for is_pinned in states for found in _moved(spectrum, modes, is_pinned)]
+
+
+def _moved(spectrum: _Spectrum, modes: int, is_pinned: bool) -> Iterator[SpeedRange]:
+    """Of one state of the contacts."""
+    full = spectrum.frequencies(spectrum.most, is_pinned)
+    for place in _off(spectrum.frequencies(modes, is_pinned), full)[:_SAID]:
+        few, enough = modes, spectrum.most
+        while enough - few > 1:
+            middle = (few + enough) // 2
+            off = _off(spectrum.frequencies(middle, is_pinned), full[: place + 1])
+            few, enough = (middle, enough) if len(off) else (few, middle)
+        yield _said(spectrum, modes, is_pinned, full[place], int(place), enough)
+
+
+def _off(reduced: np.ndarray, full: np.ndarray) -> np.ndarray:
+    """Places of the modes that the reduction has moved, or does not have."""
+    there = np.full(len(full), math.inf)
+    there[: len(reduced)] = reduced[: len(full)]
+    return np.flatnonzero(there > (1.0 + _MOVED) * full)
+
+
+def _said(
+    spectrum: _Spectrum, modes: int, is_pinned: bool, omega: float, place: int, enough: int
+) -> SpeedRange:
+    reduced = spectrum.frequencies(modes, is_pinned)
+    how = f"is moved to {_hertz(reduced[place])}" if place < len(reduced) else "is lost"
+    contacts = f" with contacts {'pinned' if is_pinned else 'open'}" if spectrum.has_walls else ""
+    highest = omega / _EXCITED
+    return SpeedRange(
+        -highest,
+        highest,
+        f"solver.reduction = {modes} is too coarse: mode {place + 1} of the shaft{contacts}, "
+        f"{_hertz(omega)}, {how}, and the speed, {{speed:.4g}} rad/s, is above half of it; take at "
+        f"least {enough}, or 0",
+    )
+
+
+def _hertz(omega: float) -> str:
+    return f"{omega / (2 * math.pi):.4g} Hz"

@@ -24,8 +24,8 @@ LOAD = _record("slope", "offset")
 RELEASE = _record("", " ".join(Release._fields))
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
-# the states of the law begin.
-INTERFACE = _record("law row dof end own states out has_wall", "length")
+# the states of the law begin; `slips`: whether it has a wall that does not turn.
+INTERFACE = _record("law row dof end own states out has_wall slips", "length")
 # What a machine has one of. Given: whether the internal damping turns; is_held: whether springs and
 # soft laws hold it, and not its clearances alone; base_load: place of the
 # base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share

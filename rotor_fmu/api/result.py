@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import difflib
 import html
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -21,7 +21,7 @@ from ..report.places import Recorded
 from ..runs.recording import Recording, load_recording
 from ..runs.run_down import Run
 from ..runs.summary import PEAKS_AFTER
-from ..runs.views import peak_index
+from ..runs.views import peak_index, why_no_peak
 from .machine import Machine
 from .pictures import png, shown
 
@@ -49,6 +49,21 @@ class Peak(NamedTuple):
     amplitude: float
     speed: float
     t: float
+
+
+class Peaks(tuple[Peak, ...]):
+    """The peaks of a run; where there is none, `why` says why, and so does printing it."""
+
+    why: str
+
+    def __new__(cls, peaks: Iterable[Peak], why: str = "") -> Peaks:
+        """Peaks, or none and why."""
+        made = super().__new__(cls, peaks)
+        made.why = why
+        return made
+
+    def __repr__(self) -> str:
+        return super().__repr__() if self else f"no peaks: {self.why}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,27 +155,32 @@ class Result:
         return xr.Dataset(variables, {"t": ("t", self.t, {"units": "s"})}, about)
 
     @cached_property
-    def peaks(self) -> tuple[Peak, ...]:
+    def peaks(self) -> Peaks:
         """Peaks over the speed of every part whose amplitude is known, after the start-up of 2 s;
-        an amplitude that is largest at an edge of the run has none.
+        an amplitude that is largest at an edge of the run has none. Where there is none at all,
+        printing them, or their `why`, says why.
 
         >>> import rotor_fmu as rf
         >>> run = rf.simulate(rf.load(), speed=([0, 12], [220, 150]), tolerance=1e-2)
         >>> [(p.part, p.axis, round(p.speed, -1)) for p in run.peaks][-2:]
         [('disc[3]', 'x', 170.0), ('disc[3]', 'y', 200.0)]
+        >>> rf.simulate(rf.load(), speed=([0, 1], [220, 200]), tolerance=1e-2).peaks
+        no peaks: the run ends within the start-up, 2 s
         """
         if self.points is None:
-            return ()
+            return Peaks((), "the run was read from its folder, where its amplitudes are not kept")
         t, c = self.points.t, self.points.columns
+        amplitudes = [name for name in c if name.endswith((".x_amp", ".y_amp"))]
         found = []
-        for name, amplitude in c.items():
-            part, _, quantity = name.rpartition(".")
-            if quantity in ("x_amp", "y_amp"):
-                at = peak_index(t, c["w"], amplitude, PEAKS_AFTER)
-                if at is not None:
-                    values = float(amplitude[at]), float(c["w"][at]), float(t[at])
-                    found.append(Peak(part, quantity[0], *values))
-        return tuple(found)
+        for name in amplitudes:
+            at = peak_index(t, c["w"], c[name], PEAKS_AFTER)
+            if at is not None:
+                part, _, quantity = name.rpartition(".")
+                values = float(c[name][at]), float(c["w"][at]), float(t[at])
+                found.append(Peak(part, quantity[0], *values))
+        if not amplitudes:
+            return Peaks((), "the machine has no disc, body or sensor, whose motion is told")
+        return Peaks(found, "" if found else why_no_peak(t, c["w"], PEAKS_AFTER))
 
     def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:
         """The path of a part, by default of the disc that moves most, over the turns nearest to a
@@ -200,7 +220,8 @@ class Result:
         """A picture as `rotor-fmu plot` draws it: bode, polar, orbit, cascade, poincare,
         contact-angle, contact-force, energy, spectrum or whirl. speed: of orbit and spectrum
         [rad/s]; is_pp: peak-to-peak. Raises `InputError` for another kind."""
-        from ..report.figures import KINDS, View
+        from ..report.figures import KINDS
+        from ..report.view import View
 
         if kind not in KINDS:
             raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
@@ -227,6 +248,8 @@ class Result:
             first, last = self.speed[0], self.speed[-1]
             facts["time"] = f"{self.t[0]:g} to {self.t[-1]:g} s, {len(self.t)} rows"
             facts["speed"] = f"{first:.4g} to {last:.4g} rad/s"
+        if not self.peaks:
+            facts["peaks"] = f"none: {self.peaks.why}"
         for p in self.peaks[-2:]:
             facts[f"peak of {p.part}.{p.axis}"] = (
                 f"{p.amplitude * 1e6:.4g} µm at {p.speed:.4g} rad/s"

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
-from ..model.machine.speed_tables import tables_of
 from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
@@ -21,9 +20,9 @@ from ..model.messages import SENTENCES, closed_at
 from ..model.quantities import ANY, LARGEST, Quantity, Rule
 from ..model.settings import messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
-from ..model.structure.assembly import assemble, interface_names
+from ..model.structure.assembly import interface_names
 from ..model.structure.places import places
-from ..model.structure.reduction import reduced
+from ..model.structure.reduction import assembled
 from .binding import load_names
 from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
 from .variables import Variable
@@ -86,7 +85,8 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
     index = {variable.name: i for i, variable in enumerate(face.table)}
-    block = _block(face.rotor, int(face.table[index[REDUCTION.name]].start or 0))
+    structure, beyond = assembled(face.rotor, int(face.table[index[REDUCTION.name]].start or 0))
+    block = new_block(structure, len(observed_names(face.rotor)))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
     record = where["memory.record"]
     texts = _Texts()
@@ -98,7 +98,6 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         for a, b, why in _NEEDS
         if a in index
     ]
-    beyond = tables_of(face.rotor)
     warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
     closed = closed_at(interface_names(face.rotor), LAYOUT.look(block).structure.interfaces)
     known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
@@ -163,13 +162,6 @@ def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
 
 def _padded(data: bytes) -> bytes:
     return data + bytes(-len(data) % 8)
-
-
-def _block(rotor: Rotor, modes: int) -> np.ndarray:
-    structure = assemble(rotor)
-    if modes:
-        structure = reduced(structure, modes)
-    return new_block(structure, len(observed_names(rotor)))
 
 
 def _offset(block: np.ndarray, i: int) -> int:

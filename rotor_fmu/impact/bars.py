@@ -8,6 +8,7 @@ from typing import Any
 
 from ..errors import writable_folder
 from ..figures import save
+from ..files import write_text
 from ..model.impact.bars import WINDOWS, Bars, BarsRun, build, run_bars
 from ..model.impact.stepping.state import Line
 from ..runs.report import Column, Report
@@ -124,10 +125,10 @@ def _write_logs(
             continue
         name = f"status_{case.slug}_{found.bars.opening:g}_{dt:g}.txt"
         text = "\n".join(map(str, found.run.log)) + "\n"
-        (out / name).write_text(text, encoding="utf-8")
+        write_text(text, out / name)
         if wants_figure_8 and found.bars.opening == FIGURE_8_OPENING:
             excerpt = "\n".join(map(str, around_cutback(found.run.log)))
-            (out / "figure_8_status.txt").write_text(excerpt + "\n", encoding="utf-8")
+            write_text(excerpt + "\n", out / "figure_8_status.txt")
             console.print(
                 f"Paper B, Figure 8: {case.name}, opening {FIGURE_8_OPENING:g} m\n{excerpt}"
             )

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import writable_folder
+from ..files import write_text
 from ..model.impact.journals import JournalRun, RunDown, run_journals
 from ..model.machine.rotor import Rotor
 from ..model.schemes.family import MODERATE_DISSIPATION
-from ..runs.job import write_text
 from ..runs.report import Column, Report
 from .cases import IMPACTS, ImpactCase, carried_out, finish
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import writable_folder
 from ..figures import save
+from ..files import write_text
 from ..model.impact.ratchet import RatchetRun, parse_ratchet, ratchet_toml, run_ratchet
 from ..runs.report import Column, Report
 from . import figures as pictures
@@ -77,7 +78,7 @@ def present(
     for case, found in runs.items():
         if case.impact == "average-time":
             text = "\n".join(map(str, found.run.log)) + "\n"
-            (out / f"status_{case.slug}.txt").write_text(text, encoding="utf-8")
+            write_text(text, out / f"status_{case.slug}.txt")
     failures = [
         f"{case.label}: {found.run.status}"
         for case, found in runs.items()

@@ -11,7 +11,8 @@ import numpy as np
 import typer
 
 from ..errors import InputError, writable_folder
-from ..runs.job import load_rotor, write_json, write_text
+from ..files import write_text
+from ..runs.job import load_rotor, write_json
 from ..telling import tells
 from ..units import units_for
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from ..model.linear.machine import OPEN, LinearError, LinearMachine
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
@@ -19,14 +17,17 @@ def doubts(rotor: Rotor) -> list[str]:
     """Sentences about a machine that nothing holds, and about one that is unstable at rest."""
     found = []
     machine = LinearMachine(rotor)
-    falls = rotor.gravity * math.cos(rotor.inclination) > 1e-12 * rotor.gravity
-    if falls and not machine.is_held and not _is_released(rotor):
+    if (
+        rotor.gravity * rotor.weight_share != 0.0
+        and not machine.is_held
+        and not _is_released(rotor)
+    ):
         found.append(f"{machine.why_not_held()}, or a [start] in the air is told")
     try:
         at_rest = modes(rotor, 0.0, contacts=OPEN)
     except LinearError:
         return found
-    roots = [*at_rest.eigenvalues, *(complex(decay) for decay in at_rest.decays)]
+    roots = [*at_rest.eigenvalues[at_rest.is_sound], *(complex(decay) for decay in at_rest.decays)]
     slow = _SLOW * machine.structure.numbers[0].lowest_omega
     growing = [r for r in roots if abs(r) > slow and r.real > _GROWING * abs(r)]
     if growing:

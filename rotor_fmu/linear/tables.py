@@ -71,7 +71,14 @@ def modes_table(found: Modes) -> Table:
         (i, hertz(damped), hertz(natural), float(damped), _clean(zeta), _clean(decrement), whirl)
         for i, (damped, natural, zeta, decrement, whirl) in enumerate(columns, 1)
     ]
-    return Table(f"Modes at {turns(found.speed, found.contacts)}", heads, rows)
+    title = f"Modes at {turns(found.speed, found.contacts)}"
+    if not found.is_sound.all():
+        numbers = ", ".join(str(i + 1) for i in np.flatnonzero(~found.is_sound))
+        title += (
+            f"; of mode {numbers} rounding leaves residuals up to {np.max(found.residuals):.1g}: "
+            "its stiffnesses and masses lie too far apart"
+        )
+    return Table(title, heads, rows)
 
 
 def _clean(ratio: float) -> float:

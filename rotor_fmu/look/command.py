@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import InputError, writable_folder
+from ..files import write_text
 from ..runs import PLOTS
 from ..telling import tells
 
@@ -34,10 +35,11 @@ def plot(
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
-    if speed is not None and not 0 < speed < math.inf:
-        raise InputError(f"--speed {speed:g} Hz: must be > 0 and finite")
+    if speed is not None and not 0 < abs(speed) < math.inf:
+        raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
     from ..figures import save
-    from ..report.figures import KINDS, View
+    from ..report.figures import KINDS
+    from ..report.view import View
     from ..vibration import TooFewTurns
     from .reading import read_run
 
@@ -65,7 +67,14 @@ def report(
     out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
 ) -> dict[str, Any]:
     """Write the page of a run, of two runs laid over each other, or of a study."""
-    from .reading import is_study, read_run, read_study, read_summary, told_apart
+    from .reading import (
+        is_study,
+        read_run,
+        read_study,
+        read_summary,
+        rows_of_quantiles,
+        told_apart,
+    )
 
     for path in paths:
         if not path.exists():
@@ -82,15 +91,15 @@ def report(
         from ..report.study import study_page
         from .selected import pages_of_runs
 
-        page = study_page(*read_study(paths[0]), pages_of_runs(paths[0], out.parent))
+        about, rows = read_study(paths[0])
+        drawn = rows_of_quantiles(about, rows)
+        page = study_page(about, rows, pages_of_runs(paths[0], out.parent), drawn)
     else:
         from ..report.page import runs_page
 
         runs = [read_run(path) for path in paths]
         told_apart(runs, paths)
         page = runs_page(runs, [read_summary(path) for path in paths])
-    from ..report.page import write_page
-
-    write_page(page, out)
+    write_text(page, out)
     typer.echo(out)
     return {"out": out}

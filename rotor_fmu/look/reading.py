@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import InputError
 from ..report.places import Recorded
 from ..runs.recording import load_recording
@@ -57,6 +59,16 @@ def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
         return about_of(path), read_rows(path)
     except ArrowException as error:
         raise InputError(f"{path}: its rows cannot be read: {error}") from error
+
+
+def rows_of_quantiles(about: dict[str, Any], rows: pyarrow.Table) -> np.ndarray:
+    """Of a study's rows those whose quantiles say something of what was varied."""
+    from ..studies.analysis import design_of, drawn_rows, is_estimate
+
+    design = design_of(about["design"])
+    if not is_estimate(design):
+        return np.zeros(0, int)
+    return drawn_rows(design, rows["run"].to_numpy())
 
 
 def told_apart(runs: Sequence[Recorded], paths: Sequence[Path]) -> None:

@@ -6,7 +6,8 @@ import os
 from pathlib import Path
 from urllib.parse import quote
 
-from ..report.page import runs_page, write_page
+from ..files import write_text
+from ..report.page import runs_page
 from .reading import RUN, read_run, read_summary
 
 
@@ -18,6 +19,6 @@ def pages_of_runs(study: Path, beside: Path) -> dict[str, str]:
         folder = recording.parent
         page = folder / "report.html"
         if not page.exists() or page.stat().st_mtime < recording.stat().st_mtime:
-            write_page(runs_page([read_run(folder)], [read_summary(folder)]), page)
+            write_text(runs_page([read_run(folder)], [read_summary(folder)]), page)
         found[folder.name] = quote(Path(os.path.relpath(page, beside)).as_posix())
     return found

@@ -58,6 +58,11 @@ def example(
 def _copy(folder: Traversable, target: Path) -> None:
     if target.exists():
         raise InputError(f"--out {target.parent}: {target.name} is there already")
+    part = target.with_name(f"{target.name}.part")
     with as_file(folder) as source:
-        shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        try:
+            shutil.copytree(source, part, ignore=shutil.ignore_patterns("__pycache__"))
+            part.replace(target)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
     typer.echo(f"written to {target}")

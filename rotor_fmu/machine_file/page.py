@@ -19,6 +19,19 @@ rotor-fmu run-down --rotor machine.toml    # then let it rub
 
 A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`. What is missing,
 misspelt or impossible is told in one line with the name, the value and what is allowed.
+
+## Rest and friction
+
+A run begins at rest under gravity and the loads at the start, without friction. Where a bore is
+worn opposite the load, the place below the load is a hump, and the machine begins beside it, on
+the right if both sides are alike.
+
+The friction of a contact is smoothed below the sliding speed `v_s`, so that a journal at rest
+under a side load creeps at a share of `v_s`, however small the load is. With a tangential stiffness
+`k_t`, about that of the contact, it sticks: it yields by the load over `k_t` as long as that is
+below `mu` times the normal force, and slides beyond. `c_t` damps it while it sticks; `v_s` is not
+used. The ledger has the spring's energy in `compression`, and what is lost in `friction`. The race
+of a touchdown bearing is stuck to in the same way; its own drag stays smoothed below `race_w_s`.
 """
 
 

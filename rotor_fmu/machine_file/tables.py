@@ -117,5 +117,6 @@ def _section_keys() -> Iterator[Key]:
     yield Key("material", None, _WORDS["material"][1], kind="string")
     yield Key("axial_force", told["axial_force"], told["axial_force"].text, 0.0)
     yield Key("shear", None, "shear coefficient", SHEARS[0], choices=SHEARS, kind="string")
-    yield Key("taper", None, "where the share of shear is taken", TAPERS[0], choices=TAPERS)
+    text = "shape of a tapered element: its own, or a cylinder's of mean or (ROSS) middle shear"
+    yield Key("taper", None, text, TAPERS[0], choices=TAPERS, kind="string")
     yield Key("layer", None, "`[[section.layer]]`: what else lies there", kind="tables")

@@ -13,7 +13,8 @@ from matplotlib.patches import Circle
 
 from .. import vibration
 from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
-from .places import Recorded, hertz
+from .places import hertz
+from .view import View, parted, two
 
 SPEED = "Rotational speed $n$ [Hz]"
 PURPLE, BLACK = "#cc79a7", "#000000"
@@ -21,52 +22,9 @@ _SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
 _PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
 
 
-class View:
-    """What a picture is asked to show: a run, the name of a place or contact (None: the one that
-    moves, or is pressed, most), a speed [rad/s] (None: that of the largest 1x), and whether
-    amplitudes are peak-to-peak."""
-
-    def __init__(
-        self,
-        run: Recorded,
-        place: str | None = None,
-        speed: float | None = None,
-        is_pp: bool = False,
-    ) -> None:
-        self.run, self.name, self.is_pp = run, place, is_pp
-        self._speed = speed
-
-    @property
-    def signal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """t, phi, z of the place."""
-        return self.run.t, self.run.phi, self.run.place(self.name).z
-
-    @property
-    def speed(self) -> float:
-        """Where orbit and spectrum are taken [rad/s]."""
-        if self._speed is not None:
-            return self._speed
-        track = vibration.order_track(*self.signal, (1.0,))
-        return float(track.speed[np.argmax(track.major())])
-
-    @property
-    def scale(self) -> float:
-        """From m 0-p to what the axis says."""
-        return 2e6 if self.is_pp else 1e6
-
-    @property
-    def unit(self) -> str:
-        """What the axis says."""
-        return "µm pp" if self.is_pp else "µm 0-p"
-
-    def title(self, axes: Axes, text: str) -> None:
-        """Heading of a picture."""
-        axes.set_title(f"{self.run.name}: {text}", loc="left", fontsize=10)
-
-
 def bode(view: View) -> Figure:
     """1x amplitude and phase of x and y over speed, with 2x and 0.5x beside."""
-    figure, (above, below) = _two()
+    figure, (above, below) = two()
     place = view.run.place(view.name)
     track = vibration.order_track(*view.signal)
     n = hertz(track.speed)
@@ -74,13 +32,15 @@ def bode(view: View) -> Figure:
         (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
     ):
-        above.plot(n, np.abs(vector) * view.scale, color=color, lw=1.5, ls=style, label=label)
+        length = parted(n, np.abs(vector) * view.scale)
+        above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
         phase = np.degrees(np.angle(vector))
         phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
-        below.plot(n, phase, color=color, lw=1.2, ls=style)
+        below.plot(n, parted(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
-        above.plot(n, track.major(order) * view.scale, color=color, lw=1.1, ls=dashes, label=label)
+        length = parted(n, track.major(order) * view.scale)
+        above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel(f"Amplitude [{view.unit}]")
@@ -184,7 +144,7 @@ def _lines(amplitude: np.ndarray) -> list[int]:
     """The largest lines of a spectrum, without what the window puts beside each."""
     inner = amplitude[1:-1]
     tops = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
-    tops = tops[amplitude[tops] > 0.02 * amplitude.max(initial=0)]
+    tops = tops[amplitude[tops] > 0.02 * np.nanmax(amplitude, initial=0)]
     return tops[np.argsort(-amplitude[tops])][:5].tolist()
 
 
@@ -196,21 +156,37 @@ def cascade(view: View) -> Figure:
     is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
     down = hertz(found.speed) if is_one_way else found.t
     across = hertz(found.frequency)
-    amplitude = found.amplitude * view.scale
+    amplitude = np.nan_to_num(found.amplitude) * view.scale
     # small lines are seen beside large ones on the root's scale
     norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
-    rows = np.broadcast_to(down[:, None], across.shape)
-    shades = axes.pcolormesh(
-        across, rows, amplitude, cmap="cividis", norm=norm, shading="gouraud", rasterized=True
-    )
-    limit = 3 * float(hertz(found.speed.max(initial=0)))
+    shades = None
+    for number in np.unique(found.passage):
+        # nothing is drawn over a rest or a reversal
+        rows = np.flatnonzero(found.passage == number)
+        if len(rows) > 1:
+            shades = axes.pcolormesh(
+                across[rows],
+                np.broadcast_to(down[rows, None], across[rows].shape),
+                amplitude[rows],
+                cmap="cividis",
+                norm=norm,
+                shading="gouraud",
+                rasterized=True,
+            )
+    if shades is None:
+        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; 17 are needed")
+    once = np.abs(hertz(found.speed))
+    limit = 3 * float(once.max())
+    fastest = int(np.argmax(once))
+    is_top = down[fastest] == down.max()
     for order in (-2, -1, 1, 2):
-        axes.plot(order * hertz(found.speed), down, color="white", lw=0.6, ls=(0, (3, 4)))
-        x, y = order * float(hertz(found.speed[0])), float(down[0])
+        axes.plot(order * once, down, color="white", lw=0.6, ls=(0, (3, 4)))
+        x, y = order * float(once[fastest]), float(down[fastest])
         if abs(x) < limit:
             axes.annotate(
                 f"{order:+d}x", (x, y), xytext=(0, 2), textcoords="offset points",
                 ha="center", va="bottom", fontsize=8, annotation_clip=False,
+                color=BLACK if is_top else "white",
             )  # fmt: skip
     axes.set_xlim(-limit, limit)
     axes.grid(visible=False)
@@ -223,6 +199,7 @@ def cascade(view: View) -> Figure:
         loc="left",
         fontsize=10,
         pad=16,
+        parse_math=False,
     )
     return figure
 
@@ -247,8 +224,8 @@ def poincare(view: View) -> Figure:
 
 
 def whirl(view: View) -> Figure:
-    """Sense and order of the whirl of every turn."""
-    figure, (above, below) = _two()
+    """Sense and order of the whirl."""
+    figure, (above, below) = two()
     found = vibration.whirl(*view.signal)
     n = hertz(found.speed)
     above.axhline(0, color=GREY, lw=0.8)
@@ -260,7 +237,7 @@ def whirl(view: View) -> Figure:
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
     below.set_xlabel(SPEED)
-    view.title(above, f"whirl of {view.run.place(view.name).label}, a point a turn")
+    view.title(above, f"whirl of {view.run.place(view.name).label}, over 16 turns each")
     return figure
 
 
@@ -272,10 +249,16 @@ def contact_angle(view: View) -> Figure:
     n = hertz(view.run.w[touches])
     axes.plot(n, np.degrees(touch.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
     found = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
-    axes.plot(
-        hertz(found.speed), np.degrees(found.angle), ".", color=BLUE, ms=3, mew=0, label="mean"
-    )
-    axes.plot([], [], ".", color=GREY, label="every step that touches")
+    at, low = hertz(found.speed), np.degrees(found.low)
+    high = low + np.degrees(found.width)
+    for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
+        axes.vlines(
+            at[top > bottom], bottom[top > bottom], top[top > bottom], color=BLUE, alpha=0.2
+        )
+    axes.plot(at, np.degrees(found.angle), ".", color=BLUE, ms=3, mew=0)
+    axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
+    axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
+    axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
     axes.set_ylim(0, 360)
     axes.set_yticks(*_PSI)
@@ -287,16 +270,17 @@ def contact_angle(view: View) -> Figure:
 
 def contact_force(view: View) -> Figure:
     """Normal force of a contact and the share of the time that it touches, over speed."""
-    figure, (above, below) = _two()
+    figure, (above, below) = two()
     touch = view.run.touch(view.name)
     found = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
     n = hertz(found.speed)
-    above.plot(n, found.peak, color=BLUE, lw=1.0, label="largest of the turn")
-    above.plot(n, found.mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
+    largest, mean = parted(n, found.peak), parted(n, found.mean)
+    above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
+    above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel("Normal force [N]")
-    below.plot(n, 100 * found.share, color=GREEN, lw=1.0)
+    below.plot(n, parted(n, 100 * found.share), color=GREEN, lw=1.0)
     below.set_ylim(0, 105)
     below.set_ylabel("Touches [% of the turn]")
     below.set_xlabel(SPEED)
@@ -306,7 +290,7 @@ def contact_force(view: View) -> Figure:
 
 def energy(view: View) -> Figure:
     """Power that every sink took, over speed, and the energy since the start."""
-    figure, (above, below) = _two(even=True)
+    figure, (above, below) = two(even=True)
     run = view.run
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
     sinks = sorted(powers, key=lambda name: -run.losses[name][-1])
@@ -314,7 +298,8 @@ def energy(view: View) -> Figure:
         color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
         energy = run.losses[name]
         label = f"{name}: {energy[-1]:.3g} J"
-        above.plot(hertz(speed), powers[name], color=color, ls=style, lw=1.2, label=label)
+        power = parted(speed, powers[name])
+        above.plot(hertz(speed), power, color=color, ls=style, lw=1.2, label=label)
         below.plot(hertz(run.w), energy, color=color, ls=style, lw=1.2)
     above.legend(frameon=False, fontsize=8)
     above.set_ylabel("Power [W], mean of a turn")
@@ -322,17 +307,6 @@ def energy(view: View) -> Figure:
     below.set_xlabel(SPEED)
     view.title(above, "energy dissipated by sink")
     return figure
-
-
-def _two(even: bool = False) -> tuple[Figure, tuple[Axes, Axes]]:
-    figure = Figure(figsize=(6.8, 5.4), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1) if even else (2, 1))
-    for axes in (above, below):
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.grid(color="#dddddd", linewidth=0.6)
-        axes.set_axisbelow(True)
-    return figure, (above, below)
 
 
 KINDS: dict[str, Callable[[View], Figure]] = {

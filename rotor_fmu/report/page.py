@@ -13,7 +13,8 @@ from string import Template
 from typing import Any
 
 from ..about import __version__
-from ..files import unfinished
+from ..files import write_text
+from ..telling import plain
 from .places import Recorded, Recording
 from .run_data import run_data
 from .signals import ROOM, signal_data
@@ -25,13 +26,7 @@ _OF_RUNS = ("signals.js", "over_speed.js", "run.js")
 
 def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -> None:
     """Write the page of a run, whole or not at all; summary: its figures by name."""
-    write_page(runs_page([Recorded(recording, path.parent.resolve().name)], [summary]), path)
-
-
-def write_page(text: str, path: Path) -> None:
-    """Write a page, whole or not at all."""
-    with unfinished(path) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(runs_page([Recorded(recording, path.parent.resolve().name)], [summary]), path)
 
 
 def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
@@ -82,8 +77,9 @@ def template(name: str) -> Template:
 
 
 def _json(data: object) -> str:
-    # a script ends at the first "</", whatever holds it
-    return json.dumps(data, separators=(",", ":")).replace("</", "<\\/")
+    text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False)
+    # "</script", "<!--" and "<script" mean something within a script, whatever holds them
+    return text.replace("<", "\\u003c")
 
 
 def _machine(run: Recorded) -> str:

@@ -52,7 +52,8 @@ class Place:
     @property
     def motion(self) -> float:
         """Mean distance from the mean position, root of the mean square [m]."""
-        return float(np.std(self.z)) if len(self.z) else 0.0
+        known = self.z[np.isfinite(self.z)]  # not what diverged in the end
+        return float(np.std(known)) if len(known) else 0.0
 
 
 @dataclass(frozen=True)
@@ -144,7 +145,7 @@ class Recorded:
             return _named(name, self.touches, "contact")
         if not self.touches:
             raise InputError(f"{self.name}: its recording has no contact")
-        return max(self.touches, key=lambda touch: float(touch.fn.mean()) if len(touch.fn) else 0)
+        return max(self.touches, key=lambda touch: float(np.nan_to_num(touch.fn).sum()))
 
     def resampled(self, place: Place) -> Synchronous:
         """A place's motion over whole turns, x + i y in µm; raises `TooFewTurns`."""

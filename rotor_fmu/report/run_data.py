@@ -54,6 +54,7 @@ def _turns(run: Recorded) -> dict[str, Any]:
         rows = _thin(len(rub.t))
         values = {"hz": hertz(rub.speed), "peak": rub.peak, "mean": rub.mean}
         values |= {"share": 100 * rub.share, "angle": np.degrees(rub.angle), "t": rub.t}
+        values |= {"low": np.degrees(rub.low), "width": np.degrees(rub.width)}
         entry = {key: packed(column[rows]) for key, column in values.items()}
         touches.append({"name": touch.name, "label": touch.label, **entry})
     t, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
@@ -77,13 +78,21 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
     speed = hertz(cascade.speed)
     ways = np.diff(speed)
     turns = _thin(len(signal.values))
+    whirl = vibration.whirl_of(signal, turns=_block(signal))
+    blocks = _thin(len(whirl.t))
+    whirls = {"t": packed(whirl.t[blocks]), "hz": packed(hertz(whirl.speed)[blocks])}
     return {
         "track": {"t": packed(track.t[rows]), "hz": packed(hertz(track.speed)[rows])},
-        "stations": {"t": cascade.t.tolist(), "hz": speed.tolist()},
+        "stations": {
+            "t": cascade.t.tolist(),
+            "hz": speed.tolist(),
+            "passage": cascade.passage.tolist(),
+        },
         "isOneWay": bool(np.all(ways < 0) or np.all(ways > 0)),
         "isConstant": is_constant(speed),
         "orders": cascade.order.tolist(),
-        "turns": {"t": packed(signal.marks[turns]), "hz": packed(hertz(signal.speed)[turns])},
+        "turns": {"t": packed(signal.begin[turns]), "hz": packed(hertz(signal.speed)[turns])},
+        "whirl": whirls | {"turns": _block(signal)},
         "orbit": {"turns": _ORBIT, "points": _ORBIT_POINTS},
     }
 
@@ -91,7 +100,7 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
 def _place(place: Place, signal: Synchronous) -> dict[str, Any]:
     track, cascade = _tracked(signal)
     rows = _thin(len(track.t))
-    whirl = vibration.whirl_of(signal)
+    whirl = vibration.whirl_of(signal, turns=_block(signal))
     vectors = {"x": track.x(), "y": track.y()}
     curves = {
         f"{axis}{part}": packed(values[rows])
@@ -104,7 +113,7 @@ def _place(place: Place, signal: Synchronous) -> dict[str, Any]:
     orbits = np.array([signal.values[i : i + _ORBIT, ::stride].ravel() for i in middle])
     turns = _thin(len(signal.values))
     points = signal.values[turns, 0]
-    inner = np.clip(turns - 1, 0, len(whirl.sense) - 1)
+    blocks = _thin(len(whirl.t))
     return {
         "name": place.name,
         "label": place.label,
@@ -114,10 +123,11 @@ def _place(place: Place, signal: Synchronous) -> dict[str, Any]:
             "re": packed(orbits.real, COARSE),
             "im": packed(orbits.imag, COARSE),
         },
-        "cascade": packed(cascade.amplitude, COARSE),
+        # what the steps were too long to show is drawn as nothing
+        "cascade": packed(np.nan_to_num(cascade.amplitude), COARSE),
         "points": {"re": packed(points.real), "im": packed(points.imag)},
-        "sense": packed(whirl.sense[inner]),
-        "order": packed(whirl.order[inner]),
+        "sense": packed(whirl.sense[blocks]),
+        "order": packed(whirl.order[blocks]),
     }
 
 
@@ -128,7 +138,7 @@ def is_constant(speed: np.ndarray) -> bool:
 
 def _block(signal: Synchronous) -> int:
     """Turns of a spectrum, less where the run has less."""
-    return min(_BLOCK, len(signal.values))
+    return min(_BLOCK, signal.longest)
 
 
 def _tracked(signal: Synchronous) -> tuple[vibration.OrderTrack, vibration.Cascade]:

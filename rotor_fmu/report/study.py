@@ -23,13 +23,17 @@ _OK = "ok"
 
 
 def study_page(
-    about: Mapping[str, Any], rows: pyarrow.Table, pages: Mapping[str, str] | None = None
+    about: Mapping[str, Any],
+    rows: pyarrow.Table,
+    pages: Mapping[str, str] | None = None,
+    drawn: np.ndarray | None = None,
 ) -> str:
     """The page of a study as HTML.
 
     about: what its folder says of it (name, runs, design with its axes, columns); rows: a run each,
     with run, id, status, what was varied, and the columns kept, a number or a list; pages: of runs
-    that were made again with their signals, addresses by id.
+    that were made again with their signals, addresses by id; drawn: the rows whose quantiles say
+    something, none where the points were placed to be compared.
     """
     shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_RUNS)).astype(int))
     axes = [axis["name"] for axis in about["design"]["axes"]]
@@ -54,7 +58,7 @@ def study_page(
     }
     body = template("study.html").substitute(
         notices=_notices(about, status, len(shown)),
-        tables=_ranges(columns, values),
+        tables=_ranges(columns, values, np.arange(len(rows)) if drawn is None else drawn),
         hidden="" if data["curves"] else " hidden",
     )
     return page(
@@ -121,12 +125,20 @@ def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str
     return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
 
 
-def _ranges(columns: Sequence[Mapping[str, str]], values: Mapping[str, np.ndarray]) -> str:
+def _ranges(
+    columns: Sequence[Mapping[str, str]], values: Mapping[str, np.ndarray], drawn: np.ndarray
+) -> str:
     lines: list[list[object]] = []
     for column in columns:
-        known = values[column["name"]]
-        known = known[np.isfinite(known)]
-        spread = np.quantile(known, [0, 0.05, 0.5, 0.95, 1]).tolist() if len(known) else [None] * 5
+        of_all = values[column["name"]]
+        least, largest = _quantiles(of_all, [0, 1])
+        between = _quantiles(of_all[drawn], [0.05, 0.5, 0.95])
+        spread = [least, *between, largest]
         lines.append([column["name"], column["unit"] or "", *spread, column["text"]])
     heads = ["", "unit", "least", "5 %", "median", "95 %", "largest", ""]
-    return table("all runs", heads, lines)
+    return table("all runs that have the value", heads, lines)
+
+
+def _quantiles(values: np.ndarray, shares: list[float]) -> list[float | None]:
+    known = values[np.isfinite(values)]
+    return np.quantile(known, shares).tolist() if len(known) else [None] * len(shares)

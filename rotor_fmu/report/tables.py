@@ -58,8 +58,8 @@ def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
     of = f"{run.name}: " if runs > 1 else ""
     made = [_ran(run, summary, of)]
     with suppress(TooFewTurns):
-        made += [_places(run, of), _contacts(run, of)]
-    made.append(_sinks(run, of))
+        made.append(_places(run, of))
+    made += [_contacts(run, of), _sinks(run, of)]
     return "\n".join(text for text in made if text)
 
 
@@ -69,7 +69,7 @@ def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
         rows += [
             ["reached [s]", run.t[-1]],
             ["speed, from and to [Hz]", f"{_speed(run, 0)} to {_speed(run, -1)}"],
-            ["turns", (run.phi[-1] - run.phi[0]) / (2 * math.pi)],
+            ["turns", float(np.abs(np.diff(run.phi)).sum()) / (2 * math.pi)],
         ]
     rows.append(["samples", len(run.t)])
     rows += [[text, summary[name]] for name, text in _SUMMARY.items() if name in summary]
@@ -87,28 +87,37 @@ def _places(run: Recorded, of: str) -> str:
     for place in run.places:
         signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
-        at = int(np.argmax(track.major()))
-        found = vibration.resonances(track.speed, track.major()) if _passes(track.speed) else []
-        factor = found[0].amplification if found else math.nan
+        at = int(np.nanargmax(track.major()))
         direct = vibration.displacement_of(signal)
         largest = [float(v.max()) for v in (direct.x_pp, direct.y_pp, direct.s_max)]
         speed = hertz(track.speed[at])
-        rows.append([place.label, track.major()[at], speed, factor, *largest])
+        rows.append([place.label, track.major()[at], speed, _amplification(track), *largest])
     return table(f"{of}responses over the run (API RP 684, ISO 20816-1)", heads, rows)
+
+
+def _amplification(track: vibration.OrderTrack) -> float | str:
+    """The factor of the highest resonance, marked where the run passed it too quickly."""
+    if not _passes(track.speed):
+        return math.nan
+    found = vibration.resonances(track.speed, track.major(), t=track.t)
+    if found and found[0].is_fast:
+        return f"> {_cell(found[0].amplification)}, passed too fast"
+    return found[0].amplification if found else math.nan
 
 
 def _passes(speed: np.ndarray) -> bool:
     """Whether a run goes one way through speeds wide apart, as a resonance is told by."""
     ways = np.sign(np.diff(speed[:: max(len(speed) // 50, 1)]))
-    return bool(abs(ways.sum()) == len(ways) and speed.max() > 1.3 * speed.min())
+    span = np.abs(speed)
+    return bool(abs(ways.sum()) == len(ways) and span.max() > 1.3 * span.min())
 
 
 def _contacts(run: Recorded, of: str) -> str:
     heads = ["contact", "largest force [N]", "at [Hz]", "touches [% of the time]"]
     rows = []
-    weight = np.gradient(run.t)
-    for touch in run.touches:
-        at = int(np.argmax(touch.fn))
+    weight = np.gradient(run.t) if len(run.t) > 1 else run.t
+    for touch in run.touches if weight.any() else ():
+        at = int(np.argmax(np.nan_to_num(touch.fn)))
         share = 100 * float((weight * (touch.fn > 0)).sum() / weight.sum())
         rows.append([touch.label, touch.fn[at], hertz(run.w[at]), share])
     return table(f"{of}contacts", heads, rows) if rows else ""

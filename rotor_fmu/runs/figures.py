@@ -22,6 +22,7 @@ from .views import (
     contact_of,
     envelope,
     is_constant,
+    late_turns,
     once_a_turn,
     peak_index,
     place_of,
@@ -52,8 +53,10 @@ def _titled(axes: Axes, caption: str) -> None:
 
 def _speed_axis(axes: Axes, hz: np.ndarray) -> None:
     axes.set_xlabel(SPEED_LABEL)
-    highest = float(np.abs(hz).max()) if len(hz) else 60.0
-    axes.set_xlim(0, 10 * math.ceil(highest / 10) or 10)
+    # rounding leaves something of a shaft that stands
+    tens = np.round(hz / 10, 9) if len(hz) else np.array([6.0])
+    low = 10 * math.floor(tens.min(initial=0.0))
+    axes.set_xlim(low, 10 * math.ceil(tens.max(initial=0.0)) or (low == 0) * 10)
 
 
 def amplitude(
@@ -96,7 +99,7 @@ def contact_angle(recording: Recording, caption: str) -> Figure:
     where the steps are too long for that, each of them."""
     figure, axes = new_figure()
     part = contact_of(recording.columns)
-    hz = np.abs(recording.columns["w"]) / TURN
+    hz = recording.columns["w"] / TURN
     per_turn = rows_a_turn(recording)
     if per_turn >= _FINE and not is_constant(hz):
         shown = time_share(recording, str(part))
@@ -200,7 +203,7 @@ def spectra(recording: Recording, caption: str) -> Figure:
     """Spectra of both displacements of a disc over the second half of a run at one speed."""
     figure, axes = new_figure()
     place = str(place_of(recording.columns))
-    late = recording.t >= recording.t[-1] / 2
+    late = late_turns(recording)
     hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
     highest = 1e-3
     for axis, color, name in (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical")):
@@ -222,7 +225,7 @@ def spectra(recording: Recording, caption: str) -> Figure:
 def step_length(recording: Recording, caption: str) -> Figure:
     """Length of the solver's steps against speed."""
     figure, axes = new_figure()
-    hz = np.abs(recording.columns["w"][1:]) / TURN
+    hz = recording.columns["w"][1:] / TURN
     lengths = recording.columns["solver.h_last"][1:] * 1e3
     axes.plot(hz, lengths, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
     _speed_axis(axes, hz)
@@ -235,7 +238,7 @@ def step_length(recording: Recording, caption: str) -> Figure:
 def error_indicator(recording: Recording, caption: str) -> Figure:
     """Relative error of the solver's steps against speed."""
     figure, axes = new_figure()
-    hz = np.abs(recording.columns["w"][1:]) / TURN
+    hz = recording.columns["w"][1:] / TURN
     errors = recording.columns["solver.error"][1:]
     axes.semilogy(hz, errors, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
     _speed_axis(axes, hz)

@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 
 from ..errors import InputError
-from ..files import unfinished
+from ..files import unfinished, write_text
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
 from ..fmi.packing.python_fmu import FMU_NAME, build, is_current
@@ -245,9 +245,3 @@ def write_csv(run: Run, path: Path) -> None:
 def write_json(data: Mapping[str, object], path: Path) -> None:
     """A JSON file, whole or not at all."""
     write_text(json_text(data), path)
-
-
-def write_text(text: str, path: Path) -> None:
-    """A text file, whole or not at all."""
-    with unfinished(path) as part:
-        part.write_text(text, encoding="utf-8")

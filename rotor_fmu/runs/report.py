@@ -11,6 +11,8 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from ..files import unfinished, write_text
+
 _FIRST = 20  # characters that the first column keeps on a narrow screen
 
 
@@ -55,7 +57,7 @@ class Report:
 
     def write(self, csv_path: Path, markdown_path: Path) -> None:
         """All digits as CSV, the table as Markdown."""
-        with csv_path.open("w", newline="", encoding="utf-8") as file:
+        with unfinished(csv_path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, [column.name for column in self._columns])
             writer.writeheader()
             names = set(writer.fieldnames)
@@ -67,7 +69,7 @@ class Report:
             *(self._cells(row, self._columns) for row in self.rows),
         ]
         text = "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
-        markdown_path.write_text(text, encoding="utf-8")
+        write_text(text, markdown_path)
 
     @staticmethod
     def _cells(row: Mapping[str, object], columns: Sequence[Column]) -> list[str]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..figures import save
-from ..files import unfinished
+from ..files import unfinished, write_text
 from ..fmi.packing.python_fmu import package_name
 from ..model.machine.toml import rig_toml
 from . import figures
@@ -298,7 +298,7 @@ def reproduce(out: Path, announce: Callable[[str], None]) -> list[Result]:
     results = run_cases(out, announce)
     write_figures(results, out)
     text = table(results)
-    (out / "table.md").write_text(text, encoding="utf-8")
+    write_text(text, out / "table.md")
     write_json(figures_of(results), out / "table.json")
     return results
 

@@ -77,11 +77,13 @@ class Signals:
 
     @property
     def first_rate(self) -> float:
-        """Rate of the speed at the start [rad/s2]; before the first time it is held."""
-        if len(self.t) < 2 or self.t[0] > 0.0:
+        """Rate of the speed at the start, t = 0 [rad/s2]: none before the first time given, nor
+        after the last."""
+        after = int(np.searchsorted(self.t, 0.0, "right"))
+        if not 0 < after < len(self.t):
             return 0.0
         speed = self.values["speed"]
-        return float((speed[1] - speed[0]) / (self.t[1] - self.t[0]))
+        return float((speed[after] - speed[after - 1]) / (self.t[after] - self.t[after - 1]))
 
 
 class Driver:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from .run_down import Run
-from .views import contact_of, is_constant, peak_index, place_of
+from .views import contact_of, peak_index, place_of, why_no_peak
 
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
@@ -62,7 +62,7 @@ def _peaks(run: Run) -> dict[str, Any]:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > PEAKS_AFTER)
     if not len(late):
-        return figures | {"no_peak": f"the run ends within the start-up, {PEAKS_AFTER:g} s"}
+        return figures | {"no_peak": why_no_peak(run.t, c["w"], PEAKS_AFTER)}
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
@@ -71,10 +71,8 @@ def _peaks(run: Run) -> dict[str, Any]:
             figures[f"{axis}_peak_um"] = float(amplitude[at]) * 1e6
             figures[f"{axis}_peak_hz"] = float(hz[at])
             figures[f"{axis}_peak_s"] = float(run.t[at])
-        elif is_constant(c["w"]):
-            figures["no_peak"] = "the speed is constant"
         else:
-            figures["no_peak"] = "the amplitude is largest at an edge of the run"
+            figures["no_peak"] = why_no_peak(run.t, c["w"], PEAKS_AFTER)
     if contact:
         psi = c[f"{contact}.psi"]
         if figures["x_peak_hz"] is not None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..vibration import turns_of
 from .recording import Recording
 
 TURN = 2 * math.pi
@@ -53,11 +54,29 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float
     return at if is_inside else None
 
 
+def why_no_peak(t: np.ndarray, w: np.ndarray, after: float) -> str:
+    """Why a run, in which `peak_index` finds none, has no peak."""
+    if not len(t) or t[-1] <= after:
+        return f"the run ends within the start-up, {after:g} s"
+    if is_constant(w):
+        return "the speed is constant"
+    return "the amplitude is largest at an edge of the run"
+
+
 def rows_a_turn(recording: Recording, near: slice | np.ndarray = slice(None)) -> float:
     """Median number of rows in a turn of the shaft; infinite where it does not turn."""
     steps = np.abs(np.diff(recording.columns["phi"][near]))
     angle = float(np.median(steps)) if len(steps) else 0.0
     return TURN / angle if angle else math.inf
+
+
+def late_turns(recording: Recording) -> slice:
+    """The second half of a run, cut to whole turns where it holds any: orders then lie on lines of
+    a spectrum."""
+    t, turned = recording.t, np.abs(recording.columns["phi"] - recording.columns["phi"][-1])
+    half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
+    whole = TURN * math.floor(turned[half] / TURN)
+    return slice(half + int(np.argmax(turned[half:] <= whole)) if whole else half, None)
 
 
 @dataclass(frozen=True)
@@ -86,7 +105,7 @@ def time_share(
         return before + share * (after - before)
 
     c = recording.columns
-    hz = np.abs(path(c["w"])) / TURN
+    hz = path(c["w"]) / TURN
     angle = np.arctan2(path(c[f"{part}.y"]), path(c[f"{part}.x"])) % TURN
     edges = np.linspace(hz.min(), hz.max() + 1e-9, speeds + 1), np.linspace(0, TURN, angles + 1)
     table, *_ = np.histogram2d(hz, angle, edges, weights=weights)
@@ -110,15 +129,9 @@ def envelope(
 def once_a_turn(recording: Recording, part: str) -> tuple[np.ndarray, np.ndarray]:
     """Times [s] at which the shaft's mark points to the right, and where a part was then,
     x + i y [m]: between two rows by a straight line."""
-    phi = recording.columns["phi"]
-    way = 1.0 if phi[-1] >= phi[0] else -1.0
-    reached = np.maximum.accumulate(way * phi)
-    grows = np.concatenate([[True], np.diff(reached) > 0])
-    marks = TURN * np.arange(math.ceil(reached[0] / TURN), math.floor(reached[-1] / TURN) + 1)
-    t, x, y = (
-        np.interp(marks, reached[grows], column[grows])
-        for column in (recording.t, *(recording.columns[f"{part}.{axis}"] for axis in "xy"))
-    )
+    turns = turns_of(recording.t, recording.columns["phi"])
+    t = np.union1d(turns.begin, turns.end)
+    x, y = (np.interp(t, recording.t, recording.columns[f"{part}.{axis}"]) for axis in "xy")
     return t, x + 1j * y
 
 

@@ -15,6 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ..errors import InputError, writable_folder
+from ..files import unfinished
 from ..model.schemes import classical, family, spectral
 from ..model.schemes.family import Scheme, SchemeError
 from ..model.schemes.spectral import Method, Survey
@@ -274,7 +275,7 @@ def _record(row: Row, ratio: float | None) -> dict[str, Any]:
 def write_csv(rows: Sequence[Row], ratio: float | None, path: Path) -> None:
     """All numbers of the tables, one line a method, step lengths as dt/T; ratio: the user's own."""
     lines = [_record(row, ratio) for row in rows]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(lines[0]))
         writer.writeheader()
         writer.writerows(lines)

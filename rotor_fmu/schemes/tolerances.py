@@ -91,12 +91,15 @@ def table(found: Sequence[Row]) -> list[list[str]]:
 
 
 def worst(found: Sequence[Row], count: int = 5) -> list[list[str]]:
-    """The runs that ended well whose orbits are off most, each machine once, and `table`'s heads."""
+    """The runs that ended well whose orbits are off most, each machine once."""
     runs = sorted((r for r in found if r.status == "ok"), key=lambda r: -r.conditioned)
     each = list({r.name: r for r in reversed(runs)}.values())[-1 : -count - 1 : -1]
     return [
-        [r.name, f"{r.tolerance:g}", *(f"{v:.2g}" for v in (r.orbit / r.tolerance, r.condition))]
-        + [f"{r.conditioned:.2g}"]
+        [
+            r.name,
+            f"{r.tolerance:g}",
+            *(f"{v:.2g}" for v in (r.orbit / r.tolerance, r.condition, r.conditioned)),
+        ]
         for r in each
     ]
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..errors import InputError
 from .dataset import about_of, open_dataset
-from .design import GRID, SENSITIVITY, Axis, Design, Distribution
-from .study import FAILED
+from .design import SENSITIVITY, Axis, Design, Distribution
+from .study import FAILED, OK
 
 if TYPE_CHECKING:
     import xarray
@@ -20,46 +20,99 @@ QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 CONFIDENCE = 0.95
 
 
+# Samples that fill their space more evenly than independent draws would.
+_EVEN = ("latin-hypercube", "sobol", "saltelli")
+
+
 def analyse(folder: Path) -> dict[str, Any]:
     """Figures of the rows there are, as JSON can say them.
 
-    columns: of every number that is kept, count, mean, std and quantiles; limits: how many runs
-    pass each, and the share with its interval of Clopper and Pearson, both of runs drawn
-    independently (`is_drawn`); sensitivity: indices of Sobol or Morris with their confidence
-    intervals, where the design is one of theirs.
+    columns: of every number that is kept, count, least and largest, and, unless the design is
+    morris, whose points are placed to be compared, mean, std and quantiles; limits: how many runs
+    pass each, and the share, in which a run that failed counts as one that passes; of runs drawn
+    independently with its interval of Clopper and Pearson; says: what has to be known to read
+    them; sensitivity: indices of Sobol or Morris with their confidence intervals, where the design
+    is one of theirs.
     """
     about, data = about_of(folder), open_dataset(folder)
     design = design_of(about["design"])
     numbers = [c["name"] for c in about["columns"] if not c["dimension"]]
-    drawn = data.isel(run=np.flatnonzero(is_drawn(design, data.run.values)))
-    failed = np.char.startswith(data.status.values.astype(str), FAILED)
+    status = data.status.values.astype(str)
+    failed = np.char.startswith(status, FAILED)
+    rows = np.arange(len(status))
+    if is_estimate(design):
+        rows = drawn_rows(design, data.run.values)
+    count_failed = int(failed[rows].sum())
+    columns = {name: statistics(data[name].values[rows]) for name in numbers}
+    limits = {
+        name: exceedance(data[name].values[rows], limit, count_failed)
+        for name, limit in about["limits"].items()
+    }
+    if not is_estimate(design):
+        columns = {n: _without(found, "mean", "std", "quantiles") for n, found in columns.items()}
+        limits = {n: _without(found, "share") for n, found in limits.items()}
+    if not is_estimate(design) or design.listed:
+        limits = {n: _without(found, "interval") for n, found in limits.items()}
+    for found in limits.values():
+        if "interval" in found:
+            found["conservative"] = design.kind in _EVEN
     report: dict[str, Any] = {
         "name": about["name"],
         "runs": about["runs"],
         "rows": int(data.sizes["run"]),
         "failed": int(failed.sum()),
-        "doubtful": int((data.status.values != "ok").sum() - failed.sum()),
-        "columns": {name: statistics(drawn[name].values) for name in numbers},
-        "limits": {
-            name: exceedance(drawn[name].values, limit) for name, limit in about["limits"].items()
-        },
+        "doubtful": int((status != OK).sum() - failed.sum()),
+        "columns": columns,
+        "limits": limits,
+        "says": _says(design, count_failed, len(rows)),
     }
-    if design.kind == GRID:  # whose points are chosen: their share is no estimate
-        for found in report["limits"].values():
-            found.pop("interval", None)
     if design.kind in SENSITIVITY:
         report["sensitivity"] = {name: sensitivity(design, data, name) for name in numbers}
     return report
 
 
-def is_drawn(design: Design, runs: np.ndarray) -> np.ndarray:
-    """Whether runs were drawn independently of one another, shape (n,): a block of saltelli or
-    morris holds points that differ in a coordinate from two, or from one, that were."""
-    if design.kind not in SENSITIVITY:
-        return np.ones(len(runs), dtype=bool)
-    block = len(design) // design.size
-    within = runs % block
-    return (within == 0) | ((within == block - 1) & (design.kind == "saltelli"))
+def is_estimate(design: Design) -> bool:
+    """Whether quantiles and shares of a design's points say something of what was varied: not of
+    those that morris places."""
+    return design.kind != "morris"
+
+
+def drawn_rows(design: Design, runs: np.ndarray) -> np.ndarray:
+    """Of rows of the runs that are given, shape (n,): those of points that were drawn, or listed,
+    independently, equal points as often as they were."""
+    row = np.full(len(design), -1)
+    row[runs] = np.arange(len(runs))
+    found = row[design.runs[design.is_independent]]
+    return found[found >= 0]
+
+
+def _without(found: dict[str, Any], *keys: str) -> dict[str, Any]:
+    return {key: value for key, value in found.items() if key not in keys}
+
+
+def _says(design: Design, failed: int, count: int) -> list[str]:
+    """What has to be known to read quantiles and shares."""
+    said = []
+    if design.kind == "morris":
+        said.append(
+            "morris places its points to be compared with their neighbours: they give no quantiles "
+            "and no shares"
+        )
+    elif not design.drawn:
+        said.append("the points of a grid are chosen: quantiles and shares are of them alone")
+    elif design.listed:
+        said.append("each draw stands at all points of the lists: shares have no intervals")
+    elif design.kind in _EVEN:
+        said.append(
+            f"a {design.kind} sample is spread more evenly than independent draws: intervals of "
+            "shares are conservative, the true ones narrower"
+        )
+    if failed:
+        said.append(
+            f"{failed} of {count} runs failed: they count as above every limit, and stand in no "
+            "quantile"
+        )
+    return said
 
 
 def design_of(told: dict[str, Any]) -> Design:
@@ -95,22 +148,19 @@ def statistics(values: np.ndarray) -> dict[str, Any]:
     }
 
 
-def exceedance(values: np.ndarray, limit: float) -> dict[str, Any]:
-    """How many of the finite values lie above a limit, and the share that this says."""
+def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, Any]:
+    """How many of the finite values lie above a limit, and the share of these and of the runs that
+    failed, of which nobody knows that they stay below."""
     from scipy.stats import binomtest
 
     finite = values[np.isfinite(values)]
-    above = int((finite > limit).sum())
-    if not len(finite):
-        return {"limit": limit, "above": 0, "count": 0}
-    interval = binomtest(above, len(finite)).proportion_ci(CONFIDENCE)
-    return {
-        "limit": limit,
-        "above": above,
-        "count": len(finite),
-        "share": above / len(finite),
-        "interval": [float(interval.low), float(interval.high)],
-    }
+    above, count = int((finite > limit).sum()), len(finite) + failed
+    found: dict[str, Any] = {"limit": limit, "above": above, "failed": failed, "count": count}
+    if count:
+        interval = binomtest(above + failed, count).proportion_ci(CONFIDENCE)
+        found["share"] = (above + failed) / count
+        found["interval"] = [float(interval.low), float(interval.high)]
+    return found
 
 
 def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, Any]:
@@ -119,9 +169,10 @@ def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, An
     A sample with gaps is used up to its last whole block; `{}` where a run of it failed or none is
     whole.
     """
-    values = np.full(len(design), math.nan)
-    values[data.run.values] = data[name].values
-    block = len(design) // design.size
+    of_runs = np.full(len(design), math.nan)
+    of_runs[data.run.values] = data[name].values
+    values = of_runs[design.runs]
+    block = design.drawn_points // design.size
     whole = np.isfinite(values.reshape(-1, block)).all(axis=1)
     if whole.sum() < 2 or np.ptp(values[np.isfinite(values)]) == 0:
         return {}

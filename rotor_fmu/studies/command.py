@@ -202,21 +202,18 @@ def _analyse(out: Path) -> dict[str, Any]:
 
     report = analyse(out)
     write_json(report, out / "analysis.json")
-    rows = [
-        {"column": name, "mean": f["mean"], "std": f["std"], **f["quantiles"]}
-        for name, f in report["columns"].items()
-        if f["count"]
-    ]
-    typer.echo("quantiles:")
+    rows = []
+    for name, found in report["columns"].items():
+        if found["count"]:
+            row = {"column": name, **found}
+            rows.append(row | row.pop("quantiles", {}))
+    typer.echo("columns:")
     _print_table(rows)
     for name, found in report["limits"].items():
         if found["count"]:
-            within = ""
-            if "interval" in found:
-                low, high = found["interval"]
-                within = f" (95 %: {low:.2%} to {high:.2%})"
-            counted = f"{found['above']} of {found['count']} runs, {found['share']:.2%}"
-            typer.echo(f"{name} > {found['limit']:g}: {counted}{within}")
+            typer.echo(f"{name} > {found['limit']:g}: {_counted(found)}")
+    for sentence in report["says"]:
+        typer.echo(sentence)
     for name, found in report.get("sensitivity", {}).items():
         if found:
             typer.echo(f"{name}, indices from {found['blocks']} of {found['of']} blocks:")
@@ -225,6 +222,20 @@ def _analyse(out: Path) -> dict[str, Any]:
             typer.echo(f"{name}: no indices: fewer than two whole blocks, or it does not vary")
     typer.echo(f"written to {out / 'analysis.json'}")
     return report
+
+
+def _counted(found: dict[str, Any]) -> str:
+    """How many runs pass a limit, and the share."""
+    counted = f"{found['above']} of {found['count']} runs"
+    if found["failed"]:
+        counted += f" and {found['failed']} that failed"
+    if "share" in found:
+        counted += f", {found['share']:.2%}"
+    if "interval" in found:
+        low, high = found["interval"]
+        kind = "95 %, conservative" if found["conservative"] else "95 %"
+        counted += f" ({kind}: {low:.2%} to {high:.2%})"
+    return counted
 
 
 def _select(told: Study, select: str, out: Path) -> dict[str, Any]:

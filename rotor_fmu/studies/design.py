@@ -85,7 +85,7 @@ class Axis:
 
 @dataclass(frozen=True)
 class Design:
-    """The list of runs, made when it is asked for.
+    """The list of runs, made when it is asked for; points that are equal are one run.
 
     kind: one of `DESIGNS`; size: of a sample its points, of saltelli the base sample's, of morris
     its trajectories. Raises `InputError`.
@@ -115,8 +115,9 @@ class Design:
                 f"vary {unbounded[0].name}: is normal; morris reaches the ends of a distribution, "
                 "which must be bounded: truncated-normal, uniform or log-uniform"
             )
-        if not 0 < len(self) <= MOST:
-            raise InputError(f"the design has {len(self)} runs; must be from 1 to {MOST}")
+        points = math.prod(self.shape) * self.drawn_points
+        if not 0 < points <= MOST:
+            raise InputError(f"the design has {points} runs; must be from 1 to {MOST}")
 
     @property
     def listed(self) -> tuple[Axis, ...]:
@@ -133,15 +134,16 @@ class Design:
         """Lengths of the lists."""
         return tuple(len(axis.values) for axis in self.listed)
 
-    def __len__(self) -> int:
-        sampled = self.size
+    @property
+    def drawn_points(self) -> int:
+        """Points of the sample, 1 of a grid."""
         if self.kind == GRID:
-            sampled = 1
-        elif self.kind == "saltelli":
-            sampled = self.size * (len(self.drawn) + 2)
-        elif self.kind == "morris":
-            sampled = self.size * (len(self.drawn) + 1)
-        return math.prod(self.shape) * sampled
+            return 1
+        beside = {"saltelli": len(self.drawn) + 1, "morris": len(self.drawn)}
+        return self.size * (1 + beside.get(self.kind, 0))
+
+    def __len__(self) -> int:
+        return math.prod(self.shape) * len(self._distinct[0])
 
     @cached_property
     def sample(self) -> np.ndarray:
@@ -179,6 +181,38 @@ class Design:
         ]
         return np.array(columns)
 
+    @cached_property
+    def _distinct(self) -> tuple[np.ndarray, np.ndarray]:
+        """Points of the sample that differ, each by its first, shape (m,), and for every point its
+        place among them, shape (drawn_points,)."""
+        if not self.drawn:
+            return np.zeros(1, int), np.zeros(1, int)
+        _, first, place = np.unique(
+            self._drawn_values.T, axis=0, return_index=True, return_inverse=True
+        )
+        order = np.argsort(first)
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        return first[order], rank[place.ravel()]
+
+    @property
+    def runs(self) -> np.ndarray:
+        """The run of every point, in product with the lists, shape (points,)."""
+        listed = math.prod(self.shape)
+        return (listed * self._distinct[1][:, None] + np.arange(listed)).ravel()
+
+    @property
+    def is_independent(self) -> np.ndarray:
+        """Whether each point was drawn by itself, shape (points,): a block of saltelli or morris
+        holds points that differ in a coordinate from two, or from one, that were."""
+        within = np.arange(self.drawn_points)
+        if self.kind in SENSITIVITY:
+            block = self.drawn_points // self.size
+            within = within % block
+            is_last = (within == block - 1) & (self.kind == "saltelli")
+            return (within == 0) | is_last
+        return np.ones(len(self.runs), bool)
+
     def point(self, run: int) -> dict[str, float]:
         """Values of a run by the axes' names."""
         drawn, at = divmod(run, math.prod(self.shape))
@@ -186,7 +220,7 @@ class Design:
         for axis, i in zip(self.listed, np.unravel_index(at, self.shape), strict=True):
             values[axis.name] = axis.values[i]
         for k, axis in enumerate(self.drawn):
-            values[axis.name] = float(self._drawn_values[k, drawn])
+            values[axis.name] = float(self._drawn_values[k, self._distinct[0][drawn]])
         return {axis.name: values[axis.name] for axis in self.axes}
 
     def settings(self, point: Mapping[str, float]) -> dict[str, float]:
@@ -215,6 +249,7 @@ class Design:
         digest = sha256(repr(self._decides).encode())
         if self.drawn:
             digest.update(self._drawn_values.tobytes())
+            digest.update(self._distinct[1].tobytes())
         return digest.hexdigest()
 
 
@@ -236,7 +271,7 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
         if key not in allowed:
             raise InputError(f"{where}: {key} is unknown beside {given[0]}")
     if given[0] != "distribution":
-        return Axis(name, tuple(targets), values, unit=unit)
+        return Axis(name, tuple(targets), tuple(dict.fromkeys(values)), unit=unit)
     return Axis(name, tuple(targets), distribution=_distribution(where, table), unit=unit)
 
 

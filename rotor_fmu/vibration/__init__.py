@@ -9,8 +9,9 @@ z = x + i y [m] of one place, each of shape (n,), at whatever steps they were re
     track.speed, abs(track.x(1.0)), track.phase_x(1.0)
 
 Amplitudes are 0-p (half of the peak-to-peak value) unless a name says `pp`. Angles are measured
-from the keyphasor mark, the shaft's angle 0: a lag is negative. For many answers about one signal,
-resample it once by `synchronous` and take the functions whose names end in `_of`.
+from the keyphasor mark, the shaft's angle 0. Speeds are negative where the angle falls; forward
+whirl turns with the shaft, and a lag is negative, whichever way it turns. For many answers about
+one signal, resample it once by `synchronous` and take the functions whose names end in `_of`.
 """
 
 from .contact import Contact, contact, power_by_sink
@@ -28,7 +29,7 @@ from .orbits import (
 )
 from .orders import OrderTrack, Resonance, order_track, order_track_of, resonances
 from .spectra import Cascade, FullSpectrum, cascade, cascade_of, full_spectrum
-from .turns import Synchronous, TooFewTurns, synchronous
+from .turns import Synchronous, TooFewRows, TooFewTurns, Turns, synchronous, turns_of
 
 __all__ = [
     "Cascade",
@@ -40,7 +41,9 @@ __all__ = [
     "Poincare",
     "Resonance",
     "Synchronous",
+    "TooFewRows",
     "TooFewTurns",
+    "Turns",
     "Whirl",
     "cascade",
     "cascade_of",
@@ -55,6 +58,7 @@ __all__ = [
     "power_by_sink",
     "resonances",
     "synchronous",
+    "turns_of",
     "whirl",
     "whirl_of",
 ]

@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, TooFewTurns
+from .turns import TURN, turns_of
+
+# Spread above which a mean direction says nothing: of a journal that goes round three quarters of
+# its bearing and more.
+ALL_ROUND = 0.75
 
 
 @dataclass(frozen=True)
@@ -16,8 +20,9 @@ class Contact:
 
     t [s], speed [rad/s]; share: of the turn that it touched [1]; peak, mean: largest normal force
     and its mean over the turn [N]; angle: mean direction of the touch, weighted by the force, in
-    [0, 2 pi), NaN without a touch [rad]; spread: 0, always there, to 1, all round [1];
-    shape (turns,).
+    [0, 2 pi), NaN without a touch and where the touch goes all round, its spread above `ALL_ROUND`
+    [rad]; spread: 0, always there, to 1, all round [1]; low, width: the range of all touches, from
+    low in [0, 2 pi) counterclockwise to low + width, NaN without a touch [rad]; shape (turns,).
     """
 
     t: np.ndarray
@@ -27,6 +32,8 @@ class Contact:
     mean: np.ndarray
     angle: np.ndarray
     spread: np.ndarray
+    low: np.ndarray
+    width: np.ndarray
 
 
 def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> Contact:
@@ -36,23 +43,60 @@ def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> 
     within a few steps is not interpolated. Raises `TooFewTurns` for less than a turn.
     """
     t, phi, psi, fn = (np.asarray(values, float) for values in (t, phi, psi, fn))
-    marks, speed, edges = _turns(t, phi)
-    weight = np.gradient(t) if len(t) > 1 else np.ones_like(t)
-    total = _sums(weight, edges)
-    force = _sums(weight * fn, edges)
-    touching = _sums(weight * (fn > 0), edges)
-    push = _sums(weight * fn * np.exp(1j * psi), edges)
+    is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(psi) & np.isfinite(fn)
+    t, phi, psi, fn = (values[is_known] for values in (t, phi, psi, fn))
+    turns = turns_of(t, phi)
+    turns.needs(1)
+    is_seen = turns.rows > 0  # not of steps longer than a turn
+    ends = np.column_stack([turns.row, turns.row + turns.rows])[is_seen].ravel()
+
+    def sums(values: np.ndarray) -> np.ndarray:
+        return np.add.reduceat(np.append(values, 0), ends)[::2]
+
+    weight = np.gradient(t)
+    total = sums(weight)
+    force = sums(weight * fn)
+    touching = sums(weight * (fn > 0))
+    push = sums(weight * fn * np.exp(1j * psi))
     is_met = force > 0
     length = np.divide(np.abs(push), force, out=np.zeros_like(force), where=is_met)
+    spread = np.where(is_met, 1 - length, np.nan)
+    low, width = _ranges(psi, fn, ends)
     return Contact(
-        (marks[:-1] + marks[1:]) / 2,
-        speed,
+        turns.middle[is_seen],
+        turns.speed[is_seen],
         np.clip(touching / total, 0, 1),
-        np.maximum.reduceat(fn, edges[:-1]),
+        np.maximum.reduceat(np.append(fn, 0), ends)[::2],
         force / total,
-        np.where(is_met, np.mod(np.angle(push), TURN), np.nan),
-        np.where(is_met, 1 - length, np.nan),
+        np.where(spread <= ALL_ROUND, np.mod(np.angle(push), TURN), np.nan),
+        spread,
+        low,
+        width,
     )
+
+
+def _ranges(psi: np.ndarray, fn: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of each turn the range of angles at which there is a force, its low end and its width: all of
+    the circle but the widest gap between two of them."""
+    turn = np.repeat(np.arange(len(ends) // 2), np.diff(ends)[::2])
+    row = np.concatenate([np.arange(a, b) for a, b in ends.reshape(-1, 2)])
+    touches = fn[row] > 0
+    turn, angle = turn[touches], np.mod(psi[row[touches]], TURN)
+    order = np.lexsort((angle, turn))
+    turn, angle = turn[order], angle[order]
+    low, width = np.full((2, len(ends) // 2), np.nan)
+    if len(turn):
+        first = np.flatnonzero(np.diff(turn, prepend=-1))
+        last = np.append(first[1:], len(turn)) - 1
+        # from each angle on to the next, of the last one to the first
+        gap = np.append(np.diff(angle), 0.0)
+        gap[last] = angle[first] + TURN - angle[last]
+        widest = np.maximum.reduceat(gap, first)
+        is_widest = gap == np.repeat(widest, last - first + 1)
+        at = np.flatnonzero(is_widest)[np.searchsorted(np.flatnonzero(is_widest), first)]
+        after = np.where(at == last, first, at + 1)
+        low[turn[first]], width[turn[first]] = angle[after], TURN - widest
+    return low, width
 
 
 def power_by_sink(
@@ -61,31 +105,16 @@ def power_by_sink(
     """Mean power of each turn that every sink took.
 
     losses: energy dissipated since the start by the sink's name, shape (n,) [J]. Returns the times
-    of the turns' middles [s], their speeds [rad/s] and powers by name, shape (turns,) [W].
+    of the turns' middles [s], their speeds [rad/s] and powers by name, shape (turns,) [W]. Raises
+    `TooFewTurns` for less than a turn.
     """
-    t = np.asarray(t, float)
-    marks, speed, _ = _turns(t, np.asarray(phi, float))
-    took = {name: np.diff(np.interp(marks, t, energy)) for name, energy in losses.items()}
-    powers = {name: energy / np.diff(marks) for name, energy in took.items()}
-    return (marks[:-1] + marks[1:]) / 2, speed, powers
-
-
-def _turns(t: np.ndarray, phi: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times of the marks, the mean speed between them and the first sample after each."""
-    reached = np.maximum.accumulate(phi)
-    first, last = int(np.ceil(reached[0] / TURN)), int(np.floor(reached[-1] / TURN))
-    if last <= first:
-        raise TooFewTurns("the signal holds no whole turn of the shaft; 1 is needed")
-    angles = TURN * np.arange(first, last + 1)
-    edges = np.searchsorted(reached, angles)
-    full = np.diff(edges) > 0
-    if not full.all():  # steps longer than a turn
-        kept = np.concatenate([[True], full])
-        angles, edges = angles[kept], edges[kept]
-    grows = np.concatenate([[True], np.diff(reached) > 0])
-    marks = np.interp(angles, reached[grows], t[grows])
-    return marks, np.diff(angles) / np.diff(marks), edges
-
-
-def _sums(values: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    return np.add.reduceat(values[: edges[-1]], edges[:-1])
+    t, phi = np.asarray(t, float), np.asarray(phi, float)
+    is_known = np.isfinite(t) & np.isfinite(phi)
+    turns = turns_of(t[is_known], phi[is_known])
+    turns.needs(1)
+    powers = {
+        name: (np.interp(turns.end, t, energy) - np.interp(turns.begin, t, energy))
+        / (turns.end - turns.begin)
+        for name, energy in losses.items()
+    }
+    return turns.middle, turns.speed, powers

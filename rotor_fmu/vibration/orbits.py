@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, Synchronous, synchronous
+from .turns import TURN, Synchronous, hann, summed, synchronous
+
+_FEWEST = 3  # turns by which a whirl is told
+_NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
 
 
 @dataclass(frozen=True)
@@ -27,9 +30,9 @@ class Orbit:
 class Poincare:
     """Where a place was once a turn, at the keyphasor mark.
 
-    t [s], speed [rad/s], points: x + i y [m]; shape (turns,). One point that stays: the motion
-    repeats every turn; two in turn: every second turn; a closed curve: a whirl of its own
-    frequency; a cloud: chaos.
+    t [s], speed [rad/s], points: x + i y [m], NaN where less than 3 rows of a turn were recorded;
+    shape (turns,). One point that stays: the motion repeats every turn; two in turn: every second
+    turn; a closed curve: a whirl of its own frequency; a cloud: chaos.
     """
 
     t: np.ndarray
@@ -39,11 +42,12 @@ class Poincare:
 
 @dataclass(frozen=True)
 class Whirl:
-    """How a place went round its mean position, one row a turn.
+    """How a place went round its mean position, one row a block of turns.
 
-    t [s], speed [rad/s]; sense: from -1, a backward circle, over 0, a straight line, to 1, a
-    forward circle; order: mean angular velocity of the whirl over the shaft's, negative backward;
-    shape (turns,).
+    t: middles of the blocks [s]; speed [rad/s]; sense: from -1, a backward circle, over 0, a
+    straight line, to 1, a forward circle; order: mean angular velocity of the whirl over the
+    shaft's, negative backward; both NaN where less than 3 rows a turn were recorded; shape
+    (blocks,).
     """
 
     t: np.ndarray
@@ -54,10 +58,10 @@ class Whirl:
 
 @dataclass(frozen=True)
 class Displacement:
-    """Unfiltered ("direct") displacements of each turn, as ISO 20816-1 has them.
+    """Unfiltered ("direct") displacements of blocks of turns, as ISO 20816-1 has them.
 
-    t [s], speed [rad/s]; x_pp, y_pp: peak-to-peak [m]; s_max: largest distance from the mean
-    position of the turn, 0-p [m]; shape (turns,).
+    t: middles of the blocks [s]; speed [rad/s]; x_pp, y_pp: peak-to-peak [m]; s_max: largest
+    distance from the mean position of the block, 0-p [m]; shape (blocks,).
     """
 
     t: np.ndarray
@@ -76,12 +80,14 @@ def orbit(
     turns: int = 4,
     per_turn: int | None = None,
 ) -> Orbit:
-    """The orbit of the `turns` turns nearest to a speed [rad/s]. Raises `TooFewTurns`."""
+    """The orbit of the `turns` turns on end that are nearest to a speed [rad/s]. Raises
+    `TooFewTurns`, and `TooFewRows` for less than 3 rows a turn."""
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     first = signal.nearest(speed, turns)
+    signal.enough_rows(np.array([first]), turns)
     path = slice(first, first + turns)
     return Orbit(
-        float(signal.speed_over(np.array([first]), turns)[0]),
+        float(signal.speed_of(np.array([first]), turns)[0]),
         signal.t[path].ravel(),
         signal.values[path].ravel(),
         signal.values[path, 0],
@@ -91,52 +97,106 @@ def orbit(
 def poincare(
     t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None = None
 ) -> Poincare:
-    """The Poincare section of a run, a point a turn. Raises `TooFewTurns`."""
+    """The Poincare section of a run, a point a turn, NaN where less than 3 rows were recorded in
+    it. Raises `TooFewTurns`, and `TooFewRows` where there are no more in any turn."""
     signal = synchronous(t, phi, z, per_turn=per_turn)
-    return Poincare(signal.marks[:-1], signal.speed, signal.values[:, 0])
+    is_told = signal.enough_rows(np.arange(len(signal.mark)), 1)
+    return Poincare(signal.begin, signal.speed, np.where(is_told, signal.values[:, 0], np.nan))
 
 
-def whirl(t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None = None) -> Whirl:
-    """The sense of whirl of every turn but the first and the last. Raises `TooFewTurns`.
+def whirl(
+    t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, turns: int = 16, per_turn: int | None = None
+) -> Whirl:
+    """The sense of whirl in blocks of `turns` turns, one a turn, or of as many as there are.
 
-    With w = z less its mean over the turn and w' = dw / dphi:
-    sense = Im <conj(w) w'> / sqrt(<|w|^2> <|w'|^2>), order = Im <conj(w) w'> / <|w|^2>; the area
-    that is swept a turn is pi times Im <conj(w) w'>.
+    A block must hold whole cycles of what is slower than the shaft, or its mean is not what the
+    place goes round: with 16 turns under Hann's window the mean is right within 0.6 % of a
+    component of 0.2x and within 0.05 % of one of 0.43x. With w = z less that mean and w' = dw by
+    the angle turned: sense = Im <conj(w) w'> / sqrt(<|w|^2> <|w'|^2>), order = Im <conj(w) w'> /
+    <|w|^2>. Raises `TooFewTurns` for less than 3.
     """
-    return whirl_of(synchronous(t, phi, z, turns=3, per_turn=per_turn))
+    return whirl_of(synchronous(t, phi, z, turns=_FEWEST, per_turn=per_turn), turns=turns)
 
 
-def whirl_of(signal: Synchronous) -> Whirl:
+def whirl_of(signal: Synchronous, *, turns: int = 16) -> Whirl:
     """`whirl` of a signal that is resampled already."""
-    signal.needs(3)
-    slope = np.gradient(signal.values.ravel(), TURN / signal.per_turn).reshape(signal.values.shape)
-    slope = slope[1:-1]
-    around = signal.values[1:-1]
-    around = around - around.mean(axis=1, keepdims=True)
-    swept = (around.conj() * slope).imag.mean(axis=1)
-    square = (np.abs(around) ** 2).mean(axis=1)
-    both = np.sqrt(square * (np.abs(slope) ** 2).mean(axis=1))
-    middle = (signal.marks[1:-2] + signal.marks[2:-1]) / 2
-    return Whirl(middle, signal.speed[1:-1], _over(swept, both), _over(swept, square))
+    first, turns = _blocks(signal, turns)
+    values = signal.values - signal.values.mean()
+    slope = _slope(signal, values)
+    window = hann(turns, signal.per_turn)
+
+    def mean(of: np.ndarray) -> np.ndarray:
+        return summed(of, window, first)
+
+    middle, drift, size = mean(values), mean(slope), mean(np.abs(values) ** 2)
+    swept = mean((values.conj() * slope).imag) - (middle.conj() * drift).imag
+    square = size - np.abs(middle) ** 2
+    square[square <= _NOTHING * size] = 0.0
+    both = np.sqrt(square * mean(np.abs(slope) ** 2))
+    way = np.where(signal.enough_rows(first, turns), signal.sense[first], np.nan)
+    return Whirl(
+        signal.middle_of(first, turns),
+        signal.speed_of(first, turns),
+        way * _over(swept, both),
+        way * _over(swept, square),
+    )
 
 
 def displacement(
-    t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None = None
+    t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, turns: int = 16, per_turn: int | None = None
 ) -> Displacement:
-    """Peak-to-peak displacements and S_max of every turn (ISO 20816-1). Raises `TooFewTurns`."""
-    return displacement_of(synchronous(t, phi, z, per_turn=per_turn))
+    """Peak-to-peak displacements and S_max (ISO 20816-1) of blocks of `turns` turns, one a turn, or
+    of as many as there are, so that they hold whole cycles of what is slower than the shaft. Raises
+    `TooFewTurns` for less than a turn."""
+    return displacement_of(synchronous(t, phi, z, per_turn=per_turn), turns=turns)
 
 
-def displacement_of(signal: Synchronous) -> Displacement:
+def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
     """`displacement` of a signal that is resampled already."""
-    values = signal.values
+    first, turns = _blocks(signal, turns, 1)
+    signal.enough_rows(first, turns)
+    one = np.full((1, signal.per_turn), 1 / signal.per_turn)
+    window = hann(turns, signal.per_turn) if turns > 1 else one
+    centre = summed(signal.values, window, first)[:, None]
+    farthest = np.zeros(len(first))
+    for k in range(turns):
+        distance = np.abs(signal.values[first + k] - centre).max(axis=1)
+        np.maximum(farthest, distance, out=farthest)
+
+    def range_of(values: np.ndarray) -> np.ndarray:
+        ends = values.max(axis=1), values.min(axis=1)
+        high, low = (np.lib.stride_tricks.sliding_window_view(end, turns)[first] for end in ends)
+        return high.max(axis=1) - low.min(axis=1)
+
     return Displacement(
-        (signal.marks[:-1] + signal.marks[1:]) / 2,
-        signal.speed,
-        np.ptp(values.real, axis=1),
-        np.ptp(values.imag, axis=1),
-        np.abs(values - values.mean(axis=1, keepdims=True)).max(axis=1),
+        signal.middle_of(first, turns),
+        signal.speed_of(first, turns),
+        range_of(signal.values.real),
+        range_of(signal.values.imag),
+        farthest,
     )
+
+
+def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:
+    """First turns of blocks, and how many each has: `turns`, or as many as there are on end."""
+    signal.needs(least)
+    turns = min(turns, signal.longest)
+    return signal.blocks(turns), turns
+
+
+def _slope(signal: Synchronous, values: np.ndarray) -> np.ndarray:
+    """Derivatives by the angle turned [m/rad], of their shape, by central differences of fourth
+    order; each passage for itself."""
+    step = TURN / signal.per_turn
+    found = np.empty_like(values)
+    for number in np.unique(signal.passage):
+        within = signal.passage == number
+        path = values[within].ravel()
+        slope = np.gradient(path, step, edge_order=2)
+        near, far = path[3:-1] - path[1:-3], path[4:] - path[:-4]
+        slope[2:-2] = (8 * near - far) / (12 * step)
+        found[within] = slope.reshape(-1, signal.per_turn)
+    return found
 
 
 def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:

@@ -11,9 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .turns import TURN, Synchronous, hann, synchronous
+from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
 _HALF_POWER = 0.5**0.5
+_RIPPLE = 0.05  # share of a peak by which its flank may rise again
+# Square of the half-power width over the rate of the speed, below which a linear resonance shows a
+# factor up to 10 % too low or more (by integration of one that is swept, Q from 10 to 100).
+_SLOW = 25.0
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,10 @@ class OrderTrack:
     """Vectors of orders over a run, one row a turn: z = f exp(i k phi) + b exp(-i k phi).
 
     t: middles of the blocks of turns that were read, shape (m,) [s]; speed: their mean speed,
-    shape (m,) [rad/s]; orders: the k; forward f, backward b: complex, shape (m, orders) [m].
+    negative where the angle falls, shape (m,) [rad/s]; orders: the k; forward f, backward b:
+    complex, shape (m, orders) [m], NaN where the recorded rows are too few for the order.
+    Amplitudes and angles of x and y are those of Re(X exp(i k |phi|)): a lag is negative whichever
+    way the shaft turns.
     """
 
     t: np.ndarray
@@ -37,12 +44,17 @@ class OrderTrack:
         return part[:, self.orders.index(order)]
 
     def x(self, order: float = 1.0) -> np.ndarray:
-        """Complex amplitude X of Re(X exp(i k phi)), 0-p, shape (m,) [m]."""
-        return self._of(self.forward, order) + np.conj(self._of(self.backward, order))
+        """Complex amplitude X of Re(X exp(i k |phi|)), 0-p, shape (m,) [m]."""
+        return self._ahead(self._of(self.forward, order) + np.conj(self._of(self.backward, order)))
 
     def y(self, order: float = 1.0) -> np.ndarray:
-        """Complex amplitude of y, a quarter turn behind x on a forward circle, 0-p [m]."""
-        return -1j * (self._of(self.forward, order) - np.conj(self._of(self.backward, order)))
+        """Complex amplitude of y, on a forward circle a quarter turn behind x, or before x where
+        the angle falls, 0-p [m]."""
+        forward, backward = self._of(self.forward, order), self._of(self.backward, order)
+        return self._ahead(-1j * (forward - np.conj(backward)))
+
+    def _ahead(self, vector: np.ndarray) -> np.ndarray:
+        return np.where(self.speed < 0, np.conj(vector), vector)
 
     def phase_x(self, order: float = 1.0) -> np.ndarray:
         """Angle by which x leads the mark, unwrapped over the run [rad]."""
@@ -66,12 +78,21 @@ class Resonance:
     """A peak of a response over speed.
 
     speed [rad/s]; amplitude, 0-p [m]; amplification: the factor speed / (N2 - N1) between the
-    half-power points (API RP 684), NaN where the run does not reach one of them.
+    half-power points (API RP 684), NaN where the response does not fall to one of them before the
+    run ends or another peak begins; rate: of the speed between them, without sign [rad/s2], NaN
+    where it is not known.
     """
 
     speed: float
     amplitude: float
     amplification: float
+    rate: float
+
+    @property
+    def is_fast(self) -> bool:
+        """Whether the run passed so quickly that the factor is too low: by up to 10 % at the limit,
+        by a third to a half where the square of N2 - N1 is seven times the rate."""
+        return bool((self.speed / self.amplification) ** 2 < _SLOW * self.rate)
 
 
 def order_track(
@@ -87,7 +108,8 @@ def order_track(
 
     z: x + i y [m], or any real signal, whose forward and backward halves are alike. With 4 turns
     the orders that are multiples of 0.5 do not leak into one another, nor does the mean. Raises
-    `TooFewTurns`, and `ValueError` for an order that the block cannot hold.
+    `TooFewTurns`, `TooFewRows` where 1x, or all that is asked for, cannot be told, and `ValueError`
+    for an order that the block cannot hold.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     return order_track_of(signal, orders, turns=turns)
@@ -102,35 +124,52 @@ def order_track_of(
         if not 0 < order < signal.per_turn / 2:
             raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
         if abs(order * turns - round(order * turns)) > 1e-9 or order * turns < 2:
-            raise ValueError(f"order {order:g}: a block of {turns} turns holds no whole cycles")
-    blocks = np.lib.stride_tricks.sliding_window_view(signal.values, turns, axis=0)
+            raise ValueError(
+                f"order {order:g}: a block of {turns} turns tells multiples of {1 / turns:g} from "
+                f"{2 / turns:g} on apart"
+            )
+    first = signal.blocks(turns)
+    # 1x, or whatever else is asked for, must be told
+    signal.enough_rows(first, turns, max(min(orders), min(1.0, max(orders))))
+    rows = signal.rows_of(first, turns)
     window = hann(turns, signal.per_turn)
     angle = TURN * np.arange(turns)[:, None] + signal.angle
-    forward = np.empty((len(blocks), len(orders)), complex)
+    is_positive = signal.sense[first] > 0
+    forward = np.empty((len(first), len(orders)), complex)
     backward = np.empty_like(forward)
     for i, order in enumerate(orders):
-        kernel = (window * np.exp(-1j * order * angle)).T
+        kernel = window * np.exp(-1j * order * angle)
+        ahead, behind = (summed(signal.values, k, first) for k in (kernel, kernel.conj()))
         # from the angle's own zero: an order of a half changes its sign from turn to turn
-        count = np.exp(-1j * order * TURN * (signal.begin + np.arange(len(blocks))))
-        forward[:, i] = np.einsum("bpn,pn->b", blocks, kernel) * count
-        backward[:, i] = np.einsum("bpn,pn->b", blocks, kernel.conj()) * count.conj()
-    first = np.arange(len(blocks))
-    middle = (signal.marks[first] + signal.marks[first + turns]) / 2
-    return OrderTrack(middle, signal.speed_over(first, turns), tuple(orders), forward, backward)
+        count = np.exp(-1j * order * TURN * signal.mark[first])
+        count[rows < LEAST_ROWS * order] = np.nan
+        forward[:, i] = np.where(is_positive, ahead, behind) * count
+        backward[:, i] = np.where(is_positive, behind, ahead) * count.conj()
+    return OrderTrack(
+        signal.middle_of(first, turns),
+        signal.speed_of(first, turns),
+        tuple(orders),
+        forward,
+        backward,
+    )
 
 
-def resonances(speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1) -> list[Resonance]:
-    """Peaks of an amplitude over speed, the highest first.
+def resonances(
+    speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1, t: np.ndarray | None = None
+) -> list[Resonance]:
+    """Peaks of an amplitude over speed, of a run that goes one way, the highest first.
 
-    speed [rad/s], amplitude 0-p [m], shape (m,); least: share of the highest amplitude below which
-    a peak, and how far it stands out, is not told.
+    speed [rad/s], amplitude 0-p [m], t [s], all of shape (m,); least: share of the highest
+    amplitude below which a peak, and how far it stands out, is not told. What is NaN is left out.
     """
-    order = np.argsort(speed, kind="stable")
-    n, a = np.asarray(speed)[order], np.asarray(amplitude)[order]
+    time = np.full(len(speed), np.nan) if t is None else np.asarray(t)
+    known = np.flatnonzero(np.isfinite(amplitude))
+    order = known[np.argsort(np.asarray(speed)[known], kind="stable")]
+    n, a, time = np.asarray(speed)[order], np.asarray(amplitude)[order], time[order]
     floor = least * a.max(initial=0.0)
     tops = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
     at = [i for i in tops.tolist() if a[i] >= floor and _prominence(a, i) >= floor]
-    found = [Resonance(float(n[i]), float(a[i]), _amplification(n, a, i)) for i in at]
+    found = [_resonance(n, a, time, i) for i in at]
     return sorted(found, key=lambda peak: -peak.amplitude)
 
 
@@ -143,16 +182,27 @@ def _prominence(a: np.ndarray, peak: int) -> float:
     return float(a[peak] - max(lowest))
 
 
-def _amplification(n: np.ndarray, a: np.ndarray, peak: int) -> float:
-    edge = _HALF_POWER * a[peak]
-    below = np.flatnonzero(a[:peak] < edge)
-    above = np.flatnonzero(a[peak:] < edge)
-    if not len(below) or not len(above):
-        return float("nan")
-    i, j = below[-1], peak + above[0]
-    low = np.interp(edge, [a[i], a[i + 1]], [n[i], n[i + 1]])
-    high = np.interp(edge, [a[j], a[j - 1]], [n[j], n[j - 1]])
-    return float(n[peak] / (high - low))
+def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resonance:
+    sides = np.arange(peak, -1, -1), np.arange(peak, len(n))
+    ends = [_half_power(n[side], a[side], t[side]) for side in sides]
+    (low, t_low), (high, t_high) = ends
+    width = high - low
+    rate = abs(width / (t_high - t_low)) if t_high != t_low else np.nan
+    return Resonance(float(n[peak]), float(a[peak]), float(abs(n[peak]) / width), float(rate))
+
+
+def _half_power(n: np.ndarray, a: np.ndarray, t: np.ndarray) -> tuple[float, float]:
+    """Speed and time where an amplitude that begins at a peak has fallen to half of the power; NaN
+    where it does not, or rises again to another peak before."""
+    edge = _HALF_POWER * a[0]
+    below = np.flatnonzero(a < edge)
+    if not len(below):
+        return np.nan, np.nan
+    i = int(below[0])
+    if (a[:i] - np.minimum.accumulate(a[:i])).max() > _RIPPLE * a[0]:
+        return np.nan, np.nan
+    share = (a[i - 1] - edge) / (a[i - 1] - a[i])
+    return float(n[i - 1] + share * (n[i] - n[i - 1])), float(t[i - 1] + share * (t[i] - t[i - 1]))
 
 
 def _unwrapped(vector: np.ndarray) -> np.ndarray:

@@ -30,7 +30,7 @@ class FullSpectrum:
     @property
     def frequency(self) -> np.ndarray:
         """Whirl frequency, negative backward, shape (k,) [rad/s]."""
-        return self.order * self.speed
+        return self.order * abs(self.speed)
 
     @property
     def resolution(self) -> float:
@@ -42,11 +42,13 @@ class FullSpectrum:
 class Cascade:
     """Full spectra through a run (a waterfall).
 
-    first: the first turn of each block, shape (m,); t, speed: of the blocks, shape (m,) [s],
+    first: the first turn of each block, shape (m,); passage: the number of the stretch without a
+    rest or a reversal that it lies in, shape (m,); t, speed: of the blocks, shape (m,) [s],
     [rad/s]; order: shape (k,); amplitude: 0-p, shape (m, k) [m].
     """
 
     first: np.ndarray
+    passage: np.ndarray
     t: np.ndarray
     speed: np.ndarray
     order: np.ndarray
@@ -54,8 +56,8 @@ class Cascade:
 
     @property
     def frequency(self) -> np.ndarray:
-        """Whirl frequencies, shape (m, k) [rad/s]."""
-        return self.speed[:, None] * self.order
+        """Whirl frequencies, negative backward, shape (m, k) [rad/s]."""
+        return np.abs(self.speed)[:, None] * self.order
 
 
 def full_spectrum(
@@ -76,7 +78,7 @@ def full_spectrum(
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     first = np.array([signal.nearest(speed, turns)])
     order, amplitude = _spectra(signal, first, turns, most_order)
-    return FullSpectrum(float(signal.speed_over(first, turns)[0]), order, amplitude[0])
+    return FullSpectrum(float(signal.speed_of(first, turns)[0]), order, amplitude[0])
 
 
 def cascade(
@@ -102,11 +104,11 @@ def cascade_of(
 ) -> Cascade:
     """`cascade` of a signal that is resampled already."""
     signal.needs(turns)
-    last = len(signal.values) - turns
-    first = np.unique(np.linspace(0, last, min(lines, last + 1)).round().astype(int))
+    first = signal.blocks(turns)
+    first = first[np.unique(np.linspace(0, len(first) - 1, lines).round().astype(int))]
     order, amplitude = _spectra(signal, first, turns, most_order)
-    middle = (signal.marks[first] + signal.marks[first + turns]) / 2
-    return Cascade(first, middle, signal.speed_over(first, turns), order, amplitude)
+    middle, speed = signal.middle_of(first, turns), signal.speed_of(first, turns)
+    return Cascade(first, signal.passage[first], middle, speed, order, amplitude)
 
 
 def _spectra(
@@ -119,6 +121,10 @@ def _spectra(
     amplitude = np.empty((len(first), np.count_nonzero(kept)))
     for row, begin in enumerate(first):
         block = signal.values[begin : begin + turns]
+        if signal.sense[begin] < 0:  # seen from behind, forward stays forward
+            block = block.conj()
         around = window * (block - (window * block).sum())
         amplitude[row] = np.abs(np.fft.fftshift(np.fft.fft(around.ravel())))[kept]
-    return order[kept], amplitude
+    # what the rows that were recorded cannot show is not known
+    known = signal.rows_of(first, turns)[:, None] / 2
+    return order[kept], np.where(np.abs(order[kept]) < known, amplitude, np.nan)

@@ -3,11 +3,16 @@
 Computed order tracking (Fyfe and Munck, Mechanical Systems and Signal Processing 11 (1997) 187):
 a signal is interpolated by a cubic spline over the angle and read at equal angles, so that an order
 is a line of the spectrum whatever the speed does.
+
+A shaft may turn either way, stand, and turn back. Whole turns are those between two keyphasor marks
+within one passage, a stretch in which it neither stands nor turns back; a block of turns on end
+lies within one passage too.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,24 +20,105 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 _LEAST, _MOST = 64, 1024  # samples a turn
 _SHORT = 0.1  # share of the steps that may be shorter than those that decide how fine to resample
-_TOO_FEW = "the signal holds {} whole turns of the shaft; {} are needed"
+_ROUNDING = 1e-9  # of a turn, that may be missing at a mark
 TURN = 2 * math.pi
+_BACK = TURN / _LEAST  # by which the angle must go back for the shaft to turn back
+# Rows recorded in a cycle below which the spline through them is another motion: an order takes so
+# many, a path so many a turn.
+LEAST_ROWS = 3
 
 
 class TooFewTurns(ValueError):
     """A signal shorter than what is asked of it; says how many turns there are and are needed."""
 
 
-@dataclass(frozen=True)
-class Synchronous:
-    """A signal at equal angles in whole turns from the first keyphasor mark on.
+class TooFewRows(TooFewTurns):
+    """A signal recorded too coarsely for what is asked of it; says how many rows a turn it has."""
 
-    begin: turns that the angle counts at the first mark; marks: times of the marks,
-    shape (turns + 1,) [s]; t, values: shape (turns, per_turn).
+
+@dataclass(frozen=True)
+class Turns:
+    """Whole turns of a shaft in the order in which they were made, all of shape (turns,).
+
+    passage: the number of the stretch without a rest or a reversal that each lies in; sense: 1, or
+    -1 where the angle falls; mark: turns that the angle counts where each begins; begin, end: times
+    of its two marks [s]; row, rows: the first recorded row in it, and how many there are.
     """
 
-    begin: int
-    marks: np.ndarray
+    passage: np.ndarray
+    sense: np.ndarray
+    mark: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+    row: np.ndarray
+    rows: np.ndarray
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Middles of the turns [s]."""
+        return (self.begin + self.end) / 2
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Mean speed of each turn, negative where the angle falls [rad/s]."""
+        return self.sense * TURN / (self.end - self.begin)
+
+    @property
+    def longest(self) -> int:
+        """The most turns in one passage."""
+        return int(np.unique(self.passage, return_counts=True)[1].max(initial=0))
+
+    def needs(self, turns: int) -> None:
+        """Raise `TooFewTurns` where no passage holds so many turns."""
+        if self.longest < turns:
+            on_end = " on end" if len(self.passage) > self.longest else ""
+            raise TooFewTurns(
+                f"the signal holds {self.longest} whole turns of the shaft{on_end}; "
+                f"{turns} are needed"
+            )
+
+    def blocks(self, turns: int) -> np.ndarray:
+        """The first turns of all blocks of `turns` turns within a passage."""
+        last = len(self.passage) - turns + 1
+        return np.flatnonzero(self.passage[: max(last, 0)] == self.passage[turns - 1 :])
+
+    def middle_of(self, first: np.ndarray, turns: int) -> np.ndarray:
+        """Middles of blocks that begin with the turns `first` [s]."""
+        return (self.begin[first] + self.end[first + turns - 1]) / 2
+
+    def speed_of(self, first: np.ndarray, turns: int) -> np.ndarray:
+        """Mean speeds of blocks that begin with the turns `first` [rad/s]."""
+        took = self.end[first + turns - 1] - self.begin[first]
+        return self.sense[first] * turns * TURN / took
+
+    def rows_of(self, first: np.ndarray, turns: int) -> np.ndarray:
+        """Recorded rows a turn in blocks that begin with the turns `first` [1]."""
+        counted = np.concatenate([[0], np.cumsum(self.rows)])
+        return (counted[first + turns] - counted[first]) / turns
+
+    def enough_rows(self, first: np.ndarray, turns: int, order: float = 1.0) -> np.ndarray:
+        """Whether blocks that begin with the turns `first` have rows enough for an order; raises
+        `TooFewRows` where none has."""
+        rows, least = self.rows_of(first, turns), LEAST_ROWS * order
+        if rows.max() < least:
+            raise TooFewRows(
+                f"the signal has {rows.max():.3g} recorded rows a turn; order {order:g} needs at "
+                f"least {least:g}"
+            )
+        return rows >= least
+
+    def nearest(self, speed: float, turns: int) -> int:
+        """The first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
+        self.needs(turns)
+        first = self.blocks(turns)
+        return int(first[np.argmin(np.abs(self.speed_of(first, turns) - speed))])
+
+
+@dataclass(frozen=True)
+class Synchronous(Turns):
+    """A signal at equal angles in whole turns; t, values: shape (turns, per_turn), each turn from
+    its mark on in the sense in which the shaft turns."""
+
     t: np.ndarray
     values: np.ndarray
 
@@ -43,27 +129,14 @@ class Synchronous:
 
     @property
     def angle(self) -> np.ndarray:
-        """The shaft's angle within a turn, shape (per_turn,) [rad]."""
+        """The angle turned since the mark, shape (per_turn,) [rad]."""
         return np.arange(self.per_turn) * (TURN / self.per_turn)
 
-    @property
-    def speed(self) -> np.ndarray:
-        """Mean speed of each turn, shape (turns,) [rad/s]."""
-        return TURN / np.diff(self.marks)
 
-    def needs(self, turns: int) -> None:
-        """Raise `TooFewTurns` for a signal of less than `turns` turns."""
-        if len(self.values) < turns:
-            raise TooFewTurns(_TOO_FEW.format(len(self.values), turns))
-
-    def speed_over(self, first: np.ndarray, turns: int) -> np.ndarray:
-        """Mean speed of blocks of turns that begin with the turns `first` [rad/s]."""
-        return turns * TURN / (self.marks[first + turns] - self.marks[first])
-
-    def nearest(self, speed: float, turns: int) -> int:
-        """The first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
-        first = np.arange(len(self.values) - turns + 1)
-        return int(np.argmin(np.abs(self.speed_over(first, turns) - speed)))
+def turns_of(t: np.ndarray, phi: np.ndarray) -> Turns:
+    """The whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite and of
+    shape (n,); none is fine."""
+    return _joined([passage.turns for passage in _passages(t, phi)])
 
 
 def synchronous(
@@ -77,36 +150,116 @@ def synchronous(
     """Resample a real or complex signal, shape (n,), at equal angles.
 
     per_turn: samples a turn; what the signal holds above order per_turn / 2 folds back. None: a
-    power of two fine enough for nine tenths of the steps, at least 64, so that nothing folds. Where
-    the shaft rests or turns back, the signal is left out until it reaches a new angle. Raises
-    `TooFewTurns` for a signal of less than `turns` whole turns.
+    power of two fine enough for nine tenths of the steps, at least 64, so that nothing folds. What
+    is not finite, and what was recorded within a turn that the shaft did not finish, is left out.
+    Raises `TooFewTurns` for a signal without `turns` whole turns on end.
     """
     t, phi, values = np.asarray(t, float), np.asarray(phi, float), np.asarray(values)
     if not t.shape == phi.shape == values.shape or t.ndim != 1:
         raise ValueError(
             f"t {t.shape}, phi {phi.shape}, values {values.shape}: must be alike, (n,)"
         )
-    grows = np.ones(len(phi), bool)
-    grows[1:] = phi[1:] > np.maximum.accumulate(phi)[:-1]
-    grows &= np.isfinite(phi) & np.isfinite(values)
-    t, phi, values = t[grows], phi[grows], values[grows]
-    first, last = (math.ceil(phi[0] / TURN), math.floor(phi[-1] / TURN)) if len(phi) > 3 else (0, 0)
-    whole = max(last - first, 0)
-    if whole < turns:
-        raise TooFewTurns(_TOO_FEW.format(whole, turns))
+    is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(values)
+    t, phi, values = t[is_known], phi[is_known], values[is_known]
+    passages = list(_passages(t, phi))
+    found = _joined([passage.turns for passage in passages])
+    found.needs(turns)
     if per_turn is None:
-        per_turn = _fine(phi)
-    angles = TURN * (first + np.arange(whole * per_turn + 1) / per_turn)
-    # a rounding past the last sample would extrapolate
-    angles = np.clip(angles, phi[0], phi[-1])
-    times = PchipInterpolator(phi, t)(angles)
-    resampled = CubicSpline(phi, values)(angles[:-1])
-    instants, resampled = (v.reshape(whole, per_turn) for v in (times[:-1], resampled))
-    return Synchronous(first, times[::per_turn], instants, resampled)
+        per_turn = _fine(np.concatenate([np.diff(passage.reached) for passage in passages]))
+    instants, resampled = [], []
+    for passage in passages:
+        count = len(passage.turns.mark) * per_turn
+        angle = passage.first + TURN * np.arange(count) / per_turn
+        # a rounding past the ends would extrapolate
+        angle = np.clip(angle, passage.reached[0], passage.reached[-1])
+        instants.append(passage.time(angle))
+        resampled.append(CubicSpline(passage.reached, values[passage.rows])(angle))
+    shape = len(found.mark), per_turn
+    return Synchronous(
+        **vars(found),
+        t=np.concatenate(instants).reshape(shape),
+        values=np.concatenate(resampled).reshape(shape),
+    )
 
 
-def _fine(phi: np.ndarray) -> int:
-    step = float(np.quantile(np.diff(phi), _SHORT))
+@dataclass(frozen=True)
+class _Passage:
+    """A passage that holds whole turns: rows in which a new angle was reached, the angle turned
+    there, in the sense of the passage [rad], its time [s], the first mark [rad], the turns."""
+
+    rows: np.ndarray
+    reached: np.ndarray
+    time: PchipInterpolator
+    first: float
+    turns: Turns
+
+
+def _passages(t: np.ndarray, phi: np.ndarray) -> Iterator[_Passage]:
+    for number, (begin, end, sense) in enumerate(_one_way(t, phi)):
+        turned = np.maximum.accumulate(sense * phi[begin : end + 1])
+        grows = np.concatenate([[True], np.diff(turned) > 0])
+        rows, reached = begin + np.flatnonzero(grows), turned[grows]
+        first = math.ceil(reached[0] / TURN - _ROUNDING)
+        count = math.floor(reached[-1] / TURN + _ROUNDING) - first
+        if count < 1 or len(rows) < 4:
+            continue
+        time = PchipInterpolator(reached, t[rows])
+        angles = TURN * (first + np.arange(count + 1))
+        marks = time(np.clip(angles, reached[0], reached[-1]))
+        edges = begin + np.searchsorted(turned, angles)
+        yield _Passage(
+            rows,
+            reached,
+            time,
+            TURN * first,
+            Turns(
+                passage=np.full(count, number),
+                sense=np.full(count, sense),
+                mark=sense * (first + np.arange(count)),
+                begin=marks[:-1],
+                end=marks[1:],
+                row=edges[:-1],
+                rows=np.diff(edges),
+            ),
+        )
+
+
+def _one_way(t: np.ndarray, phi: np.ndarray) -> Iterator[tuple[int, int, int]]:
+    """First and last rows between which the shaft turns one way, and which: 1, or -1 where the
+    angle falls. Steps back that are small together are no reversal."""
+    changed = np.sign(np.diff(phi)).astype(int)
+    # a row that stands twice in a recording is no rest
+    known = np.flatnonzero((changed != 0) | (np.diff(t) > 0))
+    if not len(known):
+        return
+    steps = changed[known]
+    edges = np.flatnonzero(np.diff(steps)) + 1
+    starts = known[np.concatenate([[0], edges])].tolist()
+    ends = (known[np.concatenate([edges - 1, [len(known) - 1]])] + 1).tolist()
+    senses = steps[np.concatenate([[0], edges])].tolist()
+    begin, farthest, sense = starts[0], starts[0], 0
+    for start, end, way in zip(starts, ends, senses, strict=True):
+        if way == sense:
+            if sense * (phi[end] - phi[farthest]) > 0:
+                farthest = end
+        elif way == 0 or sense == 0 or sense * (phi[farthest] - phi[end]) >= _BACK:
+            if sense:
+                yield begin, farthest, sense
+            begin, farthest, sense = (farthest if way and sense else start), end, way
+    if sense:
+        yield begin, farthest, sense
+
+
+def _joined(parts: list[Turns]) -> Turns:
+    if not parts:
+        none, whole = np.zeros(0), np.zeros(0, int)
+        return Turns(whole, whole, whole, none, none, whole, whole)
+    names = vars(parts[0])
+    return Turns(**{name: np.concatenate([vars(p)[name] for p in parts]) for name in names})
+
+
+def _fine(steps: np.ndarray) -> int:
+    step = float(np.quantile(steps, _SHORT))
     return int(min(max(2 ** math.ceil(math.log2(TURN / step)), _LEAST), _MOST))
 
 
@@ -114,7 +267,18 @@ def hann(turns: int, per_turn: int) -> np.ndarray:
     """Hann's window over a block of whole turns, of sum 1, shape (turns, per_turn).
 
     Its spectrum is zero at every multiple of 1 / turns orders but the first, so that of a block of
-    n turns all orders that are multiples of 2 / n are told apart without leakage.
+    n turns all orders that are multiples of 2 / n are told apart without leakage. Of an order d
+    lines (of 1 / n) away from such a one sin(pi d) / (pi d (1 - d^2)) of its amplitude leaks in.
     """
     window = 1 - np.cos(TURN * np.arange(turns * per_turn) / (turns * per_turn))
     return (window / window.sum()).reshape(turns, per_turn)
+
+
+def summed(values: np.ndarray, weights: np.ndarray, first: np.ndarray) -> np.ndarray:
+    """Weighted sums over blocks of turns that begin with the turns `first`.
+
+    values: shape (turns, per_turn); weights: shape (turns of a block, per_turn); result of the
+    shape of first.
+    """
+    products = values @ weights.T
+    return np.sum([products[first + k, k] for k in range(len(weights))], axis=0)

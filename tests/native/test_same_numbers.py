@@ -90,7 +90,13 @@ def test_every_example_runs_as_the_simulation_bit_for_bit(make, file):
     assert (expected != before).any()
 
 
-@pytest.mark.parametrize("toml", [rig_toml(), OTHER], ids=["rig", "on supports"])
+STICKING = OTHER.replace("mu = 0.0", "mu = 0.2\nk_t = 1e7\nc_t = 50.0")
+
+
+@pytest.mark.filterwarnings("ignore::rotor_fmu.model.simulation.RotorWarning")
+@pytest.mark.parametrize(
+    "toml", [rig_toml(), OTHER, STICKING], ids=["rig", "on supports", "sticking"]
+)
 def test_it_starts_and_runs_as_the_simulation_bit_for_bit(make, toml):
     machine = Machine(make(rotor_toml=toml)).start()
     simulation = Simulation(parse_rotor(toml), speed=400.0)

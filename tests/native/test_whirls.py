@@ -139,6 +139,19 @@ def test_built_with_component_modes_it_runs_as_the_simulation_with_them(make, mo
     machine.close()
 
 
+def test_component_modes_too_few_for_the_speed_are_said_as_the_simulation_says_them(make, capfd):
+    machine = Machine(make(reduction=1)).start(speed=300.0)
+    said = []
+    simulation = Simulation(rig(), choose("controlled", reduction=1), speed=300.0, warn=said.append)
+    for speed in (300.0, 750.0, 850.0):
+        machine.set(speed=speed)
+        machine.step(1e-4)
+        simulation.advance(machine.t, speed)
+    assert "solver.reduction = 1 is too coarse: mode 3 of the shaft" in said[0]
+    assert told(capfd) == [f"warning: {text}" for text in said]
+    machine.close()
+
+
 def test_another_number_of_modes_is_refused_in_one_sentence(fmu, capfd):
     machine = Machine(fmu)
     with pytest.raises(fmpy.fmi1.FMICallException):

@@ -73,7 +73,7 @@ class CubicSpring(CubicQuantities, _OnNode, Part):
 
     KIND: ClassVar[str] = "cubic_spring"
     TEXT: ClassVar[str] = "a cubic spring from a node to ground"
-    LAW: ClassVar[Law] = CUBIC
+    LAWS: ClassVar[tuple[Law, ...]] = (CUBIC,)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""

@@ -41,7 +41,7 @@ TOUCHDOWN_BEARING = interpreted(touchdown_bearing.TOUCHDOWN_BEARING)
 def record(kind, **changes):
     """A record of the law of a part."""
     part = kind(**(CONTACT | changes))
-    law = kind.LAW
+    law = part.law
     row = tuple(getattr(part, name) for name in quantities(law.kind))
     return np.array([row], dtype=law.dtype).view(np.recarray)[0]
 
@@ -81,12 +81,12 @@ def test_the_contacts_tangent_is_the_derivative_of_its_force(name, spin):
 @pytest.mark.parametrize("spin", [3.0, 200.0])
 def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
     part = record(TouchdownBearing, **KINDS[name], **RACE)
-    law, by_d, by_v, by_own, free = TOUCHDOWN_BEARING, 0.7, 40.0, 2e-4, np.array([5.0])
+    law, by_d, by_v, by_own, free = TOUCHDOWN_BEARING, 0.7, 40.0, 2e-4, np.array([5.0, 0.0])
 
     def force(d, v):
-        own = np.array([5.0])
+        own = np.array([5.0, 0.0])
         found, p, q = law.tangent(part, TABLES, d, v, spin, spin, by_d, by_v, by_own, free, own)
-        rate = np.zeros(1)
+        rate = np.zeros(2)
         law.rates(part, TABLES, d, v, spin, spin, own, rate)
         # the race's own equation holds
         assert own[0] - free[0] - by_own * rate[0] == pytest.approx(0, abs=1e-9)
@@ -103,7 +103,7 @@ def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
 
 def test_the_race_alone_slows_down_by_its_drag():
     part = record(TouchdownBearing, **RACE, race_w_s=1e-6)
-    free, own, none = np.array([100.0]), np.array([100.0]), 0j
+    free, own, none = np.array([100.0, 0.0]), np.array([100.0, 0.0]), 0j
     b = 1e-3
     TOUCHDOWN_BEARING.tangent(part, TABLES, none, none, 0.0, 0.0, 1.0, 1.0, b, free, own)
     expected = (100.0 - b * 0.05 / 1e-4) / (1 + b * 1e-4 / 1e-4)

@@ -108,7 +108,7 @@ def test_the_order_is_2_with_every_linear_part():
     text = text.replace("outer = 0.03", "outer_left = 0.03\nouter_right = 0.032\naxial_force = 1e4")
     text += seat + SEAL + "[base]\n"
     loads = np.array([0.0, 3.0 + 1.0j])
-    ends = [end_of(text, 0.01, h, loads=loads)[0] for h in (5e-5, 2.5e-5, 1.25e-5)]
+    ends = [end_of(text, 0.1, h, loads=loads)[0] for h in (2e-4, 1e-4, 5e-5)]
     ratio = abs(ends[0] - ends[1]) / abs(ends[1] - ends[2])
     assert math.log2(ratio) == pytest.approx(2, abs=0.05)
 

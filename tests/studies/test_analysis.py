@@ -4,17 +4,19 @@ import math
 
 import numpy as np
 import pytest
+from SALib.analyze import morris
 
 from rotor_fmu.studies.analysis import (
     analyse,
     design_of,
+    drawn_rows,
     exceedance,
-    is_drawn,
     statistics,
     worst,
 )
 from rotor_fmu.studies.conduct import conduct
 from rotor_fmu.studies.dataset import about_of, open_dataset
+from rotor_fmu.studies.design import Axis, Design, Distribution
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 
@@ -72,7 +74,7 @@ def test_shares_are_counted_over_runs_that_were_drawn_independently(tmp_path):
     assert report["rows"] == 64 * 5
     assert report["columns"]["y"]["count"] == 64 * 2
     data = open_dataset(tmp_path / "out")
-    drawn = data.isel(run=np.flatnonzero(is_drawn(design_of_folder(tmp_path), data.run.values)))
+    drawn = data.isel(run=drawn_rows(design_of_folder(tmp_path), data.run.values))
     for name in ("x1", "x2", "x3"):
         assert len(np.unique(drawn[name])) == 64 * 2
 
@@ -91,13 +93,117 @@ def test_the_share_above_a_limit_has_the_interval_of_clopper_and_pearson():
     assert found["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
 
 
+def with_limit(folder, kind, size, model=None, limit=5.0):
+    text = f"{study_text(kind, size)}\n[limits]\ny = {limit}\n"
+    conduct(ishigami_study(folder, model, text), folder / "out", here, quiet)
+    return analyse(folder / "out")
+
+
 def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
     values = "\n".join(f"x{i} = {{ values = [0.1, 1.0, 2.0] }}" for i in (1, 2, 3))
     study = ishigami_study(tmp_path, text=f"[vary]\n{values}\n[limits]\ny = 5.0\n")
     conduct(study, tmp_path / "out", here, quiet)
-    found = analyse(tmp_path / "out")["limits"]["y"]
+    report = analyse(tmp_path / "out")
+    found = report["limits"]["y"]
     assert 0 < found["above"] < found["count"] == 27
     assert "interval" not in found
+    assert "the points of a grid are chosen" in report["says"][0]
+
+
+def test_points_that_morris_places_give_no_quantiles_and_no_share(tmp_path):
+    report = with_limit(tmp_path, "morris", 32)
+    assert set(report["columns"]["y"]) == {"count", "least", "largest"}
+    assert set(report["limits"]["y"]) == {"limit", "above", "failed", "count"}
+    assert "no quantiles and no shares" in report["says"][0]
+    assert report["sensitivity"]["y"]["indices"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "is_conservative"),
+    [
+        ("random", 64, False),
+        ("latin-hypercube", 64, True),
+        ("sobol", 64, True),
+        ("saltelli", 32, True),
+    ],
+)
+def test_an_interval_of_points_spread_evenly_says_that_it_is_conservative(
+    tmp_path, kind, size, is_conservative
+):
+    report = with_limit(tmp_path, kind, size)
+    found = report["limits"]["y"]
+    assert found["conservative"] == is_conservative
+    assert any("conservative" in sentence for sentence in report["says"]) == is_conservative
+    # P(y > 5), by four million random draws
+    assert found["interval"][0] < 0.3621 < found["interval"][1]
+
+
+@pytest.mark.parametrize("kind", ["latin-hypercube", "sobol"])
+def test_shares_of_points_spread_evenly_do_scatter_less(kind):
+    """What makes the interval conservative: of a sum that exceeds its 0.9 quantile."""
+    law = Distribution("uniform", {"low": 0.0, "high": 1.0})
+    axes = tuple(Axis(n, (n,), distribution=law) for n in "abc")
+    shares = []
+    for seed in range(60):
+        design = Design(axes, kind, 64, seed)
+        sums = [sum(design.point(run).values()) for run in range(len(design))]
+        shares.append(np.mean(np.array(sums) > 2.156))
+    assert np.mean(shares) == pytest.approx(0.1, abs=0.02)
+    assert np.std(shares) < 0.93 * math.sqrt(0.1 * 0.9 / 64)
+
+
+def test_a_draw_at_several_points_of_a_list_is_not_several_draws(tmp_path):
+    drawn = "x1 = { distribution = 'uniform', low = -3, high = 3 }"
+    listed = "x2 = { values = [0.1, 1.0] }\nx3 = { values = [0.5] }"
+    design = "[design]\nkind = 'random'\nsize = 20\n"
+    text = f"{design}[vary]\n{drawn}\n{listed}\n[limits]\ny = 1.0\n"
+    conduct(ishigami_study(tmp_path, None, text), tmp_path / "out", here, quiet)
+    report = analyse(tmp_path / "out")
+    assert report["limits"]["y"]["count"] == 40
+    assert "interval" not in report["limits"]["y"]
+    assert "each draw stands at all points of the lists" in report["says"][0]
+
+
+def test_runs_that_failed_count_in_the_share_and_are_said(tmp_path):
+    report = with_limit(tmp_path, "random", 200, Ishigami(fails_above=2.5))
+    data = open_dataset(tmp_path / "out")
+    failed = int((data.x1 > 2.5).sum())
+    above = int((data.y > 5.0).sum())
+    found = report["limits"]["y"]
+    assert failed == found["failed"] == report["failed"] > 5
+    assert (found["above"], found["count"]) == (above, 200)
+    assert found["share"] == (above + failed) / 200
+    assert found["interval"][0] < found["share"] < found["interval"][1]
+    assert report["columns"]["y"]["count"] == 200 - failed
+    assert f"{failed} of 200 runs failed: they count as above every limit" in report["says"][0]
+
+
+def test_equal_points_are_one_run_with_one_id(tmp_path):
+    """Trajectories of morris on a coarse grid meet again and again; its indices are those that all
+    points give."""
+    text = study_text("morris", 40).replace("seed = 3", "seed = 3\nlevels = 2")
+    study = ishigami_study(tmp_path, None, text)
+    assert len(study.design) == 8 < study.design.drawn_points == 160
+    conduct(study, tmp_path / "out", here, quiet)
+    data = open_dataset(tmp_path / "out")
+    assert len(set(data.id.values)) == data.sizes["run"] == 8
+    sample = study.design.sample
+    x1, x2, x3 = (2 * math.pi * sample - math.pi).T
+    y = np.sin(x1) + 7 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1)
+    right = morris.analyze(study.design.problem(), sample, y, num_levels=2, seed=3)
+    found = analyse(tmp_path / "out")["sensitivity"]["y"]
+    assert (found["blocks"], found["of"]) == (40, 40)
+    for i, name in enumerate(("x1", "x2", "x3")):
+        assert found["indices"][name]["mu_star"] == pytest.approx(float(right["mu_star"][i]))
+
+
+def test_a_value_that_is_listed_twice_is_run_once(tmp_path):
+    lists = "x1 = { values = [1.0, 1, 2.0] }\nx2 = { grid = { from = 3, to = 3, count = 4 } }"
+    study = ishigami_study(tmp_path, None, f"[vary]\n{lists}\nx3 = {{ values = [0.0, -0.0] }}\n")
+    conduct(study, tmp_path / "out", here, quiet)
+    data = open_dataset(tmp_path / "out")
+    assert data.x1.values.tolist() == [1.0, 2.0]
+    assert len(set(data.id.values)) == 2
 
 
 def test_the_worst_runs_are_the_failed_ones_and_then_the_largest(tmp_path):

@@ -110,10 +110,19 @@ def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path
     assert "bearing[1].mu = " in status
 
 
-def test_what_lies_between_communication_points_is_not_kept(tmp_path):
+@pytest.mark.parametrize(
+    ("kind", "keep"),
+    [
+        ("dissipated", '{ dissipated = "bearing[1]" }'),
+        ("contact", '{ contact = "bearing[1]" }'),
+        ("whirl", '{ whirl = "disc[3]" }'),
+        ("passing", '{ order = 1, speed = 100, of = "disc[3].x" }'),
+    ],
+)
+def test_what_lies_between_communication_points_is_not_kept(tmp_path, kind, keep):
     path = tmp_path / "study.toml"
-    path.write_text(STUDY + 'loss = { dissipated = "bearing[1]" }\n')
-    with pytest.raises(InputError, match=r"keep loss: dissipated looks at the solver's own steps"):
+    path.write_text(f"{STUDY}q = {keep}\n")
+    with pytest.raises(InputError, match=rf"keep q: {kind} looks at the solver's own steps"):
         read_study(path)
 
 

@@ -187,8 +187,12 @@ def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
 @pytest.mark.parametrize(
     ("keep", "expected"),
     [
-        ('{ order = 0.3, of = "disc[3].x" }', "order = 0.3: must make whole periods in turns"),
-        ('{ spectrum = "disc[3]", orders = 99 }', "orders = 99: at most half of run.per_turn"),
+        ('{ order = 0.3, of = "disc[3].x" }', "order = 0.3: must make whole periods in run.turns"),
+        ('{ order = 0, of = "disc[3].x" }', "order = 0: must be > 0 and below half of run.per_t"),
+        ('{ order = -1, of = "disc[3].x" }', "order = -1: must be > 0 and below half of run.per_t"),
+        ('{ order = 16, of = "disc[3].x" }', "order = 16: must be > 0 and below half of run.per_"),
+        ('{ spectrum = "disc[3]", orders = 16 }', "orders = 16: must be > 0 and below half of"),
+        ('{ peak = "disc[3].x", after = -1 }', "after = -1 s: must be >= 0"),
         ('{ amplitude = "disc[3].x" , bins = { from = 1, to = 2, count = 1 } }', "speed goes on"),
         ('{ spectrum = "disc[9]", orders = 2 }', "disc[9]: unknown name; did you mean disc[3]"),
     ],

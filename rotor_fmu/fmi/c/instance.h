@@ -50,7 +50,7 @@ typedef struct {
 typedef struct {
     int64_t sentence; /* its code */
     double low, high;
-} Span; /* speeds of a bearing's table, beyond which a sentence warns */
+} Span; /* speeds beyond which a sentence warns */
 
 typedef struct {
     char magic[8], core[16], guid[40];

@@ -9,6 +9,9 @@ Bokeh.logger.set_level("warn");
 const colour = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
+// A name as it is, whatever stands in it: Bokeh takes some letters for formulas.
+const verbatim = (text) => new Bokeh.PlainText({ text });
+
 class Chart {
   // options: x, y: labels; tools; square: one scale on both axes; xRange, yRange: of its own
   constructor(id, options) {

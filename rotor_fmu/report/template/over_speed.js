@@ -13,10 +13,12 @@ class OverSpeed {
     this.across = runs.every((run) => run.isConstant) ? "t" : "hz";
     const label = this.across === "t" ? "Time [s]" : HERTZ;
     const values = runs.flatMap((run) => [...run.track[this.across]]);
-    const highest = values.reduce((a, b) => Math.max(a, b), 0);
-    const lowest = values.reduce((a, b) => Math.min(a, b), highest);
-    const from = lowest < 0.4 * highest ? 0 : lowest - 0.02 * (highest - lowest);
-    const to = highest + 0.02 * (highest - from);
+    const highest = values.reduce((a, b) => Math.max(a, b), -Infinity);
+    const lowest = values.reduce((a, b) => Math.min(a, b), Infinity);
+    // down to standstill where the run comes near it; speeds are negative where it turns backward
+    const margin = 0.02 * (highest - lowest);
+    const from = lowest > 0 && lowest < 0.4 * highest ? 0 : lowest - margin;
+    const to = highest < 0 && highest > 0.4 * lowest ? 0 : highest + margin;
     this.shared = (id, y, options = {}) =>
       new Chart(id, { x: label, y, xRange: fixedRange(from, to), ...options });
     this.bode = this.shared("bode", " ", { height: 320 });
@@ -64,7 +66,7 @@ class OverSpeed {
       x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
     });
     this.force = shared("force", "Largest of the turn [N]");
-    this.angle = shared("angle", "Mean of the turn [deg]", {
+    this.angle = shared("angle", "Where it touches [deg]", {
       yRange: fixedRange(0, 360), tools: "pan,box_zoom,reset",
     });
     this.energy = shared("energy", "Power [W]");
@@ -92,6 +94,7 @@ class OverSpeed {
       spectrum: source(this.spectrum, ["x", "top", "order"]), polar: source(this.polar),
       polarNow: source(this.polar), whirl: source(this.whirl), points: source(this.poincare),
       pointsNow: source(this.poincare), force: source(this.force), angle: source(this.angle),
+      range: source(this.angle, ["x", "low", "high"]),
       sinks: (run.power?.sinks ?? []).map(() => source(this.energy)),
     });
     const paint = `c${r}`;
@@ -111,6 +114,11 @@ class OverSpeed {
     this.poincare.dots(part.points, paint, 4);
     this.poincare.dots(part.pointsNow, "mark", 7);
     this.force.line(part.force, paint, r, { line_width: 1.5 });
+    const ranges = this.angle.plot.segment(
+      { field: "x" }, { field: "low" }, { field: "x" }, { field: "high" },
+      { source: part.range, line_width: 1.5, line_alpha: 0.35 },
+    );
+    this.angle.keep(ranges, { line_color: paint });
     this.angle.dots(part.angle, paint);
     part.sinks.forEach((sink, i) => this.energy.line(sink, `c${i % 5}`, i + 3 * r));
   }
@@ -156,10 +164,10 @@ class OverSpeed {
       const { xRe, xIm, yRe, yIm, twice, half } = place.curves;
       const x = run.track[this.across];
       const long = (re, im) => re.map((value, i) => this.factor * Math.hypot(value, im[i]));
-      part.bodeX.data = { x, y: long(xRe, xIm) };
-      part.bodeY.data = { x, y: long(yRe, yIm) };
-      part.twice.data = { x, y: twice.map((v) => this.factor * v) };
-      part.half.data = { x, y: half.map((v) => this.factor * v) };
+      part.bodeX.data = this.parted(x, long(xRe, xIm));
+      part.bodeY.data = this.parted(x, long(yRe, yIm));
+      part.twice.data = this.parted(x, twice.map((v) => this.factor * v));
+      part.half.data = this.parted(x, half.map((v) => this.factor * v));
     });
   }
 
@@ -179,23 +187,46 @@ class OverSpeed {
       part.phaseX.data = this.broken(x, xRe, xIm);
       part.phaseY.data = this.broken(x, yRe, yIm);
       part.polar.data = { x: xRe.map((v) => this.factor * v), y: xIm.map((v) => this.factor * v) };
-      part.whirl.data = { x: run.turns[this.across], y: place.sense };
+      part.whirl.data = { x: run.whirl[this.across], y: place.sense };
       part.points.data = { x: place.points.re, y: place.points.im };
       part.ring.data = this.circle(place.clearance);
       const touch = run.touches.find((t) => t.name === touchName);
-      part.force.data = touch ? { x: touch[this.across], y: touch.peak } : { x: [], y: [] };
+      part.force.data = touch ? this.parted(touch[this.across], touch.peak) : { x: [], y: [] };
       part.angle.data = touch ? { x: touch[this.across], y: touch.angle } : { x: [], y: [] };
+      part.range.data = this.ranges(touch);
       part.sinks.forEach((sink, i) => {
-        sink.data = { x: run.power[this.across], y: run.power.sinks[i].p };
+        sink.data = this.parted(run.power[this.across], run.power.sinks[i].p);
       });
     });
     this.names();
   }
 
+  // A curve that is not drawn across a reversal of the speed.
+  parted(x, y) {
+    return { x, y: y.map((v, i) => (i && x[i] * x[i - 1] < 0 ? NaN : v)) };
+  }
+
   // A phase without the strokes from -180 to 180.
   broken(x, re, im) {
     const y = re.map((value, i) => degrees(value, im[i]));
-    return { x, y: y.map((v, i) => (i && Math.abs(v - y[i - 1]) > 180 ? NaN : v)) };
+    return this.parted(x, y.map((v, i) => (i && Math.abs(v - y[i - 1]) > 180 ? NaN : v)));
+  }
+
+  // From low to high, cut where a range passes 360.
+  ranges(touch) {
+    const [x, low, high] = [[], [], []];
+    touch?.low.forEach((from, i) => {
+      const to = from + touch.width[i];
+      const cut = to > 360 ? [[from, 360], [0, to - 360]] : [[from, to]];
+      for (const [a, b] of cut) {
+        if (Number.isFinite(a)) {
+          x.push(touch[this.across][i]);
+          low.push(a);
+          high.push(b);
+        }
+      }
+    });
+    return { x, low, high };
   }
 
   circle(radius) {
@@ -220,10 +251,14 @@ class OverSpeed {
     this.orbit.name([...each([["path"]]), ["keyphasor mark", "mark"], ...ring]);
     this.spectrum.name(each([["amplitude"]]));
     this.polar.name([...each([["all speeds"]]), ["the one picked", "mark"]]);
-    this.whirl.name(each([["a point a turn"]]));
+    const most = Math.max(...this.runs.map((run) => run.whirl.turns));
+    this.whirl.name(each([[`over ${most} turns`]]));
     this.poincare.name([...each([["a point a turn"]]), ["near the speed picked", "mark"]]);
     this.force.name(each([["normal force"]]));
-    this.angle.name(each([["270: at the bottom"]]));
+    this.angle.name([
+      ...each([["mean and range of a turn"]]), ["270: at the bottom", "ground"],
+      ["no mean where it goes all round", "ground"],
+    ]);
     this.energy.name(
       this.runs.flatMap((run, r) =>
         (run.power?.sinks ?? []).map((sink, i) => [
@@ -244,8 +279,17 @@ class OverSpeed {
     const [low, high] = [Math.min(...down), Math.max(...down)];
     const image = new Float32Array(width * height);
     let largest = 0;
+    const { passage } = run.stations;
+    const ends = new Map(); // of what each passage shows: nothing is drawn over a reversal
+    down.forEach((at, i) => {
+      const [a, b] = ends.get(passage[i]) ?? [at, at];
+      ends.set(passage[i], [Math.min(a, at), Math.max(b, at)]);
+    });
     for (let row = 0; row < height; row++) {
-      const from = nearest(down, low + ((row + 0.5) * (high - low)) / height);
+      const at = low + ((row + 0.5) * (high - low)) / height;
+      const from = nearest(down, at);
+      const [begin, end] = ends.get(passage[from]);
+      if (at < begin || at > end) continue;
       for (let k = 0; k < width; k++) {
         // a root shows small lines beside large ones
         const value = Math.sqrt(place.cascade[from * width + k]);
@@ -282,17 +326,18 @@ class OverSpeed {
       part.marks.data = { x: marks(x), y: marks(y) };
       const width = run.orders.length;
       const top = place.cascade.slice(at * width, (at + 1) * width).map((v) => this.factor * v);
-      part.spectrum.data = { x: run.orders.map((k) => k * now), top, order: run.orders };
+      part.spectrum.data = { x: run.orders.map((k) => k * Math.abs(now)), top, order: run.orders };
       const row = nearestSorted(run.track.t, t);
       const { xRe, xIm, yRe, yIm } = place.curves;
       part.polarNow.data = { x: [this.factor * xRe[row]], y: [this.factor * xIm[row]] };
       const turn = nearestSorted(run.turns.t, t);
+      const whirl = nearestSorted(run.whirl.t, t);
       const few = (values) => values.subarray(Math.max(turn - 8, 0), turn + 8);
       part.pointsNow.data = { x: few(place.points.re), y: few(place.points.im) };
       if (r === 0) for (const span of this.spans) span.location = run.stations[this.across][at];
       if (r === this.shownRun) this.row.location = run.isOneWay ? now : t;
       return {
-        hz: now, t, label: place.label, sense: place.sense[turn], order: place.order[turn],
+        hz: now, t, label: place.label, sense: place.sense[whirl], order: place.order[whirl],
         x: this.factor * Math.hypot(xRe[row], xIm[row]), phaseX: degrees(xRe[row], xIm[row]),
         y: this.factor * Math.hypot(yRe[row], yIm[row]), phaseY: degrees(yRe[row], yIm[row]),
         peak: top.reduce((best, v, i) => (v > top[best] ? i : best), 0),

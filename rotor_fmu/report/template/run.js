@@ -2,14 +2,19 @@
 
 const field = (id) => document.getElementById(id);
 
+function whirling(sense) {
+  if (!Number.isFinite(sense)) return "";
+  if (Math.abs(sense) <= 0.05) return "; whirls on a line";
+  return sense < 0 ? "; whirls backward" : "; whirls forward";
+}
+
 function sentence(found, run, several) {
-  const way = found.sense < -0.05 ? "backward" : found.sense > 0.05 ? "forward" : "on a line";
   return (
     `${several ? `${run.name}, ` : ""}${found.label} at ${shown(found.hz)} Hz ` +
     `(${Math.round(60 * found.hz)} rpm), t = ${shown(found.t)} s: ` +
     `1x of x ${shown(found.x)} ${UNITS[over.factor]} at ${Math.round(found.phaseX)}°, ` +
     `of y ${shown(found.y)} at ${Math.round(found.phaseY)}°; ` +
-    `largest line ${shown(run.orders[found.peak])}x; whirls ${way}`
+    `largest line ${shown(run.orders[found.peak])}x${whirling(found.sense)}`
   );
 }
 
@@ -105,7 +110,8 @@ async function showOverTime(runs) {
     near: () => {
       const { hz, t } = over.runs[0].stations;
       const at = Number(field("station").value);
-      time.view(t[at] - 4 / hz[at], t[at] + 4 / hz[at]);
+      const four = 4 / Math.abs(hz[at]);
+      time.view(t[at] - four, t[at] + four);
       time.point(t[at]);
     },
   };

@@ -58,7 +58,7 @@ class TimeChart {
     const head = this.runs[0].signals[index];
     this.label = head.label;
     this.unit = head.unit;
-    this.chart.plot.left[0].axis_label = `${head.label} [${head.unit}]`;
+    this.chart.plot.left[0].axis_label = verbatim(`${head.label} [${head.unit}]`);
     const every = Math.max(...this.shown.map((signal) => signal?.every ?? 1));
     const kept = every > 1 ? `least and largest of each ${Math.round(every)} steps` : "every step";
     this.chart.name([...this.runs.map((run, r) => [run.name, `c${r}`, r]), [kept, "ground"]]);

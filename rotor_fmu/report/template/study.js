@@ -74,9 +74,9 @@ class StudyMap {
     this.mapper.high = shades.reduce((a, b) => Math.max(a, b), -Infinity);
     if (!shades.length) [this.mapper.low, this.mapper.high] = [0, 1];
     if (this.mapper.low === this.mapper.high) this.mapper.high += 1;
-    this.bar.title = this.label(field("shade").value);
-    this.chart.plot.below[0].axis_label = this.label(field("across").value);
-    this.chart.plot.left[0].axis_label = this.label(field("up").value);
+    this.bar.title = verbatim(this.label(field("shade").value));
+    this.chart.plot.below[0].axis_label = verbatim(this.label(field("across").value));
+    this.chart.plot.left[0].axis_label = verbatim(this.label(field("up").value));
     this.chart.name([
       [`${good.length} runs`, "c0"],
       ...(bad.length ? [[`${bad.length} failed, or without the value (crosses)`, "c1"]] : []),
@@ -158,8 +158,9 @@ class StudyMap {
     this.span(this.curve.plot.x_range, kept.coordinate);
     // all runs on one scale, so that they compare
     this.span(this.curve.plot.y_range, kept.values);
-    this.curve.plot.below[0].axis_label = `${kept.dimension} [${kept.coordinate_unit}]`;
-    this.curve.plot.left[0].axis_label = `${kept.name} [${kept.unit}]`;
+    const [below, left] = [this.curve.plot.below[0], this.curve.plot.left[0]];
+    below.axis_label = verbatim(`${kept.dimension} [${kept.coordinate_unit}]`);
+    left.axis_label = verbatim(`${kept.name} [${kept.unit}]`);
     this.curve.tell(`${kept.text} of run ${this.study.runs[this.row]}.`);
   }
 }

@@ -29,9 +29,10 @@ from ...model.kernels.sealed_folder import make_private
 from ...model.kernels.user_cache import user_cache
 from ...runs.recording import Recording
 from ..study import FAILED, Result
-from .driving import Drive, Samples, Window
+from .driving import Drive
 from .keeping import cells
 from .runs import RUN, MachineRuns, machine_of, status_of
+from .watch import Samples, Window
 
 DRIVE = "drive."
 # The numbers of a run by the names of the drive train's FMU.
@@ -110,8 +111,8 @@ class CoupledRuns(MachineRuns):
             "status": state,
             "messages": [],
         }
-        sampled = _window(seen, names).sampled
-        return Recording(sampled.t, sampled.columns, {n: units[n] for n in names}, about)
+        shown = _window(seen, names).steps
+        return Recording(shown.t, shown.columns, {n: units[n] for n in names}, about)
 
     @contextmanager
     def _coupled(
@@ -149,9 +150,10 @@ class CoupledRuns(MachineRuns):
 
 
 def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:
+    """What the communication points show stands for the solver's steps."""
     columns = np.array(points, dtype=float).reshape(len(points), 1 + len(names)).T
-    sampled = Samples(columns[0], dict(zip(names, columns[1:], strict=True)))
-    return Window(sampled, Samples(np.zeros(0), {}), math.nan, 0)
+    steps = Samples(columns[0], dict(zip(names, columns[1:], strict=True)))
+    return Window(steps, Samples(np.zeros(0), {}), math.nan, 0)
 
 
 @lru_cache(maxsize=_KEPT_MACHINES)

@@ -1,15 +1,15 @@
-"""How a run of a study is driven, and when it is looked at.
+"""How a run of a study is driven, and what is looked at.
 
-Ramps, signals, drops and motors are one window, sampled every `step`; at constant speeds every
-speed is a window of its own, sampled in whole turns after it has settled, so that a sample a turn
-is a point of the Poincare section.
+Ramps, signals, drops and motors are one window; at constant speeds every speed is a window of its
+own, of whole turns after it has settled. A window is seen at the solver's own steps and, in whole
+turns, at equal angles too, so that a sample a turn is a point of the Poincare section.
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -18,6 +18,7 @@ import numpy as np
 from ...errors import InputError
 from ...model.simulation import Simulation
 from ...runs.signals import Driver, Signals
+from .watch import Watch, Window
 
 
 class Number(NamedTuple):
@@ -30,7 +31,7 @@ class Number(NamedTuple):
     text: str
 
 
-_STEP = Number("s", 0.04, True, "interval between two samples")
+_STEP = Number("s", 0.04, True, "communication step, at which the speed is taken up")
 _STOP = Number("s", None, True, "end of the run")
 _RAMP = {
     "from": Number("rad/s", 400.0, False, "speed at the start"),
@@ -45,9 +46,9 @@ _UP = _RAMP | {
 _MEASURED = {
     "settle": Number("s", 1.0, False, "time that each speed is held before it is looked at"),
     "turns": Number("1", 64.0, True, "turns looked at"),
-    "per_turn": Number("1", 32.0, True, "samples a turn"),
+    "per_turn": Number("1", 32.0, True, "samples a turn, of what is told by turns"),
     "measure": Number("s", 0.0, False, "time looked at, in the place of turns"),
-    "step": Number("s", 1e-3, True, "interval between two samples, where measure is given"),
+    "step": Number("s", 1e-3, True, "communication step, where measure is given"),
 }
 # The numbers of each kind of run, all of which can be varied as `run.NAME`.
 KINDS: Mapping[str, Mapping[str, Number]] = {
@@ -66,7 +67,7 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     "drop": {
         "speed": Number("rad/s", None, False, "speed at the release"),
         "stop": _STOP,
-        "step": Number("s", 1e-4, True, "interval between two samples"),
+        "step": Number("s", 1e-4, True, "communication step"),
     },
     "motor": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
@@ -96,6 +97,7 @@ WHOLE = ("turns", "per_turn", "count", "back")
 _NOT_NEGATIVE = ("settle", "measure", "back", "integral", "damping")
 LEVELS = ("constant", "steps")
 COUPLED = "drive-train"  # the kind of which a run is two FMUs
+_STANDS = 1e-9  # share of the highest speed that rounding leaves of none
 
 
 @dataclass(frozen=True)
@@ -163,83 +165,27 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
         if name in WHOLE and value != int(value):
             raise InputError(f"run.{name} = {value:g}: must be an integer")
     if kind in LEVELS and not numbers["measure"]:
-        ends = ("speed",) if kind == "constant" else ("from", "to")
-        for name in ends:
-            if not numbers[name] > 0:
-                raise InputError(f"run.{name} = {numbers[name]:g} rad/s: must be > 0 to make turns")
+        speeds = np.abs(Drive(kind, numbers).speeds)
+        if speeds.min() <= _STANDS * speeds.max():
+            ends = ("speed",) if kind == "constant" else ("from", "to")
+            given = ", ".join(f"run.{name} = {numbers[name]:g}" for name in ends)
+            raise InputError(f"{given} rad/s: no speed that is held may be 0, to make turns")
     if "rate" in numbers and numbers["from"] == numbers["to"]:
         raise InputError(f"run.to = {numbers['to']:g} rad/s: must differ from run.from")
 
 
-class Samples(NamedTuple):
-    """Outputs at instants: t, shape (n,) [s]; columns by name, shape (n,)."""
-
-    t: np.ndarray
-    columns: Mapping[str, np.ndarray]
-
-
-class Window(NamedTuple):
-    """A part of a run that is looked at: at chosen instants, and at the solver's own steps; the
-    speed that is held [rad/s], nan where it varies; samples a turn, 0 where they are not so spaced.
-    """
-
-    sampled: Samples
-    steps: Samples
-    speed: float
-    per_turn: int
-
-
-class _Watch:
-    """What is looked at while a simulation marches on: some outputs at chosen instants, others,
-    taped, at the solver's steps."""
-
-    def __init__(self, simulation: Simulation, names: Sequence[str], taped: Sequence[str]) -> None:
-        self._simulation = simulation
-        self._names, self._taped = names, taped
-        self._at = np.array([simulation.names.index(name) for name in names], dtype=int)
-        self._tapes: list[np.ndarray] = []
-        self.begin()
-
-    def begin(self) -> None:
-        """Forget what was seen, but where the tape stands."""
-        self._times: list[float] = []
-        self._rows: list[np.ndarray] = []
-        tapes = [*self._tapes, self._simulation.drain()] if self._taped else []
-        whole = [tape[-1:] for tape in tapes if len(tape)]
-        self._tapes = whole[-1:]
-
-    def look(self) -> None:
-        """Take a sample, and the tape so far."""
-        self._times.append(self._simulation.time)
-        self._rows.append(self._simulation.observed[self._at])
-        if self._taped:
-            self._tapes.append(self._simulation.drain())
-
-    def window(self, speed: float, per_turn: int) -> Window:
-        """What was seen since the beginning."""
-        sampled = dict(zip(self._names, np.array(self._rows).T, strict=True))
-        tape = np.concatenate([np.zeros((0, 1 + len(self._taped))), *self._tapes]).T
-        steps = Samples(tape[0], dict(zip(self._taped, tape[1:], strict=True)))
-        return Window(Samples(np.array(self._times), sampled), steps, speed, per_turn)
-
-
-def drive(
-    simulation: Simulation, how: Drive, names: Sequence[str], taped: Sequence[str] = ()
-) -> Iterator[Window]:
-    """March through a run; yields its windows, in which the outputs `names` were sampled and those
-    that the simulation records, `taped`, read.
+def drive(simulation: Simulation, how: Drive, watch: Watch) -> Iterator[Window]:
+    """March through a run; yields its windows as they end.
 
     Raises `StepFailure` where the run stops.
     """
-    watch = _Watch(simulation, names, taped)
     if how.kind in LEVELS:
         yield from _levels(simulation, how, watch)
         return
     advance = {"signals": _by_signals, "drop": _dropping, "motor": _by_motor}.get(how.kind, _ramp)
-    watch.look()
     for _ in advance(simulation, how):
-        watch.look()
-    yield watch.window(math.nan, 0)
+        watch.record()
+    yield watch.window()
 
 
 def _instants(start: float, stop: float, step: float) -> Iterator[float]:
@@ -265,7 +211,7 @@ def _kick_off(simulation: Simulation, how: Drive, drive: float) -> None:
     simulation.advance(simulation.time, drive, 0.0 * loads)
 
 
-def _levels(simulation: Simulation, how: Drive, watch: _Watch) -> Iterator[Window]:
+def _levels(simulation: Simulation, how: Drive, watch: Watch) -> Iterator[Window]:
     n = how.numbers
     _kick_off(simulation, how, float(how.speeds[0]))
     for speed in how.speeds.tolist():
@@ -275,14 +221,17 @@ def _levels(simulation: Simulation, how: Drive, watch: _Watch) -> Iterator[Windo
             count = max(1, round(n["measure"] / n["step"]))
         else:
             # on to the keyphasor's mark, phi a multiple of a turn
-            begun += -simulation.read("phi") % math.tau / speed
+            sense = math.copysign(1.0, speed)
+            begun += -sense * simulation.read("phi") % math.tau / abs(speed)
             simulation.advance(begun, speed)
             per_turn = int(n["per_turn"])
-            count, interval = int(n["turns"]) * per_turn, math.tau / speed / per_turn
+            count, interval = int(n["turns"]) * per_turn, math.tau / abs(speed) / per_turn
         watch.begin()
         for k in range(1, count + 1):
             simulation.advance(begun + k * interval, speed)
-            watch.look()
+            watch.record()
+            if per_turn:
+                watch.sample()
         yield watch.window(speed, per_turn)
 
 
@@ -290,20 +239,16 @@ def _ramp(simulation: Simulation, how: Drive) -> Iterator[float]:
     n = how.numbers
     way = math.copysign(n["rate"], n["to"] - n["from"])
     top = abs(n["to"] - n["from"]) / n["rate"]
-    stop = 2 * top if how.kind == "up-and-down" else top
     _kick_off(simulation, how, n["from"])
-
-    def speed(now: float) -> float:
-        return n["from"] + way * (now if now <= top else 2 * top - now)
-
-    for t in _instants(simulation.time, stop, n["step"]):
-        now, rate = simulation.time, None
-        if now < top < t:
-            simulation.advance(top, speed(now))
-        if now <= top < t:  # where it turns round
-            now, rate = top, -way
-        simulation.advance(t, speed(now), rate=rate)
+    for t in _instants(simulation.time, top, n["step"]):
+        simulation.advance(t, n["from"] + way * simulation.time)
         yield t
+    if how.kind == "up-and-down":
+        rate: float | None = -way  # from the top on; later the speeds themselves say so
+        for t in _instants(top, 2 * top, n["step"]):
+            simulation.advance(t, n["from"] + way * (2 * top - simulation.time), rate=rate)
+            rate = None
+            yield t
 
 
 def _by_signals(simulation: Simulation, how: Drive) -> Iterator[float]:

@@ -12,8 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...errors import InputError
 from ..study import Cell, Column
-from .driving import Drive, Samples, Window
+from .driving import COUPLED, LEVELS, Drive
+from .watch import Samples, Window
 
 Options = Mapping[str, Any]
 
@@ -21,12 +23,13 @@ Options = Mapping[str, Any]
 class Kind(NamedTuple):
     """A way to make a cell of a window: what it needs beside the quantity, what it may have with
     its default, whether only at constant speed in whole turns, and what it is, to be filled in
-    with the options."""
+    with the options; whether nothing less than the solver's own steps will do."""
 
     needed: tuple[str, ...]
     optional: Mapping[str, float]
     in_turns: bool
     text: str
+    is_fine: bool = False
 
 
 KINDS: Mapping[str, Kind] = {
@@ -42,16 +45,15 @@ KINDS: Mapping[str, Kind] = {
         ("order", "speed"),
         {},
         False,
-        "amplitude of order {order:g} where {speed:g} rad/s is passed,",
+        "amplitude of order {order:g} where {speed:g} rad/s is first passed,",
+        is_fine=True,
     ),
     "spectrum": Kind(("orders",), {}, True, "full spectrum, negative orders backward,"),
-    "contact": Kind((), {"after": 0.0}, False, "time in contact"),
-    "dissipated": Kind((), {}, False, "work of friction at a contact"),
-    "whirl": Kind((), {}, False, "mean rate at which PART.x, PART.y turn about zero"),
+    "contact": Kind((), {"after": 0.0}, False, "time in contact", is_fine=True),
+    "dissipated": Kind((), {}, False, "work of friction at a contact", is_fine=True),
+    "whirl": Kind((), {}, False, "mean rate at which PART.x, PART.y turn about zero", is_fine=True),
     "jump": Kind(("way",), {"least": 0.2}, False, "speed of the largest jump {way} of the mean"),
 }
-# Kinds that look at the solver's own steps.
-TAPED = ("contact", "dissipated", "passing")
 # Kinds whose quantity is a part, with the outputs that they look at.
 _OF_PARTS = {
     "contact": ("contact",),
@@ -60,6 +62,8 @@ _OF_PARTS = {
     "spectrum": ("x", "y"),
 }
 WAYS = ("up", "down")
+# Orders are passed in turns resampled at 64 angles at least.
+_MOST_PASSED = 32
 
 
 @dataclass(frozen=True)
@@ -127,12 +131,54 @@ def cells(keep: Keep, windows: list[Window], drive: Drive) -> Cell:
     return numbers if drive.kind == "steps" else numbers[0]
 
 
-def _seen(keep: Keep, window: Window) -> Samples:
-    return window.steps if keep.kind in TAPED else window.sampled
+def check(keep: Keep, how: Drive) -> None:
+    """Refuse what is not to be kept of a run that is driven so: `InputError`."""
+    kind, options = KINDS[keep.kind], dict(keep.options)
+    where, n = f"keep {keep.name}", how.numbers
+    if how.kind == COUPLED and kind.is_fine:
+        raise InputError(
+            f"{where}: {keep.kind} looks at the solver's own steps, which no FMU shows"
+        )
+    held = LEVELS if keep.kind == "order" else ("constant",)
+    if kind.in_turns and (how.kind not in held or n["measure"]):
+        raise InputError(f"{where}: {keep.kind} is kept of runs at a constant speed in whole turns")
+    if keep.kind == "jump" and how.kind != "steps":
+        raise InputError(f"{where}: jump is kept of runs in steps")
+    if keep.kind in ("value", "amplitude", "passing") and how.kind in LEVELS:
+        raise InputError(f"{where}: {keep.kind} is kept of runs whose speed goes on")
+    if options.get("after", 0.0) < 0:
+        raise InputError(f"{where}: after = {options['after']:g} s: must be >= 0")
+    if keep.kind == "passing":
+        order = options["order"]
+        if not 0 < order < _MOST_PASSED or not _is_whole(2 * order):
+            raise InputError(
+                f"{where}: order = {order:g}: must be a multiple of 0.5 from 0.5 to "
+                f"{_MOST_PASSED - 0.5:g}"
+            )
+    if keep.kind == "order":
+        order, turns, per_turn = options["order"], n["turns"], n["per_turn"]
+        if not 0 < order < per_turn / 2:
+            raise InputError(
+                f"{where}: order = {order:g}: must be > 0 and below half of run.per_turn = "
+                f"{per_turn:g}"
+            )
+        if not _is_whole(order * turns):
+            raise InputError(
+                f"{where}: order = {order:g}: must make whole periods in run.turns = {turns:g}"
+            )
+    if keep.kind == "spectrum" and not 0 < options["orders"] < n["per_turn"] / 2:
+        raise InputError(
+            f"{where}: orders = {options['orders']:g}: must be > 0 and below half of run.per_turn "
+            f"= {n['per_turn']:g}"
+        )
 
 
-def _quantity(keep: Keep, window: Window) -> np.ndarray:
-    columns = _seen(keep, window).columns
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) < 1e-9
+
+
+def _quantity(keep: Keep, seen: Samples) -> np.ndarray:
+    columns = seen.columns
     if keep.of.endswith(".r") and keep.of not in columns:
         part = keep.of.removesuffix(".r")
         return np.hypot(columns[f"{part}.x"], columns[f"{part}.y"])
@@ -140,20 +186,21 @@ def _quantity(keep: Keep, window: Window) -> np.ndarray:
 
 
 def _late(keep: Keep, window: Window, options: Options) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values from `after` on, counted from the window's beginning."""
-    t = _seen(keep, window).t
-    first = min(int(np.searchsorted(t, t[0] + options["after"])), len(t) - 1)
-    return t[first:], _quantity(keep, window)[first:]
+    """Times and values from `after` on, counted from the window's beginning; none where it ends
+    before."""
+    t = window.steps.t
+    first = int(np.searchsorted(t, t[0] + options["after"]))
+    return t[first:], _quantity(keep, window.steps)[first:]
 
 
 def _peak(keep: Keep, window: Window, options: Options) -> float:
-    return float(np.abs(_late(keep, window, options)[1]).max())
+    values = np.abs(_late(keep, window, options)[1])
+    return float(values.max()) if len(values) else math.nan
 
 
 def _averaged(t: np.ndarray, values: np.ndarray) -> float:
-    if len(t) < 2:
-        return float(values[-1])
-    return float(np.trapezoid(values, t) / (t[-1] - t[0]))
+    """By the trapezoidal rule over all steps; nan where there are none."""
+    return float(np.trapezoid(values, t) / (t[-1] - t[0])) if len(t) > 1 else math.nan
 
 
 def _rms(keep: Keep, window: Window, options: Options) -> float:
@@ -166,12 +213,12 @@ def _mean(keep: Keep, window: Window, options: Options) -> float:
 
 
 def _last(keep: Keep, window: Window, options: Options) -> float:
-    return float(_quantity(keep, window)[-1])
+    return float(_quantity(keep, window.steps)[-1])
 
 
 def _value(keep: Keep, window: Window, options: Options) -> float:
-    """Linear between the two samples about the speed; nan where it is never passed."""
-    w, values = window.sampled.columns["w"] - options["speed"], _quantity(keep, window)
+    """Linear between the two steps about the speed; nan where it is never passed."""
+    w, values = window.steps.columns["w"] - options["speed"], _quantity(keep, window.steps)
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
         return math.nan
@@ -183,41 +230,43 @@ def _value(keep: Keep, window: Window, options: Options) -> float:
 def _amplitude(keep: Keep, window: Window, options: Options) -> list[float]:
     bins = options["bins"]
     edges = np.linspace(bins["from"], bins["to"], int(bins["count"]) + 1)
-    values = np.abs(_quantity(keep, window))
-    at = np.digitize(window.sampled.columns["w"], edges) - 1
+    values, w = np.abs(_quantity(keep, window.steps)), window.steps.columns["w"]
+    at = np.digitize(w, edges) - 1
+    at[w == edges[-1]] = len(edges) - 2  # the last bin has both of its ends
     largest = np.full(len(edges) - 1, math.nan)
-    for i in range(len(largest)):
-        inside = values[at == i]
-        if len(inside):
-            largest[i] = inside.max()
+    inside = (at >= 0) & (at < len(largest))
+    np.fmax.at(largest, at[inside], values[inside])
     return largest.tolist()
 
 
 def _poincare(keep: Keep, window: Window, options: Options) -> np.ndarray:
-    return _quantity(keep, window)[window.per_turn - 1 :: window.per_turn]
+    return _quantity(keep, window.turns)[window.per_turn - 1 :: window.per_turn]
 
 
 def _order(keep: Keep, window: Window, options: Options) -> float:
     """Twice the modulus of the mean of x exp(-i order phi), over whole turns."""
-    values = _quantity(keep, window)
+    values = _quantity(keep, window.turns)
     angle = math.tau * np.arange(1, len(values) + 1) / window.per_turn
     return float(2 * abs(np.mean(values * np.exp(-1j * options["order"] * angle))))
 
 
 def _passing(keep: Keep, window: Window, options: Options) -> float:
-    """By revolution-synchronous resampling, of the block of turns nearest to the speed; nan where
-    the speed is not reached."""
+    """By revolution-synchronous resampling, of the block of turns nearest to where the speed is
+    first passed; nan where it is not, or in steps too long for the order."""
     from ...vibration import TooFewTurns, order_track
 
-    phi = window.steps.columns["phi"]
+    phi, order = window.steps.columns["phi"], options["order"]
     try:
-        track = order_track(window.steps.t, phi, _quantity(keep, window), [options["order"]])
+        track = order_track(window.steps.t, phi, _quantity(keep, window.steps), [order])
     except TooFewTurns:
         return math.nan
-    if not track.speed.min() <= options["speed"] <= track.speed.max():
+    apart = track.speed - options["speed"]
+    ways = track.speed[1:] * track.speed[:-1] > 0
+    passed = np.flatnonzero((apart[1:] * apart[:-1] <= 0) & ways)
+    if not len(passed):
         return math.nan
-    nearest = int(np.argmin(np.abs(track.speed - options["speed"])))
-    return float(abs(track.x(options["order"])[nearest]))
+    at = passed[0] + int(abs(apart[passed[0] + 1]) < abs(apart[passed[0]]))
+    return float(abs(track.x(order)[at]))
 
 
 def spectrum_orders(highest: float, turns: int) -> np.ndarray:
@@ -228,8 +277,10 @@ def spectrum_orders(highest: float, turns: int) -> np.ndarray:
 
 def _spectrum(keep: Keep, window: Window, options: Options) -> np.ndarray:
     """Amplitudes of the orders of x + i y; the mean is taken away."""
-    columns = window.sampled.columns
+    columns = window.turns.columns
     z = columns[f"{keep.of}.x"] + 1j * columns[f"{keep.of}.y"]
+    if window.speed < 0:  # seen from behind, forward stays forward
+        z = z.conj()
     turns = len(z) // window.per_turn
     found = np.abs(np.fft.fft(z - z.mean())) / len(z)
     lines = np.rint(spectrum_orders(options["orders"], turns) * turns).astype(int)
@@ -255,9 +306,9 @@ def _dissipated(keep: Keep, window: Window, options: Options) -> float:
 
 
 def _whirl(keep: Keep, window: Window, options: Options) -> float:
-    x, y = (window.sampled.columns[f"{keep.of}.{axis}"] for axis in "xy")
+    x, y = (window.steps.columns[f"{keep.of}.{axis}"] for axis in "xy")
     angle = np.unwrap(np.arctan2(y, x))
-    span = window.sampled.t[-1] - window.sampled.t[0]
+    span = window.steps.t[-1] - window.steps.t[0]
     return float((angle[-1] - angle[0]) / span) if span > 0 else math.nan
 
 

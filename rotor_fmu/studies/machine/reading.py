@@ -17,9 +17,9 @@ from ...runs.signals import read_signals
 from ..design import Axis, number, whole
 from ..tables import Tables, known_name, nearest, table_of
 from .coupled import CoupledRuns
-from .driving import COUPLED, FREE, KINDS, LEVELS, WHOLE, Drive, Kick, check_numbers
+from .driving import COUPLED, FREE, KINDS, WHOLE, Drive, Kick, check_numbers
 from .keeping import KINDS as KEPT
-from .keeping import TAPED, WAYS, Keep, column
+from .keeping import WAYS, Keep, check, column
 from .runs import RUN, Machine, MachineRuns, machine_of
 
 
@@ -169,21 +169,9 @@ def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, 
     if not isinstance(of, str):
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
     checked = {key: _option(where, key, value) for key, value in options.items()}
-    held = LEVELS if kind == "order" else ("constant",)
-    if how.kind == COUPLED and kind in TAPED:
-        raise InputError(f"{where}: {kind} looks at the solver's own steps, which no FMU shows")
-    if told.in_turns and (how.kind not in held or how.numbers["measure"]):
-        raise InputError(f"{where}: {kind} is kept of runs at a constant speed in whole turns")
-    if kind == "jump" and how.kind != "steps":
-        raise InputError(f"{where}: jump is kept of runs in steps")
-    if kind in ("value", "amplitude", "passing") and how.kind in LEVELS:
-        raise InputError(f"{where}: {kind} is kept of runs whose speed goes on")
-    if kind == "order" and (checked["order"] * how.numbers["turns"]) % 1:
-        raise InputError(f"{where}: order = {checked['order']:g}: must make whole periods in turns")
-    if kind == "spectrum" and checked["orders"] > how.numbers["per_turn"] / 2:
-        raise InputError(f"{where}: orders = {checked['orders']:g}: at most half of run.per_turn")
     scale = _radius(machine, of) if kind == "dissipated" else 0.0
     keep = Keep(name, kind, of, tuple(checked.items()), scale)
+    check(keep, how)
     for need in keep.needs:
         if need not in units:
             parts = {n.rpartition(".")[0] for n in units if "." in n}
@@ -223,7 +211,9 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
                 raise InputError(f"vary {axis.name}: {target} stands in [set] too")
             for value in axis.values:
                 if target.startswith(RUN):
-                    runs.how.changed({target.removeprefix(RUN): value})
+                    how = runs.how.changed({target.removeprefix(RUN): value})
+                    for keep in runs.keeps:
+                        check(keep, how)
                 else:
                     _value(f"vary {axis.name}", _settable(machine, target), value)
             own = target.removeprefix(RUN)

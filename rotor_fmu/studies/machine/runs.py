@@ -8,8 +8,6 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import NamedTuple
 
-import numpy as np
-
 from ...errors import InputError
 from ...fmi.binding import build_simulation
 from ...fmi.interface import interface
@@ -22,11 +20,11 @@ from ...model.settings import SettingsError
 from ...model.simulation import EquilibriumError, Simulation, StepFailure
 from ...runs.recording import Recording
 from ..study import FAILED, OK, Column, Result
-from .driving import FREE, Drive, Samples, drive
-from .keeping import TAPED, Keep, cells
+from .driving import FREE, Drive, drive
+from .keeping import KINDS, Keep, cells
+from .watch import TAPE_ROWS, Watch
 
 RUN = "run."
-TAPE_ROWS = 16384  # between two samples; beyond it every second step is dropped
 
 
 class Machine(NamedTuple):
@@ -83,7 +81,7 @@ class MachineRuns:
     def warm(self) -> None:
         """Compile what runs need, or load it, by a start and a short step."""
         try:
-            _, simulation = self._prepared({}, [], self._needs(True))
+            _, simulation = self._prepared({}, [], self._needs(False))
             speed = 0.0 if self.is_free else self.how.start["speed"]
             simulation.advance(1e-6, speed)
         except (InputError, EquilibriumError, StepFailure):
@@ -92,8 +90,9 @@ class MachineRuns:
     def run(self, values: Mapping[str, float]) -> Result:
         """One run; what fails in it, impossible values included, is its status."""
         try:
-            how, simulation = self._prepared(values, [], self._needs(True))
-            windows = list(drive(simulation, how, self._needs(False), self._needs(True)))
+            how, simulation = self._prepared(values, [], self._needs(False))
+            watch = Watch(simulation, self._needs(False), self._needs(True))
+            windows = list(drive(simulation, how, watch))
         except StepFailure as error:
             return Result(f"{FAILED}{error}", {})
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
@@ -106,15 +105,17 @@ class MachineRuns:
         from ...runs.run_down import usual  # with FMPy, which no worker needs
 
         machine = machine_of(self.toml, self.is_free)
-        names = tuple(dict.fromkeys(("phi", "w", *usual(machine.rotor), *self._needs(True))))
+        names = ("phi", "w", *usual(machine.rotor), *self._needs(False), *self._needs(True))
+        names = tuple(dict.fromkeys(names))
         messages: list[str] = []
         how, simulation = self._prepared(values, messages, names)
-        tapes: list[Samples] = []
-        failure = ""
+        watch, failure = Watch(simulation, names, is_whole=True), ""
         try:
-            tapes += (window.steps for window in drive(simulation, how, (), names))
+            for _ in drive(simulation, how, watch):
+                pass
         except StepFailure as error:
             failure = f"{FAILED}{error}"
+        seen = watch.window().steps
         units = {str(entry.name): entry.output.unit for entry in recordable(machine.rotor)}
         about = {
             "machine": machine.rotor.name,
@@ -124,27 +125,22 @@ class MachineRuns:
             "status": failure or status_of(simulation.read),
             "messages": messages,
         }
-        t = np.concatenate([np.zeros(0), *(tape.t for tape in tapes)])
-        columns = {
-            name: np.concatenate([np.zeros(0), *(tape.columns[name] for tape in tapes)])
-            for name in names
-        }
-        return Recording(t, columns, {name: units[name] for name in names}, about)
+        return Recording(seen.t, seen.columns, {name: units[name] for name in names}, about)
 
-    def _needs(self, is_taped: bool) -> tuple[str, ...]:
-        """The outputs that are kept of, at chosen instants or at the solver's steps."""
-        chosen = (keep for keep in self.keeps if (keep.kind in TAPED) == is_taped)
+    def _needs(self, by_turns: bool) -> tuple[str, ...]:
+        """The outputs that are kept of, at the solver's steps or by turns at equal angles."""
+        chosen = (keep for keep in self.keeps if KINDS[keep.kind].in_turns == by_turns)
         return tuple(dict.fromkeys(name for keep in chosen for name in keep.needs))
 
     def _prepared(
-        self, values: Mapping[str, float], messages: list[str], taped: Sequence[str]
+        self, values: Mapping[str, float], messages: list[str], recorded: Sequence[str]
     ) -> tuple[Drive, Simulation]:
         own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
         of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
         how = self.how.changed(own)
         machine = machine_of(self.toml, self.is_free)
         everything = {**machine.start, **how.start, **self.values, **of_machine}
-        tape = Record(taped, 0.0, TAPE_ROWS)
+        tape = Record(recorded, 0.0, TAPE_ROWS)
         return how, build_simulation(
             machine.rotor, machine.table, everything, messages.append, record=tape
         )

@@ -1,0 +1,152 @@
+"""A journal at a wall: where it touches, how far it is in, what that costs.
+
+d = u + i v [m] is the journal's displacement relative to the housing, e = d / |d| the direction of
+contact, psi = arg d the contact angle (paper A, eqs 2 to 5, with its misprints mended):
+
+    delta = |d| - s;    n = max(0, k delta^m + c min(1, delta / delta_c) delta')  while delta > 0
+
+with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration: were it
+there at once, the force would jump at touch, and a step that ends in the jump would have no
+solution.
+
+In a worn housing the clearance depends on the direction, s(psi) = clearance + wear
+cos(psi / 2 - wear_angle / 2)^(2 wear_power), and the force acts along g = grad delta, no longer e,
+so that it has the potential k delta^(m + 1) / (m + 1).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ..kernels.compiled import called, compiled
+from ..kernels.functions import angle, direction, modulus, power
+from ..quantities import ANY, NOT_NEGATIVE, Rule, quantity
+
+_EXPONENT = Rule(1.0, False, "must be from 1 to 3", most=3.0)
+_POWER = Rule(1.0, False, "must be >= 1 and finite")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactQuantities:
+    """What a clearance contact is: journal_radius, radial clearance [m]; contact stiffness k
+    [N/m^exponent], contact damping c [N.s/m] that is fully there at the penetration delta_c [m];
+    coefficient of friction mu [1], smoothed below the sliding speed v_s [m/s], and at rest larger
+    by mu_rise [1], which falls off over v_stribeck [m/s]; depth [m], direction [rad] and
+    narrowness [1] of the wear; tangential stiffness k_t [N/m] and damping c_t [N.s/m] of a journal
+    that sticks."""
+
+    journal_radius: float = quantity("m", "radius of the journal")
+    clearance: float = quantity("m", "radial clearance", is_parameter=True)
+    mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_parameter=True)
+    k: float = quantity("N/m", "contact stiffness", is_parameter=True)
+    c: float = quantity("N.s/m", "contact damping", NOT_NEGATIVE, 100.0, is_parameter=True)
+    delta_c: float = quantity("m", "penetration at which its damping is whole", default=2e-7)
+    v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
+    exponent: float = quantity(
+        "1",
+        "exponent of the penetration: 1 linear, 10/9 a roller, 1.5 Hertz; k in N/m^exponent",
+        _EXPONENT,
+        1.0,
+    )
+    mu_rise: float = quantity("1", "excess of the friction at rest", NOT_NEGATIVE, 0.0)
+    v_stribeck: float = quantity("m/s", "sliding speed over which it falls off", default=0.01)
+    wear: float = quantity("m", "depth of the wear", NOT_NEGATIVE, 0.0)
+    wear_angle: float = quantity("rad", "direction of the wear", ANY, 1.5 * math.pi)
+    wear_power: float = quantity("1", "narrowness of the wear: 1 wide", _POWER, 1.0)
+    k_t: float = quantity(
+        "N/m",
+        "tangential stiffness of a journal that sticks; 0: it creeps below v_s",
+        NOT_NEGATIVE,
+        0.0,
+    )
+    c_t: float = quantity("N.s/m", "tangential damping of a journal that sticks", default=100.0)
+
+
+@compiled
+def _clearance_at(part, d):
+    """Clearance in the direction of d, and its first and second derivative by the angle [m]."""
+    if part.wear == 0.0:
+        return part.clearance, 0.0, 0.0
+    return _worn_at(part, d)
+
+
+@called
+def _worn_at(part, d):
+    """`_clearance_at` of a worn housing."""
+    turned = direction(0.5 * (angle(d) - part.wear_angle))
+    c, s = turned.real, turned.imag
+    p = part.wear_power
+    square = c * c
+    share = power(square, p - 1.0)
+    depth = part.wear * share * square
+    # s = wear (c^2)^p: s' = -p wear (c^2)^(p-1) c s, and once more
+    first = -p * part.wear * share * c * s
+    second = 0.5 * p * part.wear * share * ((2.0 * p - 1.0) * s * s - square)
+    return part.clearance + depth, first, second
+
+
+@compiled
+def elastic(part, delta):
+    """Elastic force of a penetration [N], its derivative [N/m]."""
+    if part.exponent == 1.0:
+        return part.k * delta, part.k
+    slope = part.k * power(delta, part.exponent - 1.0)
+    return slope * delta, slope * part.exponent
+
+
+@compiled
+def touch(part, d, d_dot):
+    """Where the journal touches, in the frame along e.
+
+    Returns penetration delta and its rate [m], [m/s]; n [N], 0 without contact, its elastic part,
+    its derivative by delta and by the rate; e; d_dot along e and i e; the gradient of delta [1] and
+    the second derivatives h along e and i e, h_b along i e twice [1/m].
+    """
+    r = modulus(d)
+    s, s_1, s_2 = _clearance_at(part, d)
+    delta = r - s
+    if delta <= 0.0:
+        return delta, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0
+    e = d * (1.0 / r)
+    local = e.conjugate() * d_dot
+    gradient = complex(1.0, -s_1 / r)
+    rate = local.real + gradient.imag * local.imag
+    n_k, n_a = elastic(part, delta)
+    share = min(1.0, delta / part.delta_c)
+    c = part.c * share
+    n = n_k + c * rate
+    if share < 1.0:
+        n_a += part.c / part.delta_c * rate
+    h, h_b = s_1 / (r * r), 1.0 / r - s_2 / (r * r)
+    return delta, rate, max(0.0, n), n_k, n_a, c, e, local, gradient, h, h_b
+
+
+@compiled
+def contact_angle(d):
+    """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
+    psi = angle(d)
+    if psi < 0.0:
+        psi += 2.0 * math.pi
+    return psi if psi < 2.0 * math.pi else 0.0
+
+
+@compiled
+def opening(part, d):
+    """See `protocol.law`."""
+    return _clearance_at(part, d)[0] - modulus(d)
+
+
+@compiled
+def length(part):
+    """See `protocol.law`."""
+    return part.clearance
+
+
+@compiled
+def compression(part, d):
+    """Elastic energy of a contact [J]."""
+    delta = -opening(part, d)
+    if delta <= 0.0:
+        return 0.0
+    return elastic(part, delta)[0] * delta / (part.exponent + 1.0)

@@ -1,0 +1,79 @@
+"""Solving with the stiffness of a shaft that is never summed up: its elements' end forces s are
+unknowns too.
+
+An element is strained by what is left of its nodes' motion when it has moved as one body,
+
+    B q = (w_2 - w_1 - L psi_1, psi_2 - psi_1),   s = k B q,
+
+and pulls at them with B^T s. In A q + B^T s = f, B q - k^-1 s = 0 a stiff shaft is one whose k^-1
+is small, and as accurate as any other; in A + B^T k B the rounding of k hides bearings that are
+softer than it by many decades.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from ..machine.rotor import Rotor
+from .beam import shaft_element
+
+# Of f, shape (N,) or (N, columns), the q and the s.
+Solve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+_SCALINGS = 4
+
+
+def strains(rotor: Rotor) -> tuple[sp.csr_array, np.ndarray]:
+    """B of one plane, shape (2 elements, dofs), and each element's k, shape (elements, 2, 2) [N/m,
+    N, N.m]."""
+    count = len(rotor.sections)
+    lengths = np.array([section.length for section in rotor.sections])
+    at, one = 2 * np.arange(count), np.ones(count)
+    rows = np.concatenate([at, at, at, at + 1, at + 1])
+    columns = np.concatenate([at, at + 1, at + 2, at + 1, at + 3])
+    values = np.concatenate([-one, -lengths, one, -one, one])
+    B = sp.csr_array((values, (rows, columns)), shape=(2 * count, 2 * count + 2))
+    return B, np.array([shaft_element(s).stiffness[2:, 2:] for s in rotor.sections])
+
+
+def diagonal(blocks: np.ndarray) -> sp.bsr_array:
+    """The matrix with these blocks, shape (count, size, size), along its diagonal."""
+    count, size, _ = blocks.shape
+    places = np.arange(count), np.arange(count + 1)
+    return sp.bsr_array((blocks, *places), shape=(count * size, count * size))
+
+
+def factorized(A: sp.sparray, B: sp.sparray, flexibility: np.ndarray) -> Solve:
+    """Solver of A q + B^T k B q = f; flexibility: the diagonal blocks of k^-1; real or complex.
+    Raises `RuntimeError` where that is singular."""
+    whole = sp.block_array([[A, B.T], [B, diagonal(-flexibility)]], format="csc")
+    column = np.repeat(np.arange(whole.shape[1]), np.diff(whole.indptr))
+    scale = _balance(np.abs(whole.data), whole.indices, column, whole.shape[0])
+    whole.data *= scale[whole.indices] * scale[column]
+    factors = splu(whole)
+    size = A.shape[0]
+
+    def solve(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        by_row = scale.reshape(-1, *[1] * (f.ndim - 1))
+        given = np.zeros((len(scale), *f.shape[1:]), dtype=whole.dtype)
+        given[:size] = f
+        found = by_row * factors.solve(by_row * given)
+        return found[:size], found[size:]
+
+    return solve
+
+
+def _balance(sizes: np.ndarray, row: np.ndarray, column: np.ndarray, count: int) -> np.ndarray:
+    """Factors on rows and columns alike, powers of two, that bring the largest numbers of each to
+    about 1 (Ruiz 2001); sizes: of the numbers at these rows and columns."""
+    scale = np.ones(count)
+    for _ in range(_SCALINGS):
+        scaled = sizes * scale[row] * scale[column]
+        largest = np.zeros(count)
+        np.maximum.at(largest, row, scaled)
+        np.maximum.at(largest, column, scaled)
+        scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
+    return 2.0 ** np.round(np.log2(scale))

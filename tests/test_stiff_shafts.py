@@ -1,0 +1,129 @@
+"""Shafts as stiff as those of textbooks: linear answers against closed forms of the rigid rotor."""
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import campbell, modes, static, unbalance_response
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.structure.assembly import assemble
+
+from rotor_fmu.linear.doubts import doubts
+from rotor_fmu.linear.tables import modes_table
+
+LENGTH, DIAMETER, DENSITY = 1.0, 0.1, 1.0
+MASS, I_D, I_P = 10.0, 0.1, 0.2
+K, C, SPEED = 1e6, 100.0, 300.0
+# Of the hub and of the shaft about its middle
+SHAFT = DENSITY * np.pi / 4 * DIAMETER**2 * LENGTH
+TOTAL = MASS + SHAFT
+DIAMETRAL = I_D + SHAFT * (LENGTH**2 / 12 + DIAMETER**2 / 16)
+POLAR = I_P + SHAFT * DIAMETER**2 / 8
+
+
+def machine(young, elements, more="", shaft=""):
+    bearing = f"[[linear_bearing]]\nkxx = {K}\nkyy = {K}\ncxx = {C}\ncyy = {C}\n"
+    return parse_rotor(f"""
+[material]
+young = {young}
+density = {DENSITY}
+[shaft]
+{shaft}
+[[section]]
+length = {LENGTH}
+outer = {DIAMETER}
+elements = {elements}
+[[body]]
+node = {elements // 2 + 1}
+mass = {MASS}
+I_d = {I_D}
+I_p = {I_P}
+{bearing}node = 1
+{bearing}node = {elements + 1}
+{more}
+""")
+
+
+def rigid_roots():
+    """Of the rigid rotor: twice m s^2 + 2 c s + 2 k, and of its tilt in complex coordinates
+    I_d s^2 + (c l^2 / 2 - i Omega I_p) s + k l^2 / 2; imaginary parts > 0, by size."""
+    bounce = np.roots([TOTAL, 2 * C, 2 * K])
+    tilt = np.roots([DIAMETRAL, C * LENGTH**2 / 2 - 1j * SPEED * POLAR, K * LENGTH**2 / 2])
+    roots = np.array([*bounce[bounce.imag > 0], *bounce[bounce.imag > 0], *tilt])
+    roots = roots.real + 1j * np.abs(roots.imag)
+    return roots[np.argsort(np.abs(roots))]
+
+
+@pytest.mark.parametrize("elements", [4, 20, 60])
+@pytest.mark.parametrize("shaft", ["", "eta_v = 1e-4\nrotating_damping = true\neta_h = 1e-3"])
+def test_a_stiff_and_light_shaft_has_the_modes_of_a_rigid_rotor(elements, shaft):
+    exact = rigid_roots()
+    found = modes(machine(2e18, elements, shaft=shaft), SPEED, count=4)
+    np.testing.assert_allclose(found.eigenvalues, exact, rtol=2e-8)
+    np.testing.assert_allclose(found.log_dec, -2 * np.pi * exact.real / exact.imag, rtol=1e-7)
+    assert found.is_sound.all()
+    assert found.whirl[2:] == ("backward", "forward")
+
+
+def test_the_modes_come_nearer_to_the_rigid_ones_as_the_shaft_stiffens():
+    off = [
+        np.abs(modes(machine(young, 20), SPEED, count=4).eigenvalues / rigid_roots() - 1).max()
+        for young in (2e13, 2e14, 2e15, 2e16)
+    ]
+    np.testing.assert_allclose(np.log10(off[:-1]) - np.log10(off[1:]), 1.0, atol=0.01)
+
+
+@pytest.mark.parametrize("young", [2.1e11, 2e18])
+def test_the_lowest_frequency_of_a_machine_does_not_depend_on_rounding(young):
+    lowest = assemble(machine(young, 60)).numbers[0].lowest_omega
+    found = modes(machine(young, 4), 0.0, count=1).natural[0]
+    assert lowest == pytest.approx(found, rel=2e-4)
+
+
+def test_a_rigid_rotor_answers_to_unbalance_as_it_should():
+    amount, z = 1e-4, 0.25
+    more = f"[[unbalance]]\nz = {z}\namount = {amount}\n"
+    found = unbalance_response(machine(2e18, 20, more), [SPEED])
+    arm = z - LENGTH / 2
+    push = amount * SPEED**2
+    along = push / (2 * K + 2j * SPEED * C - SPEED**2 * TOTAL)
+    tilted = (K + 1j * SPEED * C) * LENGTH**2 / 2 - SPEED**2 * (DIAMETRAL - POLAR)
+    tilt = push * arm / tilted
+    exact = along + tilt * (found.z - LENGTH / 2)
+    np.testing.assert_allclose(found.forward[0], exact, rtol=1e-7)
+    ends = (K + 1j * SPEED * C) * exact[[0, -1]]
+    np.testing.assert_allclose(found.load_x[0], ends, rtol=1e-7)
+
+
+@pytest.mark.parametrize("elements", [20, 60, 500])
+def test_bearings_and_pins_of_a_stiff_shaft_bear_its_weight_by_the_lever(elements):
+    hung = machine(
+        2e18,
+        elements,
+        "[[contact]]\nz = 0.75\njournal_radius = 0.05\nclearance = 1e-4\nk = 1e8\nmu = 0.1\n",
+    )
+    # in the order of the parts: the contact, both bearings
+    opened, pinned = (static(hung, contacts=word) for word in ("open", "pinned"))
+    weight = TOTAL * 9.81
+    np.testing.assert_allclose(opened.load_y, [0.0, -weight / 2, -weight / 2], rtol=1e-7)
+    # pinned at z = 3 / 4 the rigid beam turns about it against its springs
+    turn = weight * 0.25 / (K * (0.75**2 + 0.25**2))
+    left, right = -K * 0.75 * turn, K * 0.25 * turn
+    np.testing.assert_allclose(pinned.load_y, [-weight - left - right, left, right], rtol=1e-6)
+
+
+def test_modes_of_a_steel_shaft_of_many_elements_are_found():
+    """Rounding of its stiffness hid the equilibrium of five hundred."""
+    few, many = (modes(machine(2.1e11, n), SPEED, count=4).eigenvalues for n in (20, 500))
+    np.testing.assert_allclose(few, many, rtol=1e-6)
+
+
+def test_modes_that_rounding_hides_are_said_and_are_no_instability():
+    rotor = machine(2e26, 4)
+    found = modes(rotor, SPEED)
+    assert found.is_sound[:4].all()
+    assert not found.is_sound[4:].any()
+    np.testing.assert_allclose(found.eigenvalues[:4], rigid_roots(), rtol=1e-9)
+    title = modes_table(found).title
+    assert "of mode 5, 6, 7, 8 rounding leaves residuals up to" in title
+    assert "rounding" not in modes_table(modes(machine(2e18, 4), SPEED, count=4)).title
+    assert campbell(rotor, [0.0, SPEED]).threshold is None
+    assert doubts(rotor) == []
