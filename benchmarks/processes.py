@@ -21,7 +21,7 @@ from .store import Store
 WARM, COLD = "warm", "first on a machine"
 INTERPRETED = "this project without numba, h = 0.0001 s"
 NOTHING = "Python, NumPy, SciPy and numba alone"
-_COMMUNICATION = 0.04  # of the FMU's default experiment [s]
+_COMMUNICATION = 0.04  # step of the run-down through the FMU [s]
 
 # A master of its own: nothing but FMPy, the signal and what is asked for.
 _MASTER = """

@@ -83,7 +83,7 @@ MUTANTS = (
     # the documents
     Mutant(_DOCUMENTS, "runs in the Python of its host: Python 3.11", "runs: Python 3.12", _NAMES),
     Mutant(_DOCUMENTS, '("rotor-fmu", "pythonfmu") if', '("rotor-fmu",) if', _LICENCES),
-    Mutant(_DOCUMENTS, "_REFERENCE if has_reference", "_REFERENCE if not has_reference", _PAGE),
+    Mutant(_DOCUMENTS, "_REFERENCE if related", "_REFERENCE if not related", _PAGE),
     Mutant(_DOCUMENTS, "drive=_DRIVES[table[0].name]", 'drive=_DRIVES["speed"]', _PAGE),
     Mutant(_DOCUMENTS, '"tau": "tau_drive"}', '"tau": "tau"}', _TERMINALS),
     Mutant(_DOCUMENTS, '("fx", "fy", "x", "y")', '("fx", "fy", "y")', _TERMINALS),

@@ -356,7 +356,7 @@ def table(**changed):
         ("[[port]]\nname = 'a'\n", "port[1].node is missing"),
         ("[[port]]\nnode = 4\n", "port[1].node = 4: must be an integer from 1 to 3"),
         ("[[port]]\nz = 0.15\n", "port[1].z = 0.15 m: no node is there; the nearest is node"),
-        (2 * "[[port]]\nnode = 1\nname = 'a'\n", "a: the name 'a' is there already"),
+        (2 * "[[port]]\nnode = 1\nname = 'p'\n", "p: the name 'p' is there already"),
     ],
 )
 def test_a_wrong_table_or_port_is_refused_by_name(part, message):

@@ -5,8 +5,12 @@ import runpy
 import shutil
 from pathlib import Path
 
+import pytest
+
 SITE = runpy.run_path(str(Path(__file__).parents[1] / "docs" / "site" / "build.py"))
 ROOT = Path(__file__).parents[1]
+NAMED = re.compile(r"(?<![\w/.-])(?:model|rotor_fmu|tests|benchmarks|examples|docs)/[\w/.]*\w")
+MADE = {"model/library"}  # by commands
 
 
 def test_the_site_is_made_without_a_warning_and_loads_nothing_from_a_network(tmp_path, capfd):
@@ -38,3 +42,13 @@ def test_every_page_of_the_project_is_in_the_site():
     globs = ("CONTRIBUTING.md", "docs/*.md", "docs/notebooks/*.ipynb", "examples/*/README.md")
     written = {path for glob in globs for path in ROOT.glob(glob)}
     assert written == set(SITE["pages"]())
+
+
+@pytest.mark.parametrize(
+    "page",
+    [ROOT / "README.md", *(page for page in sorted(SITE["pages"]()) if page.suffix == ".md")],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
+def test_the_files_that_a_page_names_are_there(page):
+    named = set(NAMED.findall(page.read_text(encoding="utf-8"))) - MADE
+    assert not {name for name in named if not (ROOT / name).exists()}

@@ -39,7 +39,12 @@ HYSTERETIC_AT_REST = (
 
 
 _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually given
-_TAKEN = ("shaft", "solver", "energy")  # headings of other names
+# What no part may be called: headings of other names, and names that stand for themselves.
+_TAKEN = (
+    *("shaft", "solver", "energy"),
+    *("time", "speed", "speed_rate", "speed_continuation", "tau_drive", "w_start", "gravity"),
+    *("phi", "w", "a", "tau", "tau_load", "J"),
+)
 
 
 def _is_base(element: Element) -> bool:

@@ -1,15 +1,20 @@
-"""modelDescription.xml of FMI 2.0 and of FMI 3.0, made from the variable table."""
+"""modelDescription.xml of FMI 2.0 and of FMI 3.0, made from the machine and its variable table."""
 
 from __future__ import annotations
 
+import math
 import uuid
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement
 
 from ..about import RELEASED, __version__
+from ..model.machine.rotor import Rotor
+from ..model.protocol.part import Release
 from ..model.quantities import ALL, SPEED
 from ..model.settings import Settings
+from ..model.structure.assembly import assemble
 from .variables import Variable, unit
 
 CATEGORIES = {
@@ -39,14 +44,57 @@ _ORDER = (
 class Described:
     """What a description says of an FMU beside its variables.
 
-    identifier: the model identifier, which the FMU's libraries are named after; guid: see `guid`;
-    tool: what generated it; needs_python: whether it runs in the Python of its host.
+    rotor: the machine; identifier: the model identifier, which the FMU's libraries are named after;
+    guid: see `guid`; tool: what generated it; needs_python: whether it runs in the Python of its
+    host.
     """
 
+    rotor: Rotor
     identifier: str
-    guid: str
+    guid: str = ""
     tool: str = f"rotor-fmu {__version__}"
     needs_python: bool = False
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """The default experiment, all inputs and parameters at their start values: its end and its
+    communication step [s]."""
+
+    stop: float
+    step: float
+
+
+_PERIODS, _POINTS = 60.0, 1000
+
+
+def default_experiment(rotor: Rotor) -> Experiment:
+    """Some sixty periods of the machine's lowest mode, by when it has settled, at 1000 points."""
+    lowest = float(assemble(rotor).numbers[0].lowest_omega)
+    wanted = _PERIODS * 2 * math.pi / lowest
+    decade = 10.0 ** math.floor(math.log10(wanted))
+    stop = next(float(f"{n * decade:.6g}") for n in (1, 2, 5, 10) if n * decade >= wanted)
+    return Experiment(stop, float(f"{stop / _POINTS:.6g}"))
+
+
+def summary(rotor: Rotor, is_free: bool) -> str:
+    """A machine in a sentence: its name, its parts, what drives it."""
+    counted = Counter(
+        key[0]
+        for key, part in rotor.indexed_parts()
+        if not any(isinstance(e, Release) for e in part.elements("", rotor.material.density))
+    )
+    parts = ", ".join(_counted(kind.replace("_", " "), n) for kind, n in counted.items())
+    drive = "a torque" if is_free else "its speed"
+    return f"{rotor.name}: a flexible rotor with {parts}, driven by {drive}"
+
+
+def _counted(noun: str, count: int) -> str:
+    if count == 1:
+        return f"1 {noun}"
+    if noun.endswith("y"):
+        return f"{count} {noun[:-1]}ies"
+    return f"{count} {noun}{'es' if noun.endswith('s') else 's'}"
 
 
 def guid(table: Sequence[Variable], content: str) -> str:
@@ -60,13 +108,11 @@ def description(of: Described, table: Sequence[Variable], fmi: int) -> Element:
 
 
 def _root(of: Described, is_free: bool, **attributes: str) -> Element:
-    drive = "a torque" if is_free else "its speed"
     return Element(
         "fmiModelDescription",
         attributes,
-        modelName=of.identifier,
-        description="Flexible rotor with discs that rubs in two clearance bearings with dry "
-        f"friction, driven by {drive}",
+        modelName=of.rotor.name or of.identifier,
+        description=summary(of.rotor, is_free),
         author="The rotor-fmu authors",
         version=__version__,
         copyright="The rotor-fmu authors",
@@ -93,16 +139,17 @@ def _abilities(of: Described, **others: bool) -> dict[str, str]:
     }
 
 
-def _common(root: Element) -> None:
+def _common(root: Element, rotor: Rotor) -> None:
     categories = SubElement(root, "LogCategories")
     for name, text in CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
+    experiment = default_experiment(rotor)
     SubElement(
         root,
         "DefaultExperiment",
         startTime="0.0",
-        stopTime="40.0",
-        stepSize="0.04",
+        stopTime=repr(experiment.stop),
+        stepSize=repr(experiment.step),
         tolerance=repr(Settings.tolerance),
     )
 
@@ -161,7 +208,7 @@ def _fmi2(of: Described, table: Sequence[Variable]) -> Element:
         canSerializeFMUstate=True,
     )
     SubElement(root, "CoSimulation", abilities)
-    _common(root)
+    _common(root, of.rotor)
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
         element = SubElement(variables, "ScalarVariable", _attributes(variable, reference))
@@ -215,20 +262,31 @@ def _model_structure(table: Sequence[Variable]) -> Element:
             depends = " ".join(str(1 + place) for place in reached_by(table, variable))
             SubElement(outputs, "Unknown", index=str(index), dependencies=depends)
     unknowns = SubElement(structure, "InitialUnknowns")
+    known = " ".join(str(1 + place) for place in given_at_start(table))
     for index, variable in enumerate(table, 1):
         if variable.causality == "output":
-            SubElement(unknowns, "Unknown", index=str(index))
+            SubElement(unknowns, "Unknown", index=str(index), dependencies=known)
     return structure
+
+
+def given_at_start(table: Sequence[Variable]) -> list[int]:
+    """Places in the table of what outputs depend on at the start: inputs and parameters, under
+    which the machine comes to rest."""
+    return [i for i, variable in enumerate(table) if not variable.is_observed]
 
 
 def _fmi3(of: Described, table: Sequence[Variable]) -> Element:
     root = _root(of, _is_free(table), fmiVersion="3.0", instantiationToken=of.guid)
     abilities = _abilities(
-        of, canGetAndSetFMUState=True, canSerializeFMUState=True, hasEventMode=False
+        of,
+        mightReturnEarlyFromDoStep=True,  # see `solver.max_iterations`
+        canGetAndSetFMUState=True,
+        canSerializeFMUState=True,
+        hasEventMode=False,
     )
     SubElement(root, "CoSimulation", abilities)
     root.append(unit_definitions(table))
-    _common(root)
+    _common(root, of.rotor)
     variables = SubElement(root, "ModelVariables")
     structure = Element("ModelStructure")
     for reference, variable in enumerate((*table, TIME)):
@@ -238,7 +296,8 @@ def _fmi3(of: Described, table: Sequence[Variable]) -> Element:
     for reference in outputs:
         depends = " ".join(map(str, reached_by(table, table[reference])))
         SubElement(structure, "Output", valueReference=str(reference), dependencies=depends)
+    known = " ".join(map(str, given_at_start(table)))
     for reference in outputs:
-        SubElement(structure, "InitialUnknown", valueReference=str(reference))
+        SubElement(structure, "InitialUnknown", valueReference=str(reference), dependencies=known)
     root.append(structure)
     return root

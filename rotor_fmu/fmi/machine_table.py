@@ -51,7 +51,7 @@ _SETTING_RULES = {
 _NEEDS = (("shaft.eta_h", "shaft.rotating_damping", HYSTERETIC_AT_REST),)
 # As in c/instance.h.
 _HEAD = struct.Struct("<8s16s40s d Q 6q 6q 2q 10q 6q")
-_CHECKSUM_AT = struct.calcsize("<8s16s40s d")
+HEAD_SIZE, CHECKSUM_AT = _HEAD.size, struct.calcsize("<8s16s40s d")
 _VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
 _SPAN = struct.Struct("<q2d")
@@ -139,8 +139,8 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
         ),
         *begins,
     )
-    sum_of_all = struct.pack("<Q", checksum(head + body, _CHECKSUM_AT))
-    return head[:_CHECKSUM_AT] + sum_of_all + head[_CHECKSUM_AT + len(sum_of_all) :] + body
+    sum_of_all = struct.pack("<Q", checksum(head + body, CHECKSUM_AT))
+    return head[:CHECKSUM_AT] + sum_of_all + head[CHECKSUM_AT + len(sum_of_all) :] + body
 
 
 def checksum(content: bytes, but: int) -> int:

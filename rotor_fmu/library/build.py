@@ -261,7 +261,9 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
         command.append(f"-Wl,-install_name,@rpath/{target.name}")
     command += [str(file) for file in (*sorted(C_SOURCES.glob("*.c")), *parts)]
     if platform.suffix == ".so":
-        command.append("-lm")  # of it, what is exact on every system: sqrt, ceil
+        # of libm what is exact on every system: sqrt, ceil; its own functions are called directly,
+        # whatever else of their names a process has loaded
+        command += ["-lm", "-Wl,-Bsymbolic"]
     _run_all([command], f"the library for {platform.name}")
 
 

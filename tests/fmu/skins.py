@@ -173,7 +173,8 @@ class Python:
         self._call("terminate")
 
     def step(self, t, h):
-        assert self._call("do_step", t, h)
+        if not self._call("do_step", t, h):
+            raise Discarded(self.heard[-1][1])
 
     def get(self, kind, references):
         return self._call(f"get_{kind.lower()}", _signed(references))[: len(references)]

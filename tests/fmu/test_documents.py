@@ -1,14 +1,23 @@
 """What the FMU shows to people and tools: pages, licences, terminals, the same for every build."""
 
+import math
 import re
 import zipfile
 from html.parser import HTMLParser
+from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
 import fmpy
 import pytest
+from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.about import __version__
+from rotor_fmu.fmi.description import default_experiment
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.fmi.packing.python_fmu import build
+from rotor_fmu.machine_file.reading import machine_text
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +103,50 @@ def test_each_page_tells_its_own_drive_and_what_it_carries(fmu, free_fmu):
         assert any(name.startswith("extra/") for name in names) == (file == fmu)
         for link in re.findall(r'(?:href|src)="([^":]+)"', page):
             assert f"documentation/{link}" in names, link
+
+
+@pytest.mark.parametrize("kind", ["python", 2, 3])
+def test_an_fmu_speaks_of_its_own_machine(tmp_path, kind):
+    toml = machine_text("", EXAMPLES / "drop" / "compressor.toml")
+    if kind == "python":
+        fmu = build(tmp_path, toml, False)
+    else:
+        fmu = build_native(tmp_path, toml, False, kind, ["linux64"])
+    description = fmpy.read_model_description(str(fmu))
+    assert description.modelName == "dropping compressor"
+    assert description.description == (
+        "dropping compressor: a flexible rotor with 2 bodies, 2 housings, 2 touchdown bearings, "
+        "driven by its speed"
+    )
+    assert (
+        float(description.defaultExperiment.stopTime) == default_experiment(parse_rotor(toml)).stop
+    )
+    with zipfile.ZipFile(fmu) as archive:
+        page = archive.read("documentation/index.html").decode()
+        names = archive.namelist()
+    assert description.description in page
+    assert "Zigulic" not in page
+    assert "documentation/run_down.png" not in names
+
+
+def test_what_drives_it_is_said(free_fmu):
+    assert fmpy.read_model_description(str(free_fmu)).description == (
+        "zigulic2003: a flexible rotor with 2 bearings, 3 discs, 1 coupling, driven by a torque"
+    )
+
+
+@pytest.mark.parametrize("stiffness", [0.01, 1.0, 100.0])
+def test_the_default_experiment_is_as_long_as_the_machine_is_slow(stiffness):
+    """Sixty periods and more of the lowest mode, each with six points and more; a Jeffcott rotor's,
+    of which bearings of 1e4 N/m make 100 rad/s."""
+    toml = machine_text("", EXAMPLES / "jeffcott_rub" / "jeffcott.toml")
+    scaled = re.sub(
+        r"(?m)^(k[xy]{2}) = (\S+)", lambda m: f"{m[1]} = {float(m[2]) * stiffness}", toml
+    )
+    experiment = default_experiment(parse_rotor(scaled))
+    assert experiment.step == pytest.approx(experiment.stop / 1000)
+    periods = experiment.stop * 100.0 * math.sqrt(stiffness) / (2 * math.pi)
+    assert 60 <= periods <= 1000 / 6
 
 
 @pytest.mark.parametrize("project", ["rotor-fmu", "pythonfmu"])

@@ -20,7 +20,7 @@ LEDGER = ["energy.residual", "energy.drive_work", *LOSSES]
 def test_its_description_is_valid_and_that_of_the_table(free_fmu):
     assert validate_fmu(str(free_fmu)) == []
     description = fmpy.read_model_description(str(free_fmu))
-    assert description.modelName == "RotorBearingFree"
+    assert description.coSimulation.modelIdentifier == "RotorBearingFree"
     table = interface(rig(), is_free=True)
     for variable, listed in zip(description.modelVariables, table, strict=True):
         assert (variable.name, variable.causality) == (listed.name, listed.causality)

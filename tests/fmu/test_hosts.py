@@ -43,7 +43,7 @@ def motor(tmp_path_factory):
 
 def test_fmpy_info_shows_what_it_is(fmu):
     shown = run(*FMPY, "info", fmu).stdout
-    for text in ("RotorBearing", "Stop Time          40.0", "speed", "rad/s", "bearing[2].psi"):
+    for text in ("zigulic2003", "Stop Time          2.0", "speed", "rad/s", "bearing[2].psi"):
         assert text in shown
 
 

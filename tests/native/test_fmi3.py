@@ -8,7 +8,7 @@ import fmpy
 import pytest
 from lxml import etree
 
-ERROR = 3
+WARNING, DISCARD, ERROR = 1, 2, 3
 Log = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p)
 ZERO, H = ctypes.c_double(0.0), ctypes.c_double(0.004)
 ONE = ctypes.c_size_t(1)
@@ -44,12 +44,15 @@ class Library:
     def _hear(self, status, category, text):
         self.heard.append((status, category.decode(), text.decode()))
 
-    def instantiate(self, is_logging=True, token=None, resources=None):
+    def instantiate(
+        self, is_logging=True, token=None, resources=None, has_events=False, may_return=False
+    ):
         found = self.c.fmi3InstantiateCoSimulation(
             b"rotor",
             token or self.token,
             resources or self.resources,
-            *(False, is_logging, False, False, None, ctypes.c_size_t(0), None, self._log, None),
+            *(False, is_logging, has_events, may_return),
+            *(None, ctypes.c_size_t(0), None, self._log, None),
         )
         return found and ctypes.c_void_p(found)
 
@@ -155,13 +158,94 @@ def test_messages_come_by_category_and_only_where_logging_is_on(library):
         library.c.fmi3FreeInstance(m)
 
 
-def test_its_terminals_are_valid_and_its_icon_is_there(fmu):
-    schema = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+def test_who_wants_an_event_mode_is_refused(library):
+    assert not library.instantiate(has_events=True)
+    assert library.heard[-1][2] == "instantiate: the event mode is asked for, and there is none"
+
+
+def test_a_variable_is_read_as_its_own_type_alone(library, fmu):
+    """FMI 3.0 knows no other way, where masters of FMI 2.0 read every output as a Real."""
+    m = library.ready()
+    refs = {v.name: v.valueReference for v in fmpy.read_model_description(str(fmu)).modelVariables}
+    for name, kind in (("solver.preset", "Int32"), ("bearing[1].contact", "Boolean")):
+        vr, value = (ctypes.c_uint32 * 1)(refs[name]), (ctypes.c_double * 1)()
+        assert library.c.fmi3GetFloat64(m, vr, ONE, value, ONE) == ERROR
+        assert library.heard[-1][2] == f"getFloat64: {name}: is of type {kind}"
+        assert getattr(library.c, f"fmi3Get{kind}")(m, vr, ONE, value, ONE) == 0
+    library.c.fmi3FreeInstance(m)
+
+
+def limited(library, fmu, **options):
+    """An instance whose steps end after 60 iterations."""
+    refs = {v.name: v.valueReference for v in fmpy.read_model_description(str(fmu)).modelVariables}
+    m = library.instantiate(**options)
+    vr = (ctypes.c_uint32 * 1)(refs["solver.max_iterations"])
+    assert library.c.fmi3SetInt32(m, vr, ONE, (ctypes.c_int32 * 1)(60), ONE) == 0
+    assert library.enter(m) == 0
+    assert library.c.fmi3ExitInitializationMode(m) == 0
+    return m, refs
+
+
+def step(library, m, t, h):
+    """Status, whether it returned early, and the time reached."""
+    flags, reached = [ctypes.c_bool() for _ in range(3)], ctypes.c_double()
+    status = library.c.fmi3DoStep(
+        m, ctypes.c_double(t), ctypes.c_double(h), True, *map(ctypes.byref, flags),
+        ctypes.byref(reached),
+    )  # fmt: skip
+    assert not flags[0].value
+    assert not flags[1].value
+    return status, flags[2].value, reached.value
+
+
+def value_of(library, m, reference):
+    value = (ctypes.c_double * 1)()
+    assert library.c.fmi3GetFloat64(m, (ctypes.c_uint32 * 1)(reference), ONE, value, ONE) == 0
+    return value[0]
+
+
+def test_a_step_past_its_iterations_returns_early_where_that_is_allowed(library, fmu):
+    m, refs = limited(library, fmu, may_return=True)
+    t, returns = 0.0, 0
+    while t < 0.02:
+        status, is_early, reached = step(library, m, t, 0.02 - t)
+        assert status == (WARNING if is_early else 0)
+        assert reached > t
+        t, returns = reached, returns + is_early
+    assert returns > 1
+    assert value_of(library, m, refs["phi"]) == pytest.approx(400 * 0.02, rel=1e-9)
+    library.c.fmi3FreeInstance(m)
+
+
+def test_where_it_is_not_allowed_it_is_discarded_and_nothing_has_changed(library, fmu):
+    m, refs = limited(library, fmu)
+    before = value_of(library, m, refs["phi"])
+    assert step(library, m, 0.0, 0.02) == (DISCARD, False, 0.0)
+    assert library.heard[-1][:2] == (DISCARD, "logStatusDiscard")
+    assert "stopped after 60 iterations (solver.max_iterations)" in library.heard[-1][2]
+    assert value_of(library, m, refs["phi"]) == before
+    for i in range(20):
+        assert step(library, m, i * 5e-4, 5e-4)[0] == 0
+    assert value_of(library, m, refs["phi"]) == pytest.approx(400 * 0.01, rel=1e-9)
+    library.c.fmi3FreeInstance(m)
+
+
+def test_the_description_says_what_outputs_depend_on_at_the_start(fmu):
+    """CasADi stops where it is not said."""
+    with zipfile.ZipFile(fmu) as archive:
+        root = etree.fromstring(archive.read("modelDescription.xml"))
+    assert root.find("CoSimulation").get("mightReturnEarlyFromDoStep") == "true"
+    given = {v.get("valueReference") for v in root.find("ModelVariables") if v.get("start")}
+    unknowns = root.findall("ModelStructure/InitialUnknown")
+    assert len(unknowns) == len(root.findall("ModelStructure/Output"))
+    for unknown in unknowns:
+        assert set(unknown.get("dependencies").split()) == given
+
+
+def test_its_icon_is_there_and_its_terminals_are_of_variables(fmu):
     with zipfile.ZipFile(fmu) as archive:
         root = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
         assert archive.read("terminalsAndIcons/icon.png").startswith(b"\x89PNG")
-    etree.XMLSchema(etree.parse(str(schema))).assertValid(root)
-    assert root.get("fmiVersion") == "3.0"
     names = {v.name for v in fmpy.read_model_description(str(fmu)).modelVariables}
     members = {m.get("variableName") for m in root.iter("TerminalMemberVariable")}
     assert members

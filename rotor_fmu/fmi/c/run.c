@@ -162,6 +162,7 @@ static double spacing_at(double x)
 static Status check_step(Instance *m, double current, double size)
 {
     State *s = m->state;
+    const char *early = s->failure; /* of the last step, if it ended early */
     double now = s->now, here = fabs(now), there = fabs(now + size), spacing;
     if (!(size > 0 && isfinite(size)))
         return refuse(m, "doStep over %g s: the step must be > 0 and finite", size);
@@ -174,8 +175,8 @@ static Status check_step(Instance *m, double current, double size)
     if (!(fabs(current - now) <= (SLACK * size > 2 * spacing ? SLACK * size : 2 * spacing)))
         return refuse(m,
                       "doStep from %.15g s: the FMU stands at %.15g s; communication steps must "
-                      "follow each other without gap or overlap",
-                      current, now);
+                      "follow each other without gap or overlap%s%s",
+                      current, now, *early ? "; the last one ended early: " : "", early);
     spacing = SLACK_AT_STOP * size > 2 * spacing ? SLACK_AT_STOP * size : 2 * spacing;
     if (s->has_stop && current + size > s->stop + spacing)
         return refuse(m,
@@ -195,6 +196,7 @@ static Status stop_early(Instance *m, const char *why)
     } else {
         s->now = s->start + in_block(m, m->table->time_at);
         forget_slopes(m);
+        snprintf(s->failure, sizeof s->failure, "%s", why);
     }
     return tell_plainly(m, DISCARD, why);
 }
@@ -231,6 +233,7 @@ Status march(Instance *m, double current, double size)
         return status == UNFINISHED ? stop_early(m, why) : fail(m, why);
     }
     forget_slopes(m);
+    s->failure[0] = 0;
     if (code < 0)
         warn(m, -code, numbers);
     warn_beyond_tables(m);

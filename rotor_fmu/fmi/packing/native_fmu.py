@@ -32,7 +32,7 @@ def build_native(
     """
     machine = machine_of(rotor_toml, is_free, reduction)
     name = machine.named(NAME, FREE_NAME)
-    contents = machine_files(machine, Described(name, ""), fmi)
+    contents = machine_files(machine, Described(machine.rotor, name), fmi)
     contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)
     out.mkdir(parents=True, exist_ok=True)
     return write_archive(out / f"{name}.fmu", contents)

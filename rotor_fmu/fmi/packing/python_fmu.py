@@ -118,7 +118,7 @@ def _package(libraries: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
 def _contents(machine: Machine, libraries: dict[str, bytes]) -> dict[str, bytes]:
     """All of the FMU that is not pythonfmu's, by the path in it."""
     tool = f"PythonFMU {version('pythonfmu')}"
-    described = Described(_identifier(machine), "", tool, needs_python=True)
+    described = Described(machine.rotor, _identifier(machine), tool=tool, needs_python=True)
     _, sources = _package(libraries)
     return machine_files(machine, described, 2) | {
         f"resources/{path}": data for path, data in sources.items()

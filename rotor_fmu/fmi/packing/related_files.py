@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from importlib.resources import files
 from pathlib import Path
+from string import Template
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import rig
+from ..description import default_experiment
 from .archive import xml_bytes
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 _MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
 _DOCUMENT = "fmi-ls-ref.txt"
 _TEXT = f"""The result in {FOLDER} is the result of the default experiment: all
-inputs and parameters at their start values, communication steps of 0.04 s from 0 to 40 s, every
+inputs and parameters at their start values, communication steps of $step s from 0 to $stop s, every
 output in SI units (Booleans as 0 and 1). The rotor starts at rest in its bearings and settles in
 a steady motion, so another processor gives the same within 1e-3 of each output's range.
 """
@@ -29,7 +31,9 @@ def related_files(rotor: Rotor, name: str) -> dict[str, bytes]:
     return {
         f"{FOLDER}/fmi-ls-manifest.xml": _manifest(result.name),
         f"{FOLDER}/{result.name}": result.read_bytes(),
-        f"documentation/{_DOCUMENT}": _TEXT.encode(),
+        f"documentation/{_DOCUMENT}": Template(_TEXT)
+        .substitute(vars(default_experiment(rotor)))
+        .encode(),
     }
 
 

@@ -26,7 +26,7 @@ TABLE = "machine.table"  # the machine, in an FMU's resources
 INTERRUPTED = "interrupted by the user"
 _LIBRARIES = {"linux": "linux64.so", "win32": "win64.dll"}
 _MOST_ROOMS = 64
-_WARNING = 1  # of FMI's statuses the last after which a call has been carried out
+_WARNING, _DISCARD = 1, 2  # of FMI's statuses
 
 
 class CallFailed(RuntimeError):
@@ -127,6 +127,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         settle_exit(self.resources)
         self._heard: list[tuple[int, str]] = []
         self._rooms: dict[tuple[int, ...], _Reals] = {}
+        self._is_kept = False  # whether the host has the state from which a step begins
         self._table = _table(self.resources)
         if self._table is None:  # pythonfmu is making the FMU, which gets its table afterwards
             return
@@ -148,11 +149,12 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         if function(self._instance, *arguments) or self._heard:
             self._tell()
 
-    def _tell(self) -> None:
-        """Hand over what the library told during a call; raises `CallFailed` if it failed."""
+    def _tell(self, worst: int = _WARNING) -> None:
+        """Hand over what the library told during a call; raises `CallFailed` if it failed, its
+        status being above `worst`."""
         heard = self._heard[:]
         self._heard.clear()
-        if not heard or heard[-1][0] > _WARNING:
+        if not heard or heard[-1][0] > worst:
             raise CallFailed(heard[-1][1] if heard else "internal error")
         for level, sentence in heard:
             self.log(sentence, Fmi2Status(level))
@@ -209,10 +211,19 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._call(_LIBRARY.fmi2ExitInitializationMode)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """March from current_time [s] over step_size [s]."""
+        """March from current_time [s] over step_size [s]; False where the step has ended early.
+
+        What the wrapper makes of False is fmi2Discard, but with the time at which the step began,
+        and a wish to end, so that FMPy returns what it has as if it were all. So it is told to a
+        master that has kept the state and can repeat the step; to any other it is an error.
+        """
         try:
-            if _LIBRARY.fmi2DoStep(self._instance, current_time, step_size, 0) or self._heard:
-                self._tell()
+            status = _LIBRARY.fmi2DoStep(self._instance, current_time, step_size, 0)
+            if status or self._heard:
+                self._tell(_DISCARD if self._is_kept else _WARNING)
+            if status == _DISCARD:
+                return False
+            self._is_kept = False
             return True
         except BaseException as error:
             raise self._failed(error) from None
@@ -234,6 +245,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             self._call(_LIBRARY.fmi2SerializeFMUstate, state, content, size)
         finally:
             _LIBRARY.fmi2FreeFMUstate(self._instance, byref(state))
+        self._is_kept = True
         return content.raw
 
     @HeldFromLookUp
@@ -245,6 +257,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             self._call(_LIBRARY.fmi2SetFMUstate, state)
         finally:
             _LIBRARY.fmi2FreeFMUstate(self._instance, byref(state))
+        self._is_kept = True
 
     @staticmethod
     def _fmu_state_to_bytes(state: bytes) -> bytes:

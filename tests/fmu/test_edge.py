@@ -1,0 +1,311 @@
+"""What reaches an FMU from outside and is wrong: damaged tables, states of others, steps without
+end, libraries with the same names. In a process of its own where it might crash."""
+
+import ctypes
+import math
+import shutil
+import subprocess
+import sys
+
+import fmpy
+import pytest
+from fmpy.fmi2 import FMU2Slave
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
+from rotor_fmu.model.quantities import QuantityError
+
+from rotor_fmu.fmi.interface import interface
+from rotor_fmu.fmi.machine_table import HEAD_SIZE
+from rotor_fmu.fmi.packing.native_fmu import build_native
+
+from .masters import COMPILER
+from .skins import DISCARD, SKINS, Discarded, Extracted, Native, Refused
+
+H = 0.02
+FATAL = 4  # of FMI's statuses; what pythonfmu makes of every error
+
+
+@pytest.fixture(scope="module")
+def extracted(fmu, native_fmu):
+    return {"python": Extracted(fmu), "native": Extracted(native_fmu)}
+
+
+@pytest.fixture(params=SKINS)
+def skin(request):
+    return request.param
+
+
+@pytest.fixture
+def new(skin, extracted):
+    """An instance of either skin that is not initialized, and references by name."""
+    return SKINS[skin](extracted[skin]), extracted[skin].refs
+
+
+def initialize(fmu, **options):
+    fmu.setup(**options)
+    fmu.enter()
+    fmu.exit()
+    return fmu
+
+
+# --- the machine's table -------------------------------------------------------------------------
+
+FLIPS = """
+import ctypes, random, struct, sys
+from rotor_fmu.fmi.machine_table import CHECKSUM_AT, HEAD_SIZE, checksum
+library, table = ctypes.CDLL(sys.argv[1]), open(sys.argv[2], "rb").read()
+is_mended = sys.argv[3] == "mended"
+hear = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p)
+said = []
+listen = hear(lambda _, status, text: said.append(text))
+library.rotor_instantiate.restype = ctypes.c_void_p
+text = ctypes.c_char_p
+library.rotor_instantiate.argtypes = text, text, ctypes.c_size_t, hear, ctypes.c_void_p
+library.fmi2FreeInstance.argtypes = (ctypes.c_void_p,)
+def instantiate(content):
+    made = library.rotor_instantiate(b"a", content, len(content), listen, None)
+    library.fmi2FreeInstance(made)
+    return bool(made)
+assert instantiate(table)
+draw = random.Random(7)
+first_block, = struct.unpack_from("<q", table, HEAD_SIZE - 8)
+head = [8 * at + bit for at in range(HEAD_SIZE) for bit in range(8)]
+inside = first_block if is_mended else len(table)
+body = [8 * draw.randrange(HEAD_SIZE, inside) + draw.randrange(8) for _ in range(1500)]
+taken = []
+for flip in head + body:
+    changed = bytearray(table)
+    changed[flip // 8] ^= 1 << flip % 8
+    if is_mended:
+        right = struct.pack("<Q", checksum(bytes(changed), CHECKSUM_AT))
+        changed[CHECKSUM_AT : CHECKSUM_AT + 8] = right
+    if instantiate(bytes(changed)):
+        taken.append(flip)
+print(len(head), len(body), len(taken), {text.partition(b": ")[2].decode() for text in said})
+"""
+
+
+def flips(extracted, kind):
+    folder = extracted["native"].folder
+    name = extracted["native"].description.coSimulation.modelIdentifier
+    library = folder / "binaries" / "linux64" / f"{name}.so"
+    command = [sys.executable, "-c", FLIPS, library, folder / "resources" / "machine.table", kind]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-1500:]
+    return done.stdout
+
+
+def test_a_table_with_one_bit_wrong_is_refused_wherever_it_is(extracted):
+    head, body, taken, said = flips(extracted, "as it is").split(maxsplit=3)
+    assert (int(head), int(body), int(taken)) == (8 * HEAD_SIZE, 1500, 0)
+    assert "is damaged" in said
+
+
+@pytest.mark.slow
+def test_offsets_and_counts_are_checked_beside_the_checksum(extracted):
+    """With a checksum that is right again a wrong place is refused or harmless."""
+    head, _, taken, _ = flips(extracted, "mended").split(maxsplit=3)
+    assert 0 < int(taken) < int(head) + 1500
+
+
+@pytest.mark.parametrize("kind", SKINS)
+def test_a_damaged_table_says_so_to_the_host(kind, extracted, tmp_path):
+    shutil.copytree(extracted[kind].folder, tmp_path / "fmu")
+    table = tmp_path / "fmu" / "resources" / "machine.table"
+    content = table.read_bytes()
+    table.write_bytes(content[:-1000] + bytes([content[-1000] ^ 1]) + content[-999:])
+    script = (
+        "import sys, fmpy\n"
+        "described = fmpy.read_model_description(sys.argv[1])\n"
+        "for _ in range(3):\n"
+        "    try:\n"
+        "        fmpy.instantiate_fmu(sys.argv[1], described, 'CoSimulation')\n"
+        "    except Exception as error:\n"
+        "        print('refused')\n"
+    )
+    command = [sys.executable, "-c", script, tmp_path / "fmu"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stdout.split() == ["refused"] * 3, done.stderr
+    assert done.stderr.count("machine.table: is damaged") == 3
+
+
+# --- tolerances, and steps without end -----------------------------------------------------------
+
+
+@pytest.mark.parametrize("tolerance", [1e-300, 1e-12])
+def test_a_tolerance_below_the_floor_is_refused_as_a_parameter(new, tolerance):
+    fmu, refs = new
+    fmu.set("Real", [refs["solver.tolerance"]], [tolerance])
+    with pytest.raises(Refused, match=r"solver\.tolerance = .*: must be at least 1e-09 and"):
+        initialize(fmu)
+
+
+def test_of_the_experiment_the_floor_is_taken_with_a_warning(new):
+    fmu, _ = new
+    initialize(fmu, tolerance=1e-300)
+    (said,) = fmu.warnings
+    assert said == "setupExperiment: tolerance = 1e-300: 1e-09 is taken, the least that can be held"
+
+
+def limited(new, count=60):
+    """An instance whose steps end after so many iterations."""
+    fmu, refs = new
+    fmu.set("Integer", [refs["solver.max_iterations"]], [count])
+    return initialize(fmu), refs
+
+
+def test_a_step_past_its_iterations_is_discarded_where_the_state_is_kept(new, skin):
+    """A master goes back to it, and on in shorter steps."""
+    fmu, refs = limited(new)
+    state = fmu.state()
+    with pytest.raises(Discarded, match=r"stopped after 60 iterations \(solver.max_iterations\)"):
+        fmu.step(0.0, 1.0)
+    if skin == "native":
+        assert 0.0 < fmu.last_successful_time < 1.0
+    fmu.restore(state)
+    for i in range(20):
+        fmu.step(i * 5e-4, 5e-4)
+    assert fmu.get("Real", [refs["phi"]])[0] == pytest.approx(400.0 * 0.01, rel=1e-9)
+
+
+def test_where_it_is_not_kept_pythonfmus_discard_would_end_a_run_in_silence(extracted):
+    fmu, _ = limited((SKINS["python"](extracted["python"]), extracted["python"].refs))
+    with pytest.raises(Refused, match="stopped after 60 iterations"):
+        fmu.step(0.0, 1.0)
+
+
+@pytest.mark.parametrize(("is_kept", "status"), [(True, DISCARD), (False, FATAL)])
+def test_the_wrapper_makes_a_discard_of_it_and_of_an_error_its_fatal(extracted, is_kept, status):
+    of = extracted["python"]
+    fmu = FMU2Slave(
+        guid=of.description.guid,
+        unzipDirectory=str(of.folder),
+        modelIdentifier=of.description.coSimulation.modelIdentifier,
+        instanceName="wrapped",
+    )
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.setInteger([of.refs["solver.max_iterations"]], [60])
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    state = fmu.getFMUState() if is_kept else None
+    with pytest.raises(fmpy.fmi1.FMICallException) as failed:
+        fmu.doStep(0.0, 1.0)
+    assert failed.value.status == status
+    if is_kept:
+        fmu.setFMUState(state)
+        fmu.freeFMUState(state)
+        fmu.doStep(0.0, 5e-4)
+        assert fmu.getReal([of.refs["phi"]])[0] == pytest.approx(400.0 * 5e-4, rel=1e-9)
+    fmu.freeInstance()
+
+
+def test_a_master_can_go_on_from_the_time_reached(extracted):
+    fmu, refs = limited((Native(extracted["native"]), extracted["native"].refs))
+    t, stops = 0.0, 0
+    while t < H:
+        try:
+            fmu.step(t, H - t)
+        except Discarded:
+            assert fmu.last_successful_time > t
+            t, stops = fmu.last_successful_time, stops + 1
+        else:
+            t = H
+    assert stops > 1
+    assert fmu.get("Real", [refs["phi"]])[0] == pytest.approx(400.0 * H, rel=1e-9)
+
+
+def test_one_that_repeats_the_step_is_told_why_it_cannot(extracted):
+    """As FMPy does, which then ends with an error and not with half of a result."""
+    fmu, _ = limited((Native(extracted["native"]), extracted["native"].refs))
+    with pytest.raises(Discarded):
+        fmu.step(0.0, H)
+    with pytest.raises(Refused, match=r"without gap or overlap; the last one ended early: t = "):
+        fmu.step(0.0, H)
+
+
+@pytest.mark.parametrize("kind", SKINS)
+def test_fmpy_ends_with_an_error(kind, extracted):
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmpy.simulate_fmu(
+            str(extracted[kind].folder),
+            stop_time=1.0,
+            output_interval=0.1,
+            start_values={"solver.max_iterations": 60},
+        )
+
+
+def test_its_date_is_the_hosts(extracted):
+    fmu, _ = limited((Native(extracted["native"]), extracted["native"].refs))
+    other = Native(extracted["native"])
+    other.set("Integer", [extracted["native"].refs["solver.max_iterations"]], [60])
+    initialize(other, start=1000.0)
+    with pytest.raises(Discarded) as here:
+        fmu.step(0.0, H)
+    with pytest.raises(Discarded) as there:
+        other.step(1000.0, H)
+    assert str(there.value) == f"{here.value} (t from the start, 1000 s)"
+    assert other.last_successful_time == pytest.approx(1000 + fmu.last_successful_time, abs=1e-9)
+
+
+# --- states of others ----------------------------------------------------------------------------
+
+
+def test_a_state_of_another_machine_is_refused_as_it_is_too(extracted, tmp_path):
+    """Not the serialized one alone."""
+    other = build_native(
+        tmp_path, rig_toml().replace("diameter = 0.12", "diameter = 0.11"), platforms=["linux64"]
+    )
+    mine, theirs = initialize(Native(extracted["native"])), initialize(Native(Extracted(other)))
+    state = ctypes.c_void_p()
+    theirs._call("GetFMUstate", ctypes.byref(state))
+    before = mine.state()
+    with pytest.raises(Refused, match="comes from another build of this FMU"):
+        mine._call("SetFMUstate", state)
+    assert mine.state() == before
+    # a state's memory is used again, whoever it was of
+    mine._call("GetFMUstate", ctypes.byref(state))
+    mine._call("SetFMUstate", state)
+    assert mine.state() == before
+
+
+# --- other libraries -----------------------------------------------------------------------------
+
+SAME_NAMES = """
+int rotor_start(void) { return 77; }
+int rotor_advance(void) { return 77; }
+int rotor_survey(void) { return 77; }
+int rotor_look(void) { return 77; }
+int fmi2Reset(void) { return 4; }
+"""
+
+
+@pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+@pytest.mark.parametrize("kind", SKINS)
+def test_a_library_with_the_same_names_that_all_can_see_does_no_harm(kind, extracted, tmp_path):
+    (tmp_path / "same.c").write_text(SAME_NAMES)
+    shared = tmp_path / "libsame.so"
+    subprocess.run([COMPILER, "-shared", "-fPIC", "-o", shared, tmp_path / "same.c"], check=True)
+    script = (
+        "import ctypes, sys, fmpy\n"
+        "ctypes.CDLL(sys.argv[1], mode=ctypes.RTLD_GLOBAL)\n"
+        "print(fmpy.simulate_fmu(sys.argv[2], stop_time=0.1, output=['disc[3].x'])[-1][1].hex())\n"
+    )
+    alone = fmpy.simulate_fmu(str(extracted[kind].folder), stop_time=0.1, output=["disc[3].x"])
+    command = [sys.executable, "-c", script, shared, extracted[kind].folder]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [float(alone[-1][1]).hex()]
+
+
+# --- names ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("is_free", [False, True])
+def test_no_part_may_be_called_as_a_variable_that_is_there(is_free):
+    for variable in interface(rig(), is_free):
+        if "." in variable.name:
+            continue
+        port = f'[[port]]\nnode = 3\nname = "{variable.name}"\n'
+        with pytest.raises(QuantityError, match=f"port.name = '{variable.name}': must be a word"):
+            parse_rotor(rig_toml() + port)
+    assert math.isfinite(parse_rotor(rig_toml() + '[[port]]\nnode = 3\nname = "v"\n').length)

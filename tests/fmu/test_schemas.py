@@ -1,0 +1,84 @@
+"""Every XML file that is written, against the schema of its standard."""
+
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import fmpy
+import pytest
+from lxml import etree
+from rotor_fmu.model.machine.toml import rig_toml
+
+from rotor_fmu.drive_train.system import build_drive_train
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.fmi.packing.python_fmu import build
+from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.magnetic_bearing.system import build_control
+
+SCHEMAS = Path(fmpy.__file__).parent
+FMI2 = SCHEMAS / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
+FMI3 = SCHEMAS / "schema" / "fmi3"
+SSP = SCHEMAS / "ssp" / "schema" / "SystemStructureDescription.xsd"
+# Of FMI-LS-REF, which no package has.
+MANIFEST = Path(__file__).parents[1] / "reference" / "fmi3LayeredStandardReferenceManifest.xsd"
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+MACHINES = [None, *(EXAMPLES / name for name in ("drop/compressor.toml", "from_ross/rubbing.toml"))]
+
+
+def described_by(schema):
+    """A schema, its parts from the folder that has them."""
+    text = schema.read_text(encoding="utf-8")
+    text = text.replace("https://raw.githubusercontent.com/modelica/fmi-standard/main/schema", ".")
+    folder = FMI3 if schema == MANIFEST else schema.parent
+    return etree.XMLSchema(etree.fromstring(text.encode(), base_url=f"{folder}/schema.xsd"))
+
+
+def check(content, schema):
+    described_by(schema).assertValid(etree.fromstring(content))
+
+
+def xml_of(fmu):
+    """The XML files of an FMU by their path in it."""
+    with zipfile.ZipFile(fmu) as archive:
+        return {name: archive.read(name) for name in archive.namelist() if name.endswith(".xml")}
+
+
+@pytest.mark.parametrize("is_free", [False, True])
+@pytest.mark.parametrize("machine", MACHINES, ids=lambda path: path.name if path else "rig")
+@pytest.mark.parametrize("kind", ["python", 2, 3])
+def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
+    toml = machine_text("", machine) if machine else rig_toml()
+    if kind == "python":
+        fmu = build(tmp_path, toml, is_free)
+    else:
+        fmu = build_native(tmp_path, toml, is_free, kind, ["linux64"])
+    found = xml_of(fmu)
+    check(
+        found.pop("modelDescription.xml"),
+        FMI3 / "fmi3ModelDescription.xsd" if kind == 3 else FMI2,
+    )
+    check(found.pop(TERMINALS), FMI3 / "fmi3TerminalsAndIcons.xsd")
+    for path in [path for path in found if path.endswith("fmi-ls-manifest.xml")]:
+        check(found.pop(path), MANIFEST)
+    assert not found
+
+
+def test_partners_are_described_as_their_schema_wants(tmp_path):
+    for fmu in (build_drive_train(tmp_path), build_control(tmp_path)):
+        (content,) = xml_of(fmu).values()
+        check(content, FMI2)
+
+
+def test_systems_are_valid_as_ssp_and_for_osp():
+    """OSP's schema stands in libcosim's library."""
+    for system in EXAMPLES.glob("*/SystemStructure.ssd"):
+        check(system.read_bytes(), SSP)
+    if find_spec("libcosimpy") is None:
+        pytest.skip("libcosimpy is not installed: pip install libcosimpy")
+    folder = Path(find_spec("libcosimpy").origin).parent
+    content = next(folder.rglob("*libcosimc*.so")).read_bytes()
+    begin, end = content.index(b"<xs:schema"), content.index(b"</xs:schema>")
+    schema = etree.XMLSchema(etree.fromstring(content[begin : end + len(b"</xs:schema>")]))
+    for system in EXAMPLES.glob("*/OspSystemStructure.xml"):
+        schema.assertValid(etree.parse(str(system)))

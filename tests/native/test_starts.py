@@ -1,0 +1,39 @@
+"""A machine without a rest, or thrown beyond what it reaches: the FMU refuses it at its start with
+the simulation's sentence."""
+
+import fmpy
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.simulation import EquilibriumError, Simulation
+
+from .machine import Machine
+
+BEARING = "[[linear_bearing]]\nkxx = 1e6\nkyy = 1e6\ncxx = 1.0\ncyy = 1.0\nnode = {}\n"
+STIFF = (
+    "[material]\nyoung = 2e18\ndensity = 1e-3\n[[section]]\nlength = 1.0\nouter = 0.3\n"
+    "elements = 60\n[[point_mass]]\nnode = 31\nmass = 10.0\n"
+)
+MACHINES = {
+    "beyond": (f"{rig_toml()}[start]\ny = -0.05\n", "[start]: node 1 lies 0.05 m from the axis"),
+    "hump": (
+        rig_toml().replace("[[bearing]]", "[[bearing]]\nwear = 0.3\nwear_angle = 1.5707963"),
+        "a journal lies on a hump of its worn bore",
+    ),
+    "stiff": (
+        STIFF + BEARING.format(1) + BEARING.format(61),
+        "rounding hides what holds it, 2e+06 N/m",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_a_start_without_a_rest_is_refused_as_the_simulation_refuses_it(make, capfd, name):
+    toml, reason = MACHINES[name]
+    with pytest.raises(EquilibriumError) as refused:
+        Simulation(parse_rotor(toml))
+    assert reason in str(refused.value)
+    machine = Machine(make(rotor_toml=toml))
+    capfd.readouterr()
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        machine.start()
+    assert f": {refused.value}\n" in capfd.readouterr().err
