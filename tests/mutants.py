@@ -70,8 +70,7 @@ MUTANTS = (
     Mutant("model/parts/linear_bearing.py", 'upwards", True, 10.0, reached_by=SPEED',
            'upwards", True, 10.0', _INSTANT),
     # what the FMU holds
-    Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "linear")', _HOLDS),
-    Mutant(_BUNDLE, '"impact", "false_state", "linear")', '"impact", "false_state")', _HOLDS),
+    Mutant(_BUNDLE, '("linear",)', "()", _HOLDS),
     Mutant(_BUNDLE, ', "scipy>=1.11")', ",)", _REQUIRES),
     Mutant(_BUNDLE, "numba>=0.60", "numba>=0.6", _REQUIRES),
     Mutant(_BUNDLE, '"torque" if is_free', '"speed" if is_free', _DEPEND),

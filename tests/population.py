@@ -22,7 +22,7 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from sksundae.cvode import CVODE
 
 from benchmarks import equations
-from rotor_fmu.schemes import tolerances
+from papers.integrators import tolerances
 
 from . import known
 from .whip import overhung_machine

@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import polynomial
+from rotor_fmu.model.schemes.spectral import Coefficients, balance, spectral_radius
 
 from ..refusal import Refusal
-from .spectral import Coefficients, balance, spectral_radius
 
 __all__ = [
     "LARGEST",

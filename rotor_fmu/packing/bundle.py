@@ -28,7 +28,7 @@ _HERE = Path(__file__).parent
 _PROJECT = _HERE.parent
 # Of `model`, what no rotor needs: paper B's experiments, the analysis of the false state, linear
 # answers.
-_NOT_IN_FMU = ("impact", "false_state", "linear")
+_NOT_IN_FMU = ("linear",)
 # What pythonfmu puts into an FMU of its own accord.
 _PYTHONFMUS = (
     "modelDescription.xml",

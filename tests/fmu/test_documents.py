@@ -108,4 +108,3 @@ def test_the_importing_tool_finds_an_icon(contents):
 def test_what_no_rotor_needs_stays_out(contents):
     modules = [name for name in contents if name.endswith(".py")]
     assert any(name.endswith("model/step/step.py") for name in modules)
-    assert not [n for n in modules if "impact" in n or "false_state" in n]

@@ -79,8 +79,7 @@ def test_it_holds_the_model_its_skin_and_nothing_that_no_rotor_needs(fmu):
     package = script.removesuffix("_entry.py")
     carried = {f"{package}/about.py", f"{package}/__init__.py"} | {
         f"{package}/{module}"
-        for module in modules(ROOT / "model", "impact", "false_state", "linear")
-        | modules(ROOT / "rotor_fmu" / "fmu")
+        for module in modules(ROOT / "model", "linear") | modules(ROOT / "rotor_fmu" / "fmu")
     }
     libraries = {name for name in names if name.startswith(f"{package}/model/library/")}
     assert len(libraries) <= 2
