@@ -15,6 +15,11 @@ $(VENV)/made: pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
 	touch $(VENV)/made
 
+# what the papers need beside what running needs
+$(VENV)/made-papers: $(VENV)/made
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[papers,native]"
+	touch $(VENV)/made-papers
+
 # what testing needs beside what running needs
 $(VENV)/made-test: $(VENV)/made
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage,docs,native]"
@@ -30,11 +35,11 @@ $(VENV)/core: $(VENV)/made $(KERNELS)
 run-down: $(VENV)/core
 	$(BIN)/rotor-fmu run-down --out out/run_down
 
-reproduce: $(VENV)/core
-	$(BIN)/rotor-fmu reproduce --out out/reproduce
+reproduce: $(VENV)/core $(VENV)/made-papers
+	$(BIN)/python -m papers.zigulic2003 --out out/reproduce
 
-survey: $(VENV)/core
-	$(BIN)/rotor-fmu survey --out out/survey
+survey: $(VENV)/core $(VENV)/made-papers
+	$(BIN)/python -m papers.integrators survey --out out/survey
 
 # after a change of the model's numbers: the result that the FMU carries
 reference: $(VENV)/core
@@ -59,7 +64,7 @@ docs: $(VENV)/made-test
 
 # the pages that are made from the code: commands, machine files, variables, integrators
 pages: $(VENV)/made
-	$(BIN)/python docs/site/made.py
+	$(BIN)/python -m docs.site.made
 
 lint: $(VENV)/made-test
 	$(BIN)/ruff check .

@@ -15,7 +15,7 @@ from .errors import run
 
 _PACKAGE = Path(__file__).parent
 # command: module of this package and the function, or group of commands, in it
-_RUNS, _FMU, _LINEAR, _PAPERS = "Runs", "FMUs", "Machines", "The papers"
+_RUNS, _FMU, _LINEAR = "Runs", "FMUs", "Machines"
 COMMANDS = {
     _RUNS: {
         "run-down": "runs.command:run_down",
@@ -40,12 +40,6 @@ COMMANDS = {
         "import-ross": "linear.command:import_ross",
         "example": "machine_file.command:example",
         "schema": "machine_file.command:schema_command",
-    },
-    _PAPERS: {
-        "reproduce": "runs.command:reproduce",
-        "schemes": "schemes.command:schemes",
-        "impact": "impact.command:app",
-        "survey": "survey.command:survey",
     },
 }
 _PLACES = {name: place for panel in COMMANDS.values() for name, place in panel.items()}

@@ -4,8 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.schemes import classical, spectral
 from rotor_fmu.model.schemes import family as schemes
+from rotor_fmu.model.schemes import spectral
+
+from papers.integrators import classical
 
 TURN = 2 * math.pi
 CENTRAL = classical.CentralDifference()

@@ -136,7 +136,7 @@ def test_every_command_with_figures_tells_by_the_same_options():
         name: {option for parameter in command.params for option in parameter.opts}
         for name, command in commands()
     }
-    assert len(options) > 20
+    assert len(options) > 15
     assert {name for name, of_it in options.items() if not {"--json", "--quiet"} <= of_it} == TEXTS
 
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from rotor_fmu.model.machine.toml import rig
 
+from papers.integrators.survey.findings import Findings
+from papers.integrators.survey.grid import read_table
+from papers.integrators.survey.page import PAGE, page_text
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.variable_table import markdown
 from rotor_fmu.machine_file.page import page as machine_page
-from rotor_fmu.survey.findings import Findings
-from rotor_fmu.survey.grid import read_table
-from rotor_fmu.survey.page import PAGE, page_text
 
 DOCS = Path(__file__).parents[1]
 

@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import polynomial
+from rotor_fmu.model.schemes.spectral import Coefficients, balance, spectral_radius
 
 from ..kernels.compiled import compiled, plain
 from ..refusal import Refusal
-from .spectral import Coefficients, balance, spectral_radius
 
 __all__ = [
     "LARGEST",

@@ -1,4 +1,4 @@
-"""`rotor-fmu run-down`, `reproduce`, `variables` and `host-env`."""
+"""`rotor-fmu run-down`, `variables` and `host-env`."""
 
 from __future__ import annotations
 
@@ -27,8 +27,6 @@ from .job import (
     write_csv,
     write_json,
 )
-from .reproduce import figures_of
-from .reproduce import reproduce as run_again
 from .signals import RUN_DOWN_STOP
 from .summary import summary
 
@@ -100,19 +98,6 @@ def _shown(value: object) -> str:
     if isinstance(value, list):
         return " .. ".join(_shown(item) for item in value)
     return "-" if value is None else str(value)
-
-
-@tells
-def reproduce(
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/reproduce"),
-) -> dict[str, Any]:
-    """Run what paper A ran, through the FMU: figures 3 to 6 and 9 to 15 and a table.
-
-    Runs that an earlier, stopped call finished are taken from the folder.
-    """
-    results = run_again(writable_folder(out), typer.echo)
-    typer.echo((out / "table.md").read_text(encoding="utf-8"))
-    return {**figures_of(results), "out": str(out)}
 
 
 @tells

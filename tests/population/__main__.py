@@ -13,7 +13,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 from rotor_fmu.model.settings import choose
 
-from rotor_fmu.schemes import tolerances
+from papers.integrators import tolerances
 
 from .. import known
 from .judge import TOLERANCES, errors, judged

@@ -9,7 +9,7 @@ import numpy as np
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import StepFailure
 
-from rotor_fmu.schemes.tolerances import TAME, TOLERANCES
+from papers.integrators.tolerances import TAME, TOLERANCES
 
 from .machines import Case
 from .truth import Truth

@@ -1,9 +1,0 @@
-"""What can be wrong with an experiment."""
-
-from __future__ import annotations
-
-from ...refusal import Refusal
-
-
-class ImpactError(Refusal, ValueError):
-    """An experiment that cannot be; names the thing, its value and what is allowed."""

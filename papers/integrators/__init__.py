@@ -1,0 +1,1 @@
+"""`python -m papers.integrators schemes`: what integrators do to an oscillation."""

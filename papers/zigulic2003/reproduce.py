@@ -1,0 +1,308 @@
+"""What paper A ran, run again: every case through the FMU, beside what the paper says of it."""
+
+from __future__ import annotations
+
+import json
+import statistics
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rotor_fmu.model.machine.toml import rig_toml
+
+from rotor_fmu.figures import save
+from rotor_fmu.files import unfinished, write_text
+from rotor_fmu.fmi.packing.python_fmu import package_name
+from rotor_fmu.runs import figures
+from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare, write_json
+from rotor_fmu.runs.recording import Recording, load_recording
+from rotor_fmu.runs.run_down import Run
+from rotor_fmu.runs.summary import summary
+
+_RECORDED = ("converged", "paper", "adaptive")  # whose orbits and contact angles are drawn
+_PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
+
+
+@dataclass(frozen=True)
+class PaperRun:
+    """One of the runs: its settings as `--set` texts, how many perturbed repetitions beside it, and
+    what the paper says of it."""
+
+    name: str
+    title: str
+    sets: tuple[str, ...]
+    repetitions: int
+    paper: str
+
+
+def _method(name: str, **parameters: float) -> tuple[str, ...]:
+    return (
+        "solver.preset=paper",
+        f"solver.method={name}",
+        *(f"solver.{key}={value!r}" for key, value in parameters.items()),
+    )
+
+
+CASES = (
+    PaperRun(
+        "converged",
+        "converged: Chung-Hulbert 0.2, h = 0.1 ms",
+        ("solver.preset=robust", "solver.h=1e-4"),
+        0,
+        "(not in the paper)",
+    ),
+    PaperRun(
+        "controlled",
+        "controlled (the default): Chung-Hulbert 0.3, tolerance 1e-3",
+        (),
+        8,
+        "(not in the paper)",
+    ),
+    PaperRun(
+        "robust",
+        "robust: Chung-Hulbert 0.2, h = 0.5 ms",
+        ("solver.preset=robust",),
+        8,
+        "(not in the paper)",
+    ),
+    PaperRun(
+        "paper",
+        "generalized-alpha 0.1 / 0.08, h = 4 ms",
+        ("solver.preset=paper",),
+        12,
+        "optimal; 10,000 steps, 2.5 h; agrees with the experiment",
+    ),
+    PaperRun(
+        "damped",
+        "generalized-alpha 0.15 / 0.1, h = 4 ms",
+        _method("generalized-alpha", alpha_f=0.15, alpha_m=0.1),
+        12,
+        "lower displacements; 2 h",
+    ),
+    PaperRun("hht", "HHT 0.1, h = 4 ms", _method("hht", alpha_f=0.1), 12, "strongly damps; 2.25 h"),
+    PaperRun("newmark", "Newmark, h = 4 ms", _method("newmark"), 12, "low accuracy, false results"),
+    PaperRun(
+        "wbz", "WBZ 0.08, h = 4 ms", _method("wbz", alpha_m=0.08), 0, "diverges at the beginning"
+    ),
+    PaperRun(
+        "adaptive",
+        "generalized-alpha 0.1 / 0.08, h = 4 to 20 ms",
+        ("solver.preset=paper-adaptive",),
+        12,
+        "very similar to the fixed step; 6950 steps, 1.5 h",
+    ),
+    PaperRun(
+        "adaptive-wide",
+        "the same, limits 0.85 and 1.6",
+        ("solver.preset=paper-adaptive", "solver.eps_min=0.85", "solver.eps_max=1.6"),
+        12,
+        "limits too high damp, too low diverge",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Result:
+    """A case that was run: the run, its `summary`, those of its perturbed repetitions, and the run
+    at its own steps where pictures need it."""
+
+    case: PaperRun
+    run: Run
+    figures: Mapping[str, Any]
+    repeated: tuple[Mapping[str, Any], ...]
+    recording: Recording | None
+
+    @property
+    def steps(self) -> Recording:
+        """The run at its own steps."""
+        assert self.recording is not None, self.case.name
+        return self.recording
+
+    def spread(self, key: str) -> tuple[float, float, float] | None:
+        """Median, least and largest of a figure over all repetitions; None if the run failed."""
+        values = [f[key] for f in (self.figures, *self.repeated) if f[key] is not None]
+        if not values or self.figures["status"].startswith("failed"):
+            return None
+        return statistics.median(values), min(values), max(values)
+
+
+def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
+    """Run all cases through the FMU; those finished by an earlier call are read from `out`/runs."""
+    fmu = fmu_in(out, rig_toml())
+    store = out / "runs" / f"{package_name()}-{sha256(rig_toml().encode()).hexdigest()[:8]}"
+    store.mkdir(parents=True, exist_ok=True)
+
+    def run(name: str, job: Job, label: str) -> Run:
+        return _stored(store / f"{name}.npz", lambda: execute(job, fmu, label))
+
+    results = []
+    for case in CASES:
+        job = prepare(None, None, case.sets, None, 40.0, None)
+        first = run(case.name, job, case.title)
+        repeated = tuple(
+            summary(
+                run(
+                    f"{case.name}-{i}",
+                    _perturbed(job, i * _PHASE_STEP),
+                    f"{case.title}, {i + 1} of {case.repetitions}",
+                )
+            )
+            for i in range(1, case.repetitions)
+        )
+        recording = None
+        if case.name in _RECORDED:
+            recording = _recorded(store / f"{case.name}-steps.npz", job, case.title)
+        results.append(Result(case, first, summary(first), repeated, recording))
+        announce(f"{case.title}: {first.status.split(':')[0]}")
+    return results
+
+
+def _recorded(path: Path, job: Job, label: str) -> Recording:
+    """The same run without the FMU, at its own steps: from its file, or made now and put there."""
+    if not path.exists():
+        execute_recorded(job, f"{label}, recorded", is_silent=True)[1].save(path)
+    return load_recording(path)
+
+
+def _perturbed(job: Job, phase: float) -> Job:
+    phases = {v.name: phase for v in job.table if v.name.endswith(".phase")}
+    return replace(job, parameters={**job.parameters, **phases}, step=max(job.step, 0.04))
+
+
+def _stored(path: Path, make: Callable[[], Run]) -> Run:
+    """A run from its file, or made now and put there whole."""
+    if path.exists():
+        with np.load(path) as data:
+            about = json.loads(str(data["about"]))
+            columns = dict(zip(about.pop("names"), data["columns"], strict=True))
+            messages = tuple(about.pop("messages"))
+            return Run(data["t"], columns, messages=messages, **about)
+    run = make()
+    about = {
+        "names": list(run.columns),
+        "status": run.status,
+        "messages": run.messages,
+        "wall_s": run.wall_s,
+    }
+    with unfinished(path) as part:
+        np.savez_compressed(
+            part, t=run.t, columns=np.array(list(run.columns.values())), about=json.dumps(about)
+        )
+    return run
+
+
+def write_figures(results: list[Result], out: Path) -> list[Path]:
+    """The paper's figures 3 to 6 and 9 to 15, its runs with the converged one behind; and the
+    default run with the paper's behind."""
+    by_name = {result.case.name: result for result in results}
+    fixed, damped, adaptive, default, converged = (
+        by_name[name] for name in ("paper", "damped", "adaptive", "controlled", "converged")
+    )
+    coarse = "steps of 4 ms, generalized-alpha 0.1 / 0.08"
+    lower = "steps of 4 ms, generalized-alpha 0.15 / 0.1"
+    variable = "steps of 4 to 20 ms, generalized-alpha 0.1 / 0.08"
+    truth = converged.run, "converged, steps of 0.1 ms"
+    pictures = {
+        "run_down": figures.amplitude(
+            default.run,
+            "x",
+            "The test rig runs down from 64 Hz in 40 s",
+            (fixed.run, "paper A's integrator, 4 ms"),
+            "this FMU's default",
+        ),
+        "figure_14_error": figures.error_indicator(
+            adaptive.steps, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
+        ),
+        "figure_15_h": figures.step_length(adaptive.steps, "Paper A, Fig. 15: step length"),
+    }
+    for number, axis, result, text in (
+        ("03", "x", fixed, coarse),
+        ("04", "y", fixed, coarse),
+        ("09", "x", damped, lower),
+        ("10", "y", damped, lower),
+        ("11", "x", adaptive, variable),
+        ("12", "y", adaptive, variable),
+    ):
+        caption = f"Paper A, Fig. {int(number)}: {text}"
+        pictures[f"figure_{number}_{axis}"] = figures.amplitude(
+            result.run, axis, caption, truth, "the paper's run"
+        )
+    for key, result, caption in (
+        ("figure_05_psi", fixed, f"Paper A, Fig. 5: {coarse}"),
+        ("figure_13_psi", adaptive, f"Paper A, Fig. 13: {variable}"),
+        ("converged_psi", converged, "Where the journal lies: converged, steps of 0.1 ms"),
+    ):
+        pictures[key] = figures.contact_angle(result.steps, caption)
+    for key, result, text in (
+        ("figure_06_orbit", fixed, "Paper A, Fig. 6"),
+        ("converged_orbit", converged, "Converged, steps of 0.1 ms"),
+    ):
+        at_s, at_hz = result.figures["x_peak_s"], result.figures["x_peak_hz"]
+        caption = f"{text}: orbit at the horizontal peak, {at_hz:.1f} Hz"
+        pictures[key] = figures.orbit(result.steps, at_s, caption)
+    return [save(figure, out / f"{name}.png") for name, figure in pictures.items()]
+
+
+def table(results: list[Result]) -> str:
+    """The comparison as Markdown: every run beside the converged one and the paper's words."""
+    reference = next(r for r in results if r.case.name == "converged").figures
+    rows = [
+        "| run | X [µm] at [Hz] | to converged | Y [µm] at [Hz] | to converged | psi at X [deg] "
+        "| full circle [Hz] | steps | Newton / step | time [s] | paper A says |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |",
+    ]
+    for result in results:
+        cells = [result.case.title]
+        for axis in "xy":
+            cells += _peak_cells(result, axis, reference[f"{axis}_peak_um"])
+        f = result.figures
+        failed = f["status"].startswith("failed")
+        psi, circle = f["psi_at_x_peak_deg"], f["circulation_hz"]
+        cells += [
+            "-" if failed else f"{psi[0]:.0f} to {psi[1]:.0f}",
+            "-" if failed else "never" if circle is None else f"{circle[0]:.1f} to {circle[1]:.1f}",
+            _steps(result),
+            f"{f['newton_per_step']:.1f}" if f["newton_per_step"] else "-",
+            f"{f['wall_s']:.2g}",
+            result.case.paper,
+        ]
+        rows.append("| " + " | ".join(cells) + " |")
+    failures = [f"- {r.case.title}: {r.figures['status']}" for r in results if r.run.status != "ok"]
+    runs = max(result.case.repetitions for result in results)
+    note = (
+        f"\nMedians, and in brackets the range, of up to {runs} runs whose unbalances are turned "
+        f"by {_PHASE_STEP:g} rad each. X: largest |x| of disc 3, Y: largest |y - y at rest|, both "
+        "for t > 2 s.\n"
+    )
+    return "\n".join([*rows, note, *failures]) + "\n"
+
+
+def _steps(result: Result) -> str:
+    counts = [f["steps"] for f in (result.figures, *result.repeated)]
+    return f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
+
+
+def _peak_cells(result: Result, axis: str, reference: float) -> list[str]:
+    size, at = result.spread(f"{axis}_peak_um"), result.spread(f"{axis}_peak_hz")
+    if size is None or at is None:
+        return ["-", "-"]
+    spread = f" ({size[1]:.0f} to {size[2]:.0f})" if size[2] - size[1] > 0.5 else ""
+    return [f"{size[0]:.1f}{spread} at {at[0]:.2f}", f"{100 * (size[0] / reference - 1):+.1f} %"]
+
+
+def reproduce(out: Path, announce: Callable[[str], None]) -> list[Result]:
+    """Run what paper A ran and write figures, `table.md` and `table.json` to the folder `out`."""
+    results = run_cases(out, announce)
+    write_figures(results, out)
+    text = table(results)
+    write_text(text, out / "table.md")
+    write_json(figures_of(results), out / "table.json")
+    return results
+
+
+def figures_of(results: list[Result]) -> dict[str, Any]:
+    """The figures of every run and of its repetitions, by the run's name."""
+    return {r.case.name: {**r.figures, "repeated": list(r.repeated)} for r in results}

@@ -1,1 +1,0 @@
-"""`rotor-fmu impact`: paper B's experiments and their pictures."""

@@ -1,1 +1,0 @@
-"""`rotor-fmu schemes`: what integrators do to an oscillation."""

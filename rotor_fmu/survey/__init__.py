@@ -1,5 +1,0 @@
-"""`rotor-fmu survey`: every integrator over the step lengths, on the rotor, the bars, the ratchet.
-
-`grid` runs what `experiments` lists and keeps the rows in one table; `findings` reads it, `figures`
-and `page` show it.
-"""
