@@ -72,7 +72,7 @@ curve = {{ amplitude = "disc.r", bins = {{ from = {low}, to = {high}, count = 18
 once = {{ order = 1, speed = {130 * way}, of = "disc.x" }}
 twice = {{ order = 2, speed = {130 * way}, of = "disc.x" }}
 """,
-        tolerance=1e-5,
+        tolerance=1e-4,
     )
     t, w, z = jeffcott(20.0 * way, 20.0 * way, 9.0)
     r = np.abs(z)
