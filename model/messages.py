@@ -62,6 +62,15 @@ _SENTENCES = {
     **{doubt.since: _positional(doubt.words) for doubt in DOUBTS},
 }
 SENTENCES = (*settings.SENTENCES, *_SENTENCES.values())
+# Of each the code that a machine reads, empty of what no run says that goes on.
+_CODES = {
+    "OSCILLATES_AT_REST": "unstable-at-rest",
+    "MOVES_AT_REST": "unstable-at-rest",
+    "HIDES": "hidden-instability",
+    "UNSTABLE": "unstable",
+    **{doubt.since: doubt.code for doubt in DOUBTS},
+}
+CODES = (*settings.CODES, *(_CODES.get(name, "") for name in _SENTENCES))
 _FIRST = len(settings.SENTENCES)
 (
     NOT_HELD,

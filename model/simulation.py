@@ -20,7 +20,7 @@ from .march.observe import observed_names
 from .march.tape import Record, channels_of
 from .refusal import Refusal
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .spelling import TOLD, spell
+from .spelling import TOLD, Message, spell
 from .stability.whirls import Whirl, whirls_found
 from .step.step import Motion
 from .structure.assembly import interface_names
@@ -41,11 +41,17 @@ class RotorWarning(UserWarning):
     instability that it hides."""
 
 
+class RotorNote(UserWarning):
+    """Something about the machine or what was asked for that leaves a run as good as any: a machine
+    that is unstable, a setting without effect, much work."""
+
+
 _has_said_interpreted = False
 
 
-def _warn(message: str) -> None:
-    warnings.warn(message, RotorWarning, stacklevel=3)
+def warn(message: Message, stacklevel: int = 3) -> None:
+    """Warn of what a run says: a `RotorNote`, or a `RotorWarning`."""
+    warnings.warn(message, RotorNote if message.is_note else RotorWarning, stacklevel=stacklevel)
 
 
 class Simulation:
@@ -74,7 +80,7 @@ class Simulation:
         drive_torque: float | None = None,
         loads: np.ndarray | None = None,
         record: Record | Sequence[str] = (),
-        warn: Callable[[str], None] = _warn,
+        warn: Callable[[Message], None] = warn,
     ) -> None:
         self._warn = warn
         self._warn_if_interpreted()
@@ -105,7 +111,7 @@ class Simulation:
             self._run.memory.loads[:] = loads
         # views of single fields: a record's attributes cost a microsecond each
         self._time = self._run.memory.record["t"]
-        self._doubts = [(self._run.memory.record[doubt.since], doubt.words) for doubt in DOUBTS]
+        self._doubts = [(self._run.memory.record[doubt.since], doubt) for doubt in DOUBTS]
         self._loads = self._run.memory.loads
         self._load_rates = self._run.memory.load_rates
         self._observed = self._run.reading.observed
@@ -196,10 +202,10 @@ class Simulation:
         if not self._surveyed_from[0] <= abs(self._speed[0]) <= self._surveyed_to[0]:
             self._survey(False)
         for entry in tuple(self._doubts):
-            since, words = entry
+            since, doubt = entry
             if since[0] == since[0]:
                 self._doubts.remove(entry)
-                self._warn(words.format(since[0]))
+                self._warn(Message(doubt.words.format(since[0]), doubt.code))
 
     def snapshot(self) -> np.ndarray:
         """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
@@ -257,21 +263,22 @@ class Simulation:
         global _has_said_interpreted
         if chosen() is Code.PYTHON and not _has_said_interpreted:
             _has_said_interpreted = True
-            self._warn(INTERPRETED_WARNING)
+            self._warn(Message(INTERPRETED_WARNING, "interpreted"))
 
     def _warn_beyond(self, speed: float) -> None:
         """Say once of every range that the speed [rad/s] has left it."""
         for allowed in list(self._ranges):
             if not allowed.low <= speed <= allowed.high:
                 self._ranges.remove(allowed)
-                self._warn(allowed.beyond.format(speed=speed))
+                self._warn(Message(allowed.beyond.format(speed=speed), allowed.code))
 
     def _failure(self, status: int) -> str:
         """Why a step failed."""
         self._code.survey(float(self._run.memory.record[0].surveyed_at), False)
         return self._sentence(outcomes.failure, self._run, status)
 
-    def _sentence(self, kernel: Callable[..., int], *arguments: object) -> str:
+    def _sentence(self, kernel: Callable[..., int], *arguments: object) -> Message:
         """What a kernel of `outcomes` has to say, "" where it is nothing."""
         code = plain(kernel)(*arguments, self._told)
-        return spell(messages.SENTENCES[code].replace("{where}", self._where), self._told)
+        text = spell(messages.SENTENCES[code].replace("{where}", self._where), self._told)
+        return Message(text, messages.CODES[code])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import Any
 
 TOLD = 16  # numbers of a sentence, at most
 _PLACE = re.compile(r"\{(\?[^{}]*|[d]|\.?\d*g)\}")
@@ -24,6 +25,36 @@ def spell(pattern: str, numbers: Iterable[float]) -> str:
         return f"{int(number):d}" if kind == "d" else f"{number:{kind}}"
 
     return _PLACE.sub(shown, pattern)
+
+
+class Message(str):
+    """A sentence that a run says, and its machine-readable code.
+
+    A note is about the machine or what was asked for; any other makes the run doubtful.
+    """
+
+    __slots__ = ("code",)
+    code: str
+
+    def __new__(cls, text: str, code: str) -> Message:
+        """A sentence with its code."""
+        message = super().__new__(cls, text)
+        message.code = code
+        return message
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        """What a copy is made of."""
+        return str(self), self.code
+
+    @property
+    def is_note(self) -> bool:
+        """Whether a run that says it is as good as any."""
+        return self.code in NOTES
+
+
+NOTES = frozenset(
+    {"idle-setting", "interpreted", "slow", "tolerance-raised", "unstable", "unstable-at-rest"}
+)
 
 
 def choice(texts: Iterable[str]) -> str:

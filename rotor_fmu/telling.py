@@ -16,6 +16,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from .errors import RunFailed
+from .runs.status import FAILED
 
 _OPTIONS = {
     "as_json": Annotated[
@@ -25,7 +26,6 @@ _OPTIONS = {
         bool, typer.Option("--quiet", help="Print nothing but errors, and what --json asks for.")
     ],
 }
-_FAILED = "failed: "
 
 
 def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
@@ -44,8 +44,8 @@ def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
         if as_json:
             typer.echo(json_text(figures), nl=False)
         status = str(figures.get("status", ""))
-        if status.startswith(_FAILED):
-            raise RunFailed(f"the run stopped before its end: {status.removeprefix(_FAILED)}")
+        if status.startswith(FAILED):
+            raise RunFailed(f"the run stopped before its end: {status.removeprefix(FAILED)}")
 
     hints = get_type_hints(command, include_extras=True) | _OPTIONS
     own = inspect.signature(command).parameters.values()

@@ -8,11 +8,13 @@ from .rotor import Rotor
 
 
 class SpeedRange(NamedTuple):
-    """Speeds [rad/s], and what is said of one outside, {speed:.4g} in it to be filled in."""
+    """Speeds [rad/s], what is said of one outside, {speed:.4g} in it to be filled in, and the code
+    of that message."""
 
     low: float
     high: float
     beyond: str
+    code: str
 
 
 def tables_of(rotor: Rotor) -> list[SpeedRange]:
@@ -24,6 +26,7 @@ def tables_of(rotor: Rotor) -> list[SpeedRange]:
             speeds[-1],
             f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {speeds[0]:g} to "
             f"{speeds[-1]:g} rad/s; from there on its coefficients are those of the end",
+            "beyond-table",
         )
         for where, speeds in named
         if speeds

@@ -14,7 +14,7 @@ from ..march.block import METHOD
 from ..march.control import Control
 from ..refusal import Refusal
 from ..schemes.family import Scheme
-from ..spelling import TOLD, spell
+from ..spelling import TOLD, Message, spell
 from . import messages, table
 from .resolver import COUNT, encoded, resolve, warning
 from .table import (
@@ -100,7 +100,7 @@ class Settings:
         return _resolved(self._given)
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[Message]:
         """What makes every run with them doubtful: a method that is unstable."""
         return _warnings(self._given, self._given, self.numbers, [COUNT])
 
@@ -171,7 +171,7 @@ def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
 
 def settings_of_given(
     given: np.ndarray, reduction: int, tolerance: float | None = None
-) -> tuple[Settings, list[str]]:
+) -> tuple[Settings, list[Message]]:
     """The settings that an FMU's parameters stand for, as `resolver.resolve` takes them, and a
     sentence for each that changes nothing; tolerance: the experiment's [1], which a value among
     them overrides. Raises `SettingsError`."""
@@ -185,10 +185,12 @@ def settings_of_given(
 
 def _warnings(
     given: np.ndarray, own: np.ndarray, numbers: np.void, slots: Iterable[int]
-) -> list[str]:
+) -> list[Message]:
     """What `resolver.warning` has to say of some settings."""
     told, said = np.zeros(TOLD), []
     for slot in slots:
         code = plain(warning)(given, own, numbers, told, slot)
-        said += [spell(messages.SENTENCES[code], told)] if code else []
+        if code:
+            text = spell(messages.SENTENCES[code], told)
+            said.append(Message(text, messages.CODES[code]))
     return said

@@ -51,7 +51,13 @@ SENTENCES = (
     *(_out_of_range(setting.name) for setting in SETTINGS),
     *(_idle(setting.name) for setting in SETTINGS),
 )
-assert len(SENTENCES) == IDLE + len(SETTINGS)
+# Of each the code that a machine reads, empty of what no run says that goes on.
+CODES = (
+    *("unstable-scheme" if code == UNSTABLE else "" for code in range(OUT_OF_RANGE)),
+    *("" for _ in SETTINGS),
+    *("idle-setting" for _ in SETTINGS),
+)
+assert len(CODES) == len(SENTENCES) == IDLE + len(SETTINGS)
 
 
 def prefixed(prefix: str) -> tuple[str, ...]:

@@ -168,6 +168,7 @@ def _said(
         f"solver.reduction = {modes} is too coarse: mode {place + 1} of the shaft{contacts}, "
         f"{_hertz(omega)}, {how}, and the speed, {{speed:.4g}} rad/s, is above half of it; take at "
         f"least {enough}, or 0",
+        "reduction-too-coarse",
     )
 
 

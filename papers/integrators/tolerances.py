@@ -62,7 +62,7 @@ def head() -> list[str]:
         "tolerance",
         "`ok`",
         "largest displacement off by",
-        "size, direction off by [tolerances]",
+        "size, direction off by [tolerances], median",
         "orbit off by [tolerances]",
         "over 1 + condition",
     ]
@@ -81,8 +81,8 @@ def table(found: Sequence[Row]) -> list[list[str]]:
                     f"{tolerance:g}",
                     f"{len(runs)} of {count}",
                     _both([100 * r.peak for r in runs], " %"),
-                    f"{max(r.amplitude for r in runs) / tolerance:.2g}, "
-                    f"{max(r.phase for r in runs) / tolerance:.2g}",
+                    f"{statistics.median(r.amplitude for r in runs) / tolerance:.2g}, "
+                    f"{statistics.median(r.phase for r in runs) / tolerance:.2g}",
                     _both([r.orbit / r.tolerance for r in runs]),
                     _both([r.conditioned for r in runs]),
                 ]
@@ -113,7 +113,11 @@ def in_words(found: Sequence[Row]) -> dict[str, str]:
     """What the page says of them beside the tables, by the names in its template."""
     tame = [r for r in found if r.status == "ok" and r.condition < TAME]
     peaks = [100 * max(r.peak for r in tame if r.tolerance == t) for t in TOLERANCES]
-    doubts = [r.status.split(":")[0] for r in found if r.status != "ok"]
+    doubts = [
+        r.status.removeprefix("doubtful: ") if r.status.startswith("doubtful") else "failed"
+        for r in found
+        if r.status != "ok"
+    ]
     conditions = [r.condition for r in found]
     return {
         "machines": str(len({r.name for r in found if r.group == "drawn"})),

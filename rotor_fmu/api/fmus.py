@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..errors import InputError
-from ..model.simulation import RotorWarning
+from ..model.simulation import warn
 from ..runs.recording import Recording
+from ..runs.status import messages_and_codes
 from .machine import Machine, parse
 from .result import Result
 from .simulate import Signal, plan
@@ -98,7 +98,7 @@ def simulate_fmu(
 
     run = run_fmu(path, job)
     for message in run.messages:
-        warnings.warn(message, RotorWarning, stacklevel=2)
+        warn(message)
     about = {
         "machine": machine.name,
         "toml": toml,
@@ -106,7 +106,7 @@ def simulate_fmu(
         "stop": job.stop,
         "step": job.step,
         "status": run.status,
-        "messages": list(run.messages),
+        **messages_and_codes(run.messages),
     }
     units = {name: machine.units[name] for name in run.columns}
     return Result(Recording(run.t, run.columns, units, about), run, machine)

@@ -110,13 +110,18 @@ class Result:
 
     @property
     def status(self) -> str:
-        """`ok`, `false state`, `overdamped since ...`, or `failed` and why."""
+        """`ok`, `doubtful: ` and the codes of its warnings, or `failed: ` and why."""
         return str(self.recording.about.get("status", "ok"))
 
     @property
     def messages(self) -> tuple[str, ...]:
         """What the solver said."""
         return tuple(self.recording.about.get("messages", ()))
+
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """Of each of `messages` the code that a machine reads, such as `overdamped`."""
+        return tuple(self.recording.about.get("codes", ()))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A signal by its name, SI, shape (n,)."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
@@ -14,7 +13,7 @@ from ..fmi.interface import interface
 from ..fmi.variables import Variable
 from ..model.march.tape import Record
 from ..model.settings import PRESETS
-from ..model.simulation import RotorWarning
+from ..model.simulation import warn
 from ..runs.job import Job, make_job, parse_settings
 from ..runs.run_down import run_recorded, usual
 from ..runs.signals import Signals
@@ -48,8 +47,9 @@ def simulate(
     default what is usual; per_turn: rows of the recording in a turn, None for every step; step:
     communication step [s], at which the speed is taken up.
 
-    What makes a run doubtful is a `RotorWarning`, and a run that fails too: its result holds what
-    came before, and its status the reason. Raises `InputError` for what cannot be.
+    What makes a run doubtful is a `RotorWarning`, what does not, such as a machine that is unstable
+    by itself, a `RotorNote`. A run that fails warns too: its result holds what came before, and its
+    status the reason. Raises `InputError` for what cannot be.
 
     >>> import rotor_fmu as rf
     >>> result = rf.simulate(rf.load(), speed=185.0, stop=0.2)
@@ -77,7 +77,7 @@ def simulate(
     except ValueError as error:
         raise InputError(str(error)) from error
     for message in run.messages:
-        warnings.warn(message, RotorWarning, stacklevel=2)
+        warn(message)
     return Result(recording, run, machine)
 
 

@@ -11,6 +11,8 @@ from typing import Any
 import fmpy
 
 from ..errors import RunFailed
+from ..fmi.log import read_message
+from ..model.spelling import Message
 
 
 class Member:
@@ -22,7 +24,7 @@ class Member:
     to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
     """
 
-    def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[str]) -> None:
+    def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[Message]) -> None:
         self._messages = messages
         self._name = fmu.name
         self._is_extracted = fmu.is_dir()
@@ -90,4 +92,4 @@ class Member:
 
     def _log(self, environment: object, name: bytes, status: int, category: bytes, text: bytes):
         if status != fmpy.fmi2.fmi2OK:
-            self._messages.append(text.decode("utf-8", "replace").splitlines()[-1])
+            self._messages.append(read_message(text))

@@ -14,6 +14,7 @@ from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
 from ..files import unfinished
 from ..fmi.variables import Variable
+from ..model.spelling import Message
 
 DRIVE_TRAIN_FMU = "DriveTrain.fmu"
 # What one FMU tells the other: output, input.
@@ -81,7 +82,7 @@ def couple(
     The drive train gets the rotor's moment of inertia. `progress` gets the time at each
     communication point; what it raises ends the run. Raises `RunFailed`.
     """
-    messages: list[str] = []
+    messages: list[Message] = []
     with (
         Member(drive_fmu, drive_parameters, messages) as drive,
         Member(rotor_fmu, rotor_parameters, messages) as rotor,

@@ -10,6 +10,7 @@ from ..model.machine.rotor import Rotor
 from ..model.march.tape import Record
 from ..model.protocol.part import BASE
 from ..model.simulation import Simulation
+from ..model.spelling import Message
 from .interface import ports
 from .solver_parameters import settings_of
 from .variables import Variable
@@ -33,7 +34,7 @@ def build_simulation(
     rotor: Rotor,
     table: Sequence[Variable],
     values: Mapping[str, float],
-    warn: Callable[[str], None],
+    warn: Callable[[Message], None],
     tolerance: float | None = None,
     record: Record | Sequence[str] = (),
 ) -> Simulation:

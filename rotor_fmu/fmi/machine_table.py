@@ -16,7 +16,7 @@ from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
 from ..model.march.block import LAYOUT, new_block
 from ..model.march.memory import RECORD
 from ..model.march.observe import observed_names
-from ..model.messages import SENTENCES, closed_at
+from ..model.messages import CODES, SENTENCES, closed_at
 from ..model.quantities import ANY, LARGEST, Quantity, Rule
 from ..model.settings import messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
@@ -24,6 +24,7 @@ from ..model.structure.assembly import interface_names
 from ..model.structure.places import places
 from ..model.structure.reduction import assembled
 from .binding import load_names
+from .log import with_code
 from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
 from .variables import Variable
 
@@ -102,7 +103,9 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     closed = closed_at(interface_names(face.rotor), LAYOUT.look(block).structure.interfaces)
     known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
     own = [text.replace("{where}", closed) for text in known]
-    sentences = [_HEAD.size + texts.place(text) for text in (*own, *warnings)]
+    codes = (*CODES, *(each.code for each in beyond))
+    said = (with_code(text, code) for text, code in zip((*own, *warnings), codes, strict=True))
+    sentences = [_HEAD.size + texts.place(text) for text in said]
     spans = b"".join(
         _SPAN.pack(code, table.low, table.high) for code, table in enumerate(beyond, len(SENTENCES))
     )

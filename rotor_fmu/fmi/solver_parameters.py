@@ -13,6 +13,7 @@ import numpy as np
 
 from ..model.settings import DEFAULT_PRESET, PRESETS, Settings, SettingsError, settings_of_given
 from ..model.settings.table import MOST_MODES, SETTINGS, Choice, Number
+from ..model.spelling import Message
 from .variables import Variable
 
 AS_PRESET = "as the preset"
@@ -86,7 +87,7 @@ def meaning(variable: Variable) -> tuple[float, float]:
 def settings_of(
     values: Mapping[str, float],
     tolerance: float | None = None,
-    warn: Callable[[str], None] = lambda message: None,
+    warn: Callable[[Message], None] = lambda message: None,
 ) -> Settings:
     """The settings that values of the solver's parameters, by name, stand for.
 
@@ -104,5 +105,5 @@ def settings_of(
     except SettingsError as error:
         raise SettingsError(f"{PREFIX}{error}") from error
     for sentence in said:
-        warn(f"{PREFIX}{sentence}")
+        warn(Message(f"{PREFIX}{sentence}", sentence.code))
     return settings

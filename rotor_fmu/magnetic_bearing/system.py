@@ -17,6 +17,7 @@ from ..coupled.member import Member
 from ..coupled.partner import build_partner, example_folder, partner_table
 from ..fmi.packing.python_fmu import FREE_FMU_NAME, build, is_current
 from ..fmi.variables import Variable
+from ..model.spelling import Message
 
 CONTROL_FMU, ROTOR_FMU = "MagneticBearing.fmu", FREE_FMU_NAME
 SIDES, AXES = ("left", "right"), ("x", "y")
@@ -95,7 +96,7 @@ def couple(
     The rotor starts at rest in its touchdown bearings. `progress` gets the time at each
     communication point; what it raises ends the run. Raises `RunFailed`.
     """
-    messages: list[str] = []
+    messages: list[Message] = []
     with (
         Member(control_fmu, control_parameters, messages) as control,
         Member(rotor_fmu, {"w_start": 0.0, **rotor_parameters}, messages) as rotor,

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
+from ..runs.status import FAILED, OK
 from ..vibration import TooFewTurns
 from .places import Recorded, hertz
 
@@ -28,12 +29,11 @@ _SUMMARY = {
 def notices(run: Recorded, why: str | None) -> str:
     """What a reader has to know first: how far a failed run came, why, what makes it doubtful."""
     said = []
-    if run.status != "ok":
-        reason = run.status.removeprefix("failed: ")
-        if run.status.startswith("failed"):
-            said.append(f"{run.name} stopped before its end. It came to {_reached(run)}: {reason}")
-        else:
-            said.append(f"{run.name} is not to be trusted: {reason}")
+    if run.status.startswith(FAILED):
+        reason = run.status.removeprefix(FAILED)
+        said.append(f"{run.name} stopped before its end. It came to {_reached(run)}: {reason}")
+    elif run.status != OK:
+        said.append(f"{run.name} is {run.status}")
     for message in dict.fromkeys(map(str, run.about.get("messages", ()))):
         if message not in run.status:
             said.append(f"{run.name}: {message}")
@@ -64,7 +64,9 @@ def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
 
 
 def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
-    rows: list[Sequence[object]] = [["status", run.status.partition(":")[0]]]
+    rows: list[Sequence[object]] = [
+        ["status", "failed" if run.status.startswith(FAILED) else run.status]
+    ]
     if len(run.t):
         rows += [
             ["reached [s]", run.t[-1]],

@@ -18,13 +18,16 @@ import numpy as np
 
 from ..errors import RunFailed
 from ..fmi.binding import build_simulation, load_names
+from ..fmi.log import read_message
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
+from ..model.spelling import Message
 from .progress import Tell, silent
 from .recording import Recording
 from .signals import Driver, Signals
+from .status import FAILED, messages_and_codes, status_of
 
 _TAPE_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
@@ -47,15 +50,15 @@ class Plan:
 class Run:
     """A run at its communication points.
 
-    t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: `ok`,
-    `false state`, `overdamped since ...` or what went wrong; messages: of the solver; wall_s: from
-    the end of the first communication step, by when all code is compiled, to the run's [s].
+    t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: see
+    `status`; messages: of the solver; wall_s: from the end of the first communication step, by when
+    all code is compiled, to the run's [s].
     """
 
     t: np.ndarray
     columns: Mapping[str, np.ndarray]
     status: str
-    messages: tuple[str, ...]
+    messages: tuple[Message, ...]
     wall_s: float
 
     @property
@@ -72,14 +75,13 @@ def run_fmu(fmu: Path, plan: Plan, progress: Tell = silent) -> Run:
     import fmpy
 
     recorded = [v.name for v in plan.table if v.is_observed]
-    messages: list[str] = []
+    messages: list[Message] = []
     recorder = None
     begun = time.perf_counter()
 
     def log(environment: object, name: bytes, status: int, category: bytes, text: bytes) -> None:
         if status != fmpy.fmi2.fmi2OK:
-            # the wrapper puts a line of its own before the message of an exception
-            messages.append(text.decode("utf-8", "replace").splitlines()[-1])
+            messages.append(read_message(text))
 
     def step_finished(t: float, its_recorder: Any) -> bool:
         nonlocal recorder, begun
@@ -118,13 +120,13 @@ def run_fmu(fmu: Path, plan: Plan, progress: Tell = silent) -> Run:
     wall = time.perf_counter() - begun
     if recorder is None:
         empty = {name: np.zeros(0) for name in recorded}
-        return Run(np.zeros(0), empty, f"failed: {failure}", tuple(messages), wall)
+        return Run(np.zeros(0), empty, f"{FAILED}{failure}", tuple(messages), wall)
     rows = recorder.result()
     columns = {name: np.asarray(rows[name], dtype=float) for name in recorded}
     return Run(
         np.asarray(rows["time"]),
         columns,
-        _status(failure, columns, messages),
+        status_of(messages, failure),
         tuple(messages),
         wall,
     )
@@ -189,7 +191,7 @@ def run_recorded(
         "step": plan.step,
         "angle": taped.angle,
         "status": run.status,
-        "messages": list(run.messages),
+        **messages_and_codes(run.messages),
     }
     # a column each, so that one can be kept without the others
     t, *columns = (column.copy() for column in rows.T)
@@ -225,12 +227,13 @@ def _march(
     signals, stop = plan.signals, plan.stop
     values = {v.name: v.start for v in plan.table if v.start is not None} | dict(plan.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}
-    messages: list[str] = []
+    messages: list[Message] = []
 
-    def warn(message: str) -> None:
+    def warn(message: Message) -> None:
         messages.append(message)
         if not is_silent:
-            print(f"rotor-fmu: warning: {message}", file=sys.stderr, flush=True)
+            level = "note" if message.is_note else "warning"
+            print(f"rotor-fmu: {level}: {message}", file=sys.stderr, flush=True)
 
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
     driver = Driver(signals, load_names(rotor), values["speed_continuation"] != 0)
@@ -249,7 +252,7 @@ def _march(
             driver.advance(simulation, t, target)
         except StepFailure as error:
             failure = str(error)
-            messages.append(failure)
+            messages.append(Message(failure, ""))
             break
         finally:
             taped.append(simulation.drain())
@@ -261,18 +264,6 @@ def _march(
         progress(t, values_now)
     wall = time.perf_counter() - begun
     columns = dict(zip(simulation.names, np.array(rows).T, strict=True))
-    status = _status(failure, columns, messages)
+    status = status_of(messages, failure)
     run = Run(np.array(times), columns, status, tuple(messages), wall)
     return run, np.concatenate(taped)
-
-
-def _status(failure: str | None, columns: Mapping[str, np.ndarray], messages: Sequence[str]) -> str:
-    if failure is not None:
-        return f"failed: {failure}"
-    if columns["solver.trapped"][-1] > 0:
-        return "false state"
-    since = columns["solver.overdamped_at"][-1]
-    if since >= 0:
-        return f"overdamped since {since:.4g} s"
-    coarse = [message for message in messages if message.startswith("too coarse since")]
-    return coarse[0].partition(":")[0] if coarse else "ok"

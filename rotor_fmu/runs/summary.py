@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .run_down import Run
+from .status import messages_and_codes
 from .views import contact_of, peak_index, place_of, why_no_peak
 
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
@@ -41,7 +42,7 @@ def summary(run: Run) -> dict[str, Any]:
         "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
         "overdamped_at_s": overdamped_at if overdamped_at >= 0 else None,
         "status": run.status,
-        "messages": list(run.messages),
+        **messages_and_codes(run.messages),
     }
 
 

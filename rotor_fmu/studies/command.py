@@ -19,12 +19,13 @@ from rich.progress import TextColumn
 from rich.table import Table
 
 from ..errors import InputError, writable_folder
+from ..runs.status import FAILED
 from ..telling import tells
 from .conduct import Progress, conduct
 from .engines import Where, engine
 from .machine.runs import MachineRuns
 from .reading import read_study
-from .study import FAILED, Study
+from .study import Study
 
 _LINE_EVERY = 10.0  # lines of progress where there is no terminal [s]
 _errors = Console(stderr=True)
@@ -159,7 +160,7 @@ def _say_result(told: Study, out: Path, progress: Progress) -> dict[str, Any]:
     states = data.status.values.astype(str)
     counts: dict[str, int] = {}
     for status in states:
-        kind = "failed" if status.startswith(FAILED) else status.split(" since")[0]
+        kind = "failed" if status.startswith(FAILED) else status
         counts[kind] = counts.get(kind, 0) + 1
     shown = ", ".join(f"{count} {kind}" for kind, count in sorted(counts.items()))
     typer.echo(f"{told.name}: {progress.runs} runs, {progress.now} of them now: {shown}")

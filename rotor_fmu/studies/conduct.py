@@ -11,9 +11,10 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import RunFailed
+from ..runs.status import FAILED
 from .engines import Chunk, Done, Engine, deaths, run_chunk
 from .store import Row, Store
-from .study import FAILED, Result, Study
+from .study import Result, Study
 
 _QUEUED = 2  # chunks a worker, one of them waiting
 _MOST = 2000  # runs in a chunk

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..errors import InputError
-from .study import FAILED, Model, Result
+from ..runs.status import FAILED
+from .study import Model, Result
 
 TIME_OUT = 10.0  # within which a scheduler must answer [s]
 # before numpy is loaded: one thread a process, and the same bits in each

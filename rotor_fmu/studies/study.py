@@ -12,8 +12,6 @@ from typing import Protocol
 from ..about import __version__
 from .design import Design
 
-OK = "ok"
-FAILED = "failed: "
 Cell = float | list[float]
 
 
@@ -34,8 +32,8 @@ class Column:
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one run: `ok`, what makes it doubtful, or `failed: ` and why; the cells by the
-    names of the columns, none of a failed run."""
+    """What came of one run: its status (see `runs.status`), and the cells by the names of the
+    columns, none of a failed run."""
 
     status: str
     cells: Mapping[str, Cell]

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import fmpy
 
+from rotor_fmu.fmi.log import read_message
+
 WARNING, DISCARD, ERROR = 1, 2, 3
 ARRAYS = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char_p}
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)
@@ -67,7 +69,7 @@ class Native:
 
     @property
     def warnings(self):
-        return [text for status, text in self.heard if status == WARNING]
+        return [read_message(text.encode()) for status, text in self.heard if status == WARNING]
 
     def _call(self, name, *arguments):
         status = getattr(self._c, f"fmi2{name}")(self._instance, *arguments)
@@ -149,7 +151,7 @@ class Python:
 
     @property
     def warnings(self):
-        return [text for status, text in self.heard if status == WARNING]
+        return [read_message(text.encode()) for status, text in self.heard if status == WARNING]
 
     def _call(self, name, *arguments):
         try:

@@ -51,6 +51,9 @@ DAMPED = (
 )
 HHT = ("solver.preset=paper", "solver.method=hht", "solver.alpha_f=0.1")
 
+# of the steps that the paper takes
+COARSE = "doubtful: too-coarse-in-contact"
+
 
 @pytest.fixture(scope="module")
 def paper(fmu):
@@ -64,7 +67,7 @@ def converged(fmu):
 
 def test_the_papers_run_peaks_where_the_prototypes_did(paper):
     figures = summary(paper)
-    assert figures["status"] == "ok"
+    assert figures["status"] == COARSE
     assert figures["steps"] == 10_000
     assert figures["h_min"] == figures["h_max"] == 0.004
     assert 360 < figures["x_peak_um"] < 395
@@ -122,7 +125,7 @@ def test_higher_parameters_and_hht_give_lower_peaks_as_the_paper_says():
 def test_newmark_scatters_but_peaks_no_worse():
     """The paper calls its results false; with every step converged its peaks are not."""
     runs = perturbed(8, "solver.preset=paper", "solver.method=newmark")
-    assert {run["status"] for run in runs} <= {"ok", "false state"}
+    assert {run["status"] for run in runs} <= {COARSE, f"{COARSE}, false-state"}
     assert median(runs, "x_peak_um") == pytest.approx(CONVERGED["x"][0], rel=0.05)
     assert median(runs, "y_peak_um") == pytest.approx(CONVERGED["y"][0], rel=0.05)
 
@@ -148,7 +151,7 @@ def test_adaptive_lengthens_its_steps_and_keeps_the_peaks():
     adaptive = perturbed(6, "solver.preset=paper-adaptive")
     fixed = perturbed(8, *GENERALIZED)
     for figures in adaptive:
-        assert figures["status"] == "ok"
+        assert figures["status"] == COARSE
         assert figures["steps"] <= 8100
         assert figures["h_min"] == pytest.approx(0.004)
         assert figures["h_max"] == pytest.approx(0.02)
@@ -159,6 +162,6 @@ def test_adaptive_lengthens_its_steps_and_keeps_the_peaks():
 
 def test_the_false_state_is_reported_through_the_fmu(fmu):
     run = through_fmu(fmu, "solver.preset=paper", "solver.h=5e-4", step=0.04, stop=20.0)
-    assert run.status == "false state"
-    assert any("false state since t =" in message for message in run.messages)
+    assert run.status == f"{COARSE}, false-state"
+    assert [m.code for m in run.messages if "false state since t =" in m] == ["false-state"]
     assert summary(run)["trapped_steps"] > 0

@@ -59,7 +59,7 @@ def main(machines: int = MACHINES, processes: int = 2) -> None:
     with tolerances.TABLE.open("w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(tolerances.Row._fields)
-        lines.writerows(row._replace(status=row.status.split(" since")[0]).told() for row in found)
+        lines.writerows(row.told() for row in found)
     for line in (tolerances.head(), *tolerances.table(tolerances.rows())):
         print(*line, sep=" | ")
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import StepFailure
+from rotor_fmu.model.spelling import Message
 
 from papers.integrators.tolerances import TAME, TOLERANCES
+from rotor_fmu.runs.status import status_of
 
 from .machines import Case
 from .truth import Truth
@@ -35,7 +37,7 @@ class Judged:
 
 def judged(case: Case, truth: Truth, settings: Settings) -> Judged:
     """Run a case and hold it against the truth, as far as it comes."""
-    said: list[str] = []
+    said: list[Message] = []
     sim = case.simulation(settings, warn=said.append)
     at = 2 * (case.node - 1)
     origin, status = complex(sim.motion.q[at]), ""
@@ -48,7 +50,7 @@ def judged(case: Case, truth: Truth, settings: Settings) -> Judged:
             break
         seen.append(complex(sim.motion.q[at]) - origin)
     orbit, exact = np.array(seen), truth.orbit[: len(seen)]
-    return Judged(status or (said[-1] if said else "ok"), *errors(orbit, exact))
+    return Judged(status or status_of(said), *errors(orbit, exact))
 
 
 def errors(orbit: np.ndarray, exact: np.ndarray) -> tuple[float, float, float, float]:

@@ -13,6 +13,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.protocol.part import BASE
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.spelling import Message
 
 from rotor_fmu.fmi.interface import ports
 
@@ -40,7 +41,7 @@ class Case:
         """The times at which it is looked at [s]."""
         return np.linspace(0.0, self.stop, SAMPLES + 1)
 
-    def simulation(self, *settings: Settings, warn: Callable[[str], None]) -> Simulation:
+    def simulation(self, *settings: Settings, warn: Callable[[Message], None]) -> Simulation:
         """This project's run at its start."""
         loads = self._loads(self.base[0]) if len(self.base) else None
         return Simulation(

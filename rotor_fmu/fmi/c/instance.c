@@ -150,7 +150,8 @@ Status set_up(Instance *m, double start, int has_stop, double stop, int has_tole
         return refuse(m, "setupExperiment: tolerance = %g: %s", tolerance,
                       text(m->table, rule->rule));
     if (has_tolerance && tolerance < rule->least) { /* hosts give one for all FMUs of a system */
-        warn_of(m, "setupExperiment: tolerance = %g: %g is taken, the least that can be held",
+        warn_of(m, "setupExperiment: tolerance = %g: %g is taken, the least that can be held "
+                   "[tolerance-raised]",
                 tolerance, rule->least);
         tolerance = rule->least;
     }

@@ -13,7 +13,7 @@ import shutil
 import tempfile
 import time
 import zipfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -27,11 +27,13 @@ from ...fmi.packing.python_fmu import package_name
 from ...model.kernels.process_lock import ProcessLock
 from ...model.kernels.sealed_folder import make_private
 from ...model.kernels.user_cache import user_cache
+from ...model.spelling import Message
 from ...runs.recording import Recording
-from ..study import FAILED, Result
+from ...runs.status import FAILED, messages_and_codes, status_of
+from ..study import Result
 from .driving import Drive
 from .keeping import cells
-from .runs import RUN, MachineRuns, machine_of, status_of
+from .runs import RUN, MachineRuns, machine_of
 from .watch import Samples, Window
 
 DRIVE = "drive."
@@ -81,10 +83,10 @@ class CoupledRuns(MachineRuns):
     def run(self, values: Mapping[str, float]) -> Result:
         """One run; what fails in it, impossible values included, is its status."""
         try:
-            with self._coupled(values, self._needs(False)) as (points, how, status):
+            with self._coupled(values, self._needs(False)) as (points, how, messages):
                 window = _window(list(points), self._needs(False))
                 kept = {keep.name: cells(keep, [window], how) for keep in self.keeps}
-                return Result(status(), kept)
+                return Result(status_of(messages), kept)
         except (InputError, RunFailed) as error:
             return Result(f"{FAILED}{error}", {})
 
@@ -97,19 +99,20 @@ class CoupledRuns(MachineRuns):
         wished = ("phi", "w", *usual(machine.rotor), *self._needs(False), *of_drive)
         names = tuple(dict.fromkeys(name for name in wished if name in units))
         seen: list[tuple[float, ...]] = []
+        messages: list[Message] = []
+        failure = None
         try:
-            with self._coupled(values, names) as (points, _, status):
+            with self._coupled(values, names) as (points, _, messages):
                 seen.extend(points)
-                state = status()
         except (InputError, RunFailed) as error:
-            state = f"{FAILED}{error}"
+            failure = str(error)
         about = {
             "machine": machine.rotor.name,
             "toml": self.toml,
             "parameters": {**self.values, **values},
             "run": {"kind": self.how.kind, **self.how.numbers},
-            "status": state,
-            "messages": [],
+            "status": status_of(messages, failure),
+            **messages_and_codes(messages),
         }
         shown = _window(seen, names).steps
         return Recording(shown.t, shown.columns, {n: units[n] for n in names}, about)
@@ -117,9 +120,9 @@ class CoupledRuns(MachineRuns):
     @contextmanager
     def _coupled(
         self, values: Mapping[str, float], names: Sequence[str]
-    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Drive, Callable[[], str]]]:
+    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Drive, list[Message]]]:
         """Two FMUs that are ready to run: the points of the run, each its time and what is named;
-        how it is driven; and what tells its status when it has ended."""
+        how it is driven; and what they have said."""
         from ...coupled.master import Side, points
         from ...coupled.member import Member
         from ...drive_train.system import TO_DRIVE, TO_ROTOR, acquaint
@@ -129,7 +132,7 @@ class CoupledRuns(MachineRuns):
         how = self.how.changed(own)
         drive_fmu, rotor_fmu = fmus(self.toml)
         of_drive = {name: how.numbers[number] for name, number in _OF_THE_DRIVE.items()}
-        messages: list[str] = []
+        messages: list[Message] = []
         with (
             Member(drive_fmu, {"continuation": 1.0, **of_drive}, messages) as drive,
             Member(rotor_fmu, {**self.values, **of_machine}, messages) as rotor,
@@ -146,7 +149,7 @@ class CoupledRuns(MachineRuns):
                     seen = (*point.one, *point.other)
                     yield point.t, *(seen[i] for i in at)
 
-            yield rows(), how, lambda: status_of(rotor.read)
+            yield rows(), how, messages
 
 
 def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:

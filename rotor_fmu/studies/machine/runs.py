@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -18,8 +18,10 @@ from ...model.march.tape import Record, recordable
 from ...model.quantities import QuantityError
 from ...model.settings import SettingsError
 from ...model.simulation import EquilibriumError, Simulation, StepFailure
+from ...model.spelling import Message
 from ...runs.recording import Recording
-from ..study import FAILED, OK, Column, Result
+from ...runs.status import FAILED, messages_and_codes, status_of
+from ..study import Column, Result
 from .driving import FREE, Drive, drive
 from .keeping import KINDS, Keep, cells
 from .watch import TAPE_ROWS, Watch
@@ -90,7 +92,8 @@ class MachineRuns:
     def run(self, values: Mapping[str, float]) -> Result:
         """One run; what fails in it, impossible values included, is its status."""
         try:
-            how, simulation = self._prepared(values, [], self._needs(False))
+            messages: list[Message] = []
+            how, simulation = self._prepared(values, messages, self._needs(False))
             watch = Watch(simulation, self._needs(False), self._needs(True))
             windows = list(drive(simulation, how, watch))
         except StepFailure as error:
@@ -98,7 +101,7 @@ class MachineRuns:
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
             return Result(f"{FAILED}{error}", {})
         kept = {keep.name: cells(keep, windows, how) for keep in self.keeps}
-        return Result(status_of(simulation.read), kept)
+        return Result(status_of(messages), kept)
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """One run at its own steps, as far as it comes; the same run as its row's."""
@@ -107,14 +110,14 @@ class MachineRuns:
         machine = machine_of(self.toml, self.is_free)
         names = ("phi", "w", *usual(machine.rotor), *self._needs(False), *self._needs(True))
         names = tuple(dict.fromkeys(names))
-        messages: list[str] = []
+        messages: list[Message] = []
         how, simulation = self._prepared(values, messages, names)
-        watch, failure = Watch(simulation, names, is_whole=True), ""
+        watch, failure = Watch(simulation, names, is_whole=True), None
         try:
             for _ in drive(simulation, how, watch):
                 pass
         except StepFailure as error:
-            failure = f"{FAILED}{error}"
+            failure = str(error)
         seen = watch.window().steps
         units = {str(entry.name): entry.output.unit for entry in recordable(machine.rotor)}
         about = {
@@ -122,8 +125,8 @@ class MachineRuns:
             "toml": self.toml,
             "parameters": {**self.values, **values},
             "run": {"kind": how.kind, **how.numbers},
-            "status": failure or status_of(simulation.read),
-            "messages": messages,
+            "status": status_of(messages, failure),
+            **messages_and_codes(messages),
         }
         return Recording(seen.t, seen.columns, {name: units[name] for name in names}, about)
 
@@ -133,7 +136,7 @@ class MachineRuns:
         return tuple(dict.fromkeys(name for keep in chosen for name in keep.needs))
 
     def _prepared(
-        self, values: Mapping[str, float], messages: list[str], recorded: Sequence[str]
+        self, values: Mapping[str, float], messages: list[Message], recorded: Sequence[str]
     ) -> tuple[Drive, Simulation]:
         own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
         of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
@@ -144,11 +147,3 @@ class MachineRuns:
         return how, build_simulation(
             machine.rotor, machine.table, everything, messages.append, record=tape
         )
-
-
-def status_of(read: Callable[[str], float]) -> str:
-    """How much a run that came to its end is to be trusted; read: gives an output by its name."""
-    if read("solver.trapped") > 0:
-        return "false state"
-    since = read("solver.overdamped_at")
-    return f"overdamped since {since:.4g} s" if since >= 0 else OK

@@ -1,0 +1,70 @@
+"""What a run's status says, in every way of running one."""
+
+import pickle
+import warnings
+
+import pytest
+from rotor_fmu.model.machine.toml import rig_toml
+from rotor_fmu.model.messages import CODES, SENTENCES
+from rotor_fmu.model.simulation import RotorNote, RotorWarning
+from rotor_fmu.model.spelling import NOTES, Message
+
+import rotor_fmu as rf
+from rotor_fmu.fmi.log import read_message, with_code
+from rotor_fmu.runs.status import status_of
+
+COARSE = "doubtful: too-coarse-in-contact"
+UNSTABLE = """
+[[linear_bearing]]
+node = 2
+kxx = 1e3
+kyy = 1e3
+kxy = 3000.0
+kyx = -3000.0
+cxx = 0.0
+cyy = 0.0
+"""
+
+
+def test_a_status_lists_the_codes_of_warnings_once_and_leaves_out_notes():
+    said = [Message("a", "overdamped"), Message("b", "slow"), Message("c", "overdamped")]
+    assert status_of(said) == "doubtful: overdamped"
+    assert status_of([*said, Message("d", "false-state")]) == "doubtful: overdamped, false-state"
+    assert status_of(said[1:2]) == status_of([]) == "ok"
+    assert status_of(said, "it broke") == "failed: it broke"
+
+
+def test_every_warning_has_a_code_and_every_note_is_said_somewhere():
+    assert len(CODES) == len(SENTENCES)
+    assert {*CODES} >= NOTES - {"interpreted", "tolerance-raised"}
+    assert all(SENTENCES[i] for i, code in enumerate(CODES) if code not in ("", "idle-setting"))
+
+
+def test_a_message_goes_through_a_log_and_a_pickle_with_its_code():
+    for message in (Message("slow since t = 1 s: much work", "slow"), Message("no code", "")):
+        logged = with_code(message, message.code).encode()
+        for copy in (read_message(logged), pickle.loads(pickle.dumps(message))):
+            assert (copy, copy.code) == (message, message.code)
+    assert read_message(b"a [slow] (t from the start, 5 s)").code == "slow"
+
+
+def test_a_coarse_run_is_doubtful_through_the_fmu_and_without_it(tmp_path):
+    fmu = rf.build_fmu(rf.load(), tmp_path)
+    given = {"speed": 400.0, "stop": 0.1, "preset": "paper", "step": 0.02}
+    with pytest.warns(RotorWarning, match="too coarse in contact"):
+        direct = rf.simulate(rf.load(), **given)
+    with pytest.warns(RotorWarning, match="too coarse in contact"):
+        driven = rf.simulate_fmu(fmu, **given)
+    assert direct.status == driven.status == COARSE
+    assert direct.codes == driven.codes == ("too-coarse-in-contact",)
+    assert direct.messages == driven.messages
+
+
+def test_a_machine_that_is_unstable_by_itself_is_a_note_and_the_run_ok():
+    machine = rf.parse(rig_toml() + UNSTABLE)
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always")
+        run = rf.simulate(machine, speed=50.0, stop=0.05)
+    assert run.status == "ok"
+    assert "unstable" in run.codes
+    assert {note.category for note in seen} == {RotorNote}
