@@ -123,6 +123,19 @@ class Result:
         """Of each of `messages` the code that a machine reads, such as `overdamped`."""
         return tuple(self.recording.about.get("codes", ()))
 
+    @property
+    def verification(self) -> dict[str, Any] | None:
+        """What holding the run against a finer one came to: its `conclusion` (`confirmed`,
+        `sensitive`: amplitudes are, the place at the end is not, or `not confirmed`), `peaks` and
+        `final` side by side; None where it was not asked for.
+
+        >>> import rotor_fmu as rf
+        >>> run = rf.simulate(rf.load(), speed=185.0, stop=0.2, verify=True)
+        >>> run.verification["conclusion"], run.verification["finer"]
+        ('confirmed', {'solver.tolerance': 0.0001})
+        """
+        return self.recording.about.get("verification")
+
     def __getitem__(self, name: str) -> np.ndarray:
         """A signal by its name, SI, shape (n,)."""
         if name not in self.recording.columns:

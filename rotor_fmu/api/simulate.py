@@ -14,7 +14,7 @@ from ..fmi.variables import Variable
 from ..model.march.tape import Record
 from ..model.settings import PRESETS
 from ..model.simulation import warn
-from ..runs.job import Job, make_job, parse_settings
+from ..runs.job import Job, make_job, parse_settings, verified
 from ..runs.run_down import run_recorded, usual
 from ..runs.signals import Signals
 from .machine import Machine
@@ -37,6 +37,7 @@ def simulate(
     record: Sequence[str] | None = None,
     per_turn: float | None = _PER_TURN,
     step: float | None = None,
+    verify: bool = False,
 ) -> Result:
     """Let a machine run from its rest, and record it.
 
@@ -45,7 +46,8 @@ def simulate(
     last time given; preset: of the solver, tolerance: its relative error; parameters: other values
     of the machine's or the solver's, such as `bearing[1].mu`; record: names of `machine.units`, by
     default what is usual; per_turn: rows of the recording in a turn, None for every step; step:
-    communication step [s], at which the speed is taken up.
+    communication step [s], at which the speed is taken up; verify: run again with a tenth of the
+    tolerance, or half of the step, and hold one against the other: `Result.verification`.
 
     What makes a run doubtful is a `RotorWarning`, what does not, such as a machine that is unstable
     by itself, a `RotorNote`. A run that fails warns too: its result holds what came before, and its
@@ -76,6 +78,8 @@ def simulate(
         )
     except ValueError as error:
         raise InputError(str(error)) from error
+    if verify:
+        run, recording = verified(job, run, recording, "finer")
     for message in run.messages:
         warn(message)
     return Result(recording, run, machine)

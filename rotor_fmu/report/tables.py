@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import vibration
 from ..runs.status import FAILED, OK
+from ..runs.verification import headline_of, rows_of
 from ..vibration import TooFewTurns
 from .places import Recorded, hertz
 
@@ -56,7 +57,7 @@ def _speed(run: Recorded, at: int) -> str:
 def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
     """Tables of a run: responses of its places, contacts, sinks, what the solver did."""
     of = f"{run.name}: " if runs > 1 else ""
-    made = [_ran(run, summary, of)]
+    made = [_ran(run, summary, of), _verification(run, of)]
     with suppress(TooFewTurns):
         made.append(_places(run, of))
     made += [_contacts(run, of), _sinks(run, of)]
@@ -78,6 +79,14 @@ def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
     given = run.about.get("parameters", {})
     rows += [[f"{name}, as set", value] for name, value in given.items()]
     return table(f"{of}the run", ["", ""], rows)
+
+
+def _verification(run: Recorded, of: str) -> str:
+    figures = run.about.get("verification")
+    if not figures:
+        return ""
+    heads = ["", "this run [µm]", "finer run [µm]", "difference [%]"]
+    return table(f"{of}{headline_of(figures)}", heads, rows_of(figures))
 
 
 def _places(run: Recorded, of: str) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,11 +24,13 @@ from .job import (
     fmu_in,
     load_rotor,
     prepare,
+    verified,
     write_csv,
     write_json,
 )
 from .signals import RUN_DOWN_STOP
 from .summary import summary
+from .verification import finer_job, text_of
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
@@ -52,14 +54,22 @@ def run_down(
     stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
     step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
     direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
+    verify: Annotated[
+        bool,
+        typer.Option("--verify", help="Run again with a tenth of the tolerance or half the step."),
+    ] = False,
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
 ) -> dict[str, Any]:
     """Drive the built FMU over the paper's run-down and write figures and pictures.
 
-    The same run is recorded at the solver's own steps, without the FMU, for the pictures.
+    The same run is recorded at the solver's own steps, without the FMU, for the pictures. With
+    --verify it is held against the same run, solved more finely: peaks and final state side by
+    side, and what follows.
     """
     job = prepare(rotor, preset, sets or [], signals, stop, step)
+    if verify:
+        finer_job(job)  # refused before anything is run
     writable_folder(out)
     fmu = None if direct else fmu_in(out, job.toml, job.settings.reduction)
     clear(out)
@@ -68,9 +78,14 @@ def run_down(
     recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
     # an FMU holds its loads between two communication points
     result = driven if driven is not None and job.signals.is_held else recorded
+    if verify:
+        recorded, recording = verified(job, recorded, recording, f"{label}, finer")
+        if "verification" in recording.about:
+            result = replace(result, status=recorded.status)
     report = summary(result) | {
         "recorded_steps": len(recording.t),
         "recorded_apart": driven and difference(driven, recorded),
+        "verification": recording.about.get("verification"),
     }
     write_csv(result, out / "run_down.csv")
     recording.save(out / "recording.npz")
@@ -86,8 +101,10 @@ def run_down(
             err=True,
         )
     for key, value in report.items():
-        if key != "messages":
+        if key not in ("messages", "codes", "verification"):
             typer.echo(f"{key:20s} {_shown(value)}")
+    if report["verification"]:
+        typer.echo(text_of(report["verification"]), nl=False)
     typer.echo(f"{'written to':20s} {out}")
     return report | {"out": str(out)}
 

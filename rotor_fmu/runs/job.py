@@ -6,7 +6,7 @@ import csv
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from .progress import shown
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .signals import Signals, make_signals, read_signals
+from .status import FAILED, with_doubt
 
 # What a run leaves in its folder.
 RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")
@@ -199,6 +200,24 @@ def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run
     with shown(label, job.stop, job.step, job.settings) as progress:
         about = {"toml": job.toml}
         return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
+
+
+def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:
+    """A run that is held against the same run, finer: with what came of it in the recording, and
+    doubtful where it is not confirmed. Raises `InputError` where there is no finer run."""
+    from .verification import NOT_CONFIRMED, NOT_CONFIRMED_CODE, compare, finer_job
+
+    if run.status.startswith(FAILED):
+        return run, recording
+    finer = finer_job(job)
+    with shown(label, finer.stop, finer.step, finer.settings) as progress:
+        other = run_direct(finer.rotor, finer, progress, is_silent=True)
+    verification = compare(run, other, job.settings)
+    status = run.status
+    if verification.conclusion == NOT_CONFIRMED:
+        status = with_doubt(status, NOT_CONFIRMED_CODE)
+    about = {**recording.about, "status": status, "verification": verification.figures}
+    return replace(run, status=status), replace(recording, about=about)
 
 
 def clear(out: Path, results: Sequence[str] = RESULTS) -> None:

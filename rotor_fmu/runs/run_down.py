@@ -158,10 +158,10 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
-def run_direct(rotor: Rotor, plan: Plan, progress: Tell = silent) -> Run:
+def run_direct(rotor: Rotor, plan: Plan, progress: Tell = silent, is_silent: bool = False) -> Run:
     """The run without an FMU: same steps and numbers where the inputs are linear and the loads
     constant; else exact, where an FMU holds its loads between two communication points."""
-    return _march(rotor, plan, (), progress)[0]
+    return _march(rotor, plan, (), progress, is_silent)[0]
 
 
 def run_recorded(

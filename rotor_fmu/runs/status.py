@@ -18,6 +18,13 @@ def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
     return f"{DOUBTFUL}{', '.join(codes)}" if codes else OK
 
 
+def with_doubt(status: str, code: str) -> str:
+    """A status to which the code of a doubt is added."""
+    if status == OK:
+        return f"{DOUBTFUL}{code}"
+    return status if status.startswith(FAILED) else f"{status}, {code}"
+
+
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:
     """The messages of a run and their codes, as a file or a page tells them."""
     listed = [*messages]

@@ -16,7 +16,7 @@ from .machine.runs import MachineRuns
 from .study import Column, Model, Study
 from .tables import Tables, known_name, nearest, table_of
 
-TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits", "quick")
+TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits", "quick", "verify")
 # Tables of a study and its folder -> the model, without columns, and the unit of all that can be
 # varied, by its name.
 ReadModel = Callable[[Tables, Path], tuple[Model, Mapping[str, str]]]
@@ -38,7 +38,7 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
             known_name("", key, TABLES)
         quick = table_of(tables, "quick")
         for key in quick:
-            known_name("quick", key, TABLES[:-1])
+            known_name("quick", key, (t for t in TABLES if t != "quick"))
         if is_quick:
             if not quick:
                 raise InputError("--quick: the study has no table [quick]")

@@ -15,12 +15,13 @@ from ...fmi.variables import Variable
 from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole
+from ..study import Column
 from ..tables import Tables, known_name, nearest, table_of
 from .coupled import CoupledRuns
 from .driving import COUPLED, FREE, KINDS, WHOLE, Drive, Kick, check_numbers
 from .keeping import KINDS as KEPT
 from .keeping import WAYS, Keep, check, column
-from .runs import RUN, Machine, MachineRuns, machine_of
+from .runs import RUN, VERIFICATION, Machine, MachineRuns, machine_of
 
 
 def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, str]]:
@@ -137,7 +138,15 @@ def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> Mac
         keeps.append(keep)
         unit = units.get(keep.of, units.get(f"{keep.of.removesuffix('.r')}.x", "1"))
         columns.append(column(keep, unit, runs.how, moved))
-    return replace(runs, keeps=tuple(keeps), columns=tuple(columns))
+    is_verified = tables.get("verify", False)
+    if not isinstance(is_verified, bool):
+        raise InputError(f"verify = {is_verified!r}: must be true or false")
+    if is_verified:
+        if runs.how.kind == COUPLED:
+            raise InputError(f"verify: not of runs of the kind {COUPLED}")
+        text = "largest difference of what is kept from the same run, finer"
+        columns.append(Column(VERIFICATION, "1", text))
+    return replace(runs, keeps=tuple(keeps), columns=tuple(columns), is_verified=is_verified)
 
 
 def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, how: Drive) -> Keep:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import NamedTuple
+
+import numpy as np
 
 from ...errors import InputError
 from ...fmi.binding import build_simulation
@@ -16,17 +19,19 @@ from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor
 from ...model.march.tape import Record, recordable
 from ...model.quantities import QuantityError
-from ...model.settings import SettingsError
+from ...model.settings import Settings, SettingsError
 from ...model.simulation import EquilibriumError, Simulation, StepFailure
 from ...model.spelling import Message
 from ...runs.recording import Recording
-from ...runs.status import FAILED, messages_and_codes, status_of
-from ..study import Column, Result
+from ...runs.status import FAILED, messages_and_codes, status_of, with_doubt
+from ...runs.verification import NOT_CONFIRMED_CODE, allowed, finer
+from ..study import Cell, Column, Result
 from .driving import FREE, Drive, drive
 from .keeping import KINDS, Keep, cells
 from .watch import TAPE_ROWS, Watch
 
 RUN = "run."
+VERIFICATION = "verification"  # the column of a study whose runs are verified
 
 
 class Machine(NamedTuple):
@@ -47,14 +52,15 @@ def machine_of(toml: str, is_free: bool) -> Machine:
 
 @dataclass(frozen=True)
 class MachineRuns:
-    """Runs of a machine: its TOML, values that are the same in all runs, how it is driven, and what
-    is kept."""
+    """Runs of a machine: its TOML, values that are the same in all runs, how it is driven, what is
+    kept, and whether each is held against the same run, finer."""
 
     toml: str
     values: Mapping[str, float]
     how: Drive
     keeps: tuple[Keep, ...]
     columns: tuple[Column, ...] = field(default=())
+    is_verified: bool = False
 
     @property
     def is_free(self) -> bool:
@@ -78,6 +84,7 @@ class MachineRuns:
         kick = None if how.kick is None else vars(how.kick)
         keeps = [[k.name, k.kind, k.of, k.options, k.scale] for k in self.keeps]
         told = [self.toml, dict(self.values), how.kind, dict(how.numbers), signals, kick, keeps]
+        told += [VERIFICATION] if self.is_verified else []
         return json.dumps(told, sort_keys=True)
 
     def warm(self) -> None:
@@ -90,18 +97,34 @@ class MachineRuns:
             return  # the runs will say so, each for itself
 
     def run(self, values: Mapping[str, float]) -> Result:
-        """One run; what fails in it, impossible values included, is its status."""
+        """One run; what fails in it, impossible values included, is its status. A verified one has
+        the largest difference of what is kept from the same run, finer."""
+        result, settings = self._run(values)
+        if not self.is_verified or settings is None or result.status.startswith(FAILED):
+            return result
+        finer_result, _ = self._run({**values, **finer(settings)})
+        if finer_result.status.startswith(FAILED):
+            return Result(with_doubt(result.status, NOT_CONFIRMED_CODE), result.cells)
+        difference = _difference(result.cells, finer_result.cells)
+        is_near = difference <= allowed(settings)
+        status = result.status if is_near else with_doubt(result.status, NOT_CONFIRMED_CODE)
+        return Result(status, {**result.cells, VERIFICATION: difference})
+
+    def _run(self, values: Mapping[str, float]) -> tuple[Result, Settings | None]:
+        """One run and its settings, None where it could not begin."""
+        settings = None
         try:
             messages: list[Message] = []
             how, simulation = self._prepared(values, messages, self._needs(False))
+            settings = simulation.settings
             watch = Watch(simulation, self._needs(False), self._needs(True))
             windows = list(drive(simulation, how, watch))
         except StepFailure as error:
-            return Result(f"{FAILED}{error}", {})
+            return Result(f"{FAILED}{error}", {}), settings
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
-            return Result(f"{FAILED}{error}", {})
+            return Result(f"{FAILED}{error}", {}), settings
         kept = {keep.name: cells(keep, windows, how) for keep in self.keeps}
-        return Result(status_of(messages), kept)
+        return Result(status_of(messages), kept), settings
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """One run at its own steps, as far as it comes; the same run as its row's."""
@@ -147,3 +170,17 @@ class MachineRuns:
         return how, build_simulation(
             machine.rotor, machine.table, everything, messages.append, record=tape
         )
+
+
+def _difference(cells: Mapping[str, Cell], finer_cells: Mapping[str, Cell]) -> float:
+    """The largest difference of what two runs have, of the size of each [1]; what neither has
+    differs by nothing, what one has by all."""
+    largest = 0.0
+    for name, cell in cells.items():
+        one, other = np.atleast_1d(cell), np.atleast_1d(finer_cells[name])
+        if one.shape != other.shape or (np.isnan(one) != np.isnan(other)).any():
+            return math.inf
+        size = np.nanmax(np.abs(other), initial=0.0)
+        apart = np.nanmax(np.abs(one - other), initial=0.0)
+        largest = max(largest, float(apart / size) if size else float(apart > 0))
+    return largest
