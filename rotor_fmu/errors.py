@@ -98,10 +98,28 @@ def writable_folder(path: Path) -> Path:
     return path
 
 
+_MOST_BYTES = 64_000_000  # of a text file that a user may name
+
+
 def read_text(option: str, path: Path) -> str:
-    """A text file that a user named; `InputError` if it cannot be read."""
+    """A text file that a user named; `InputError` if it cannot be read, or is a device or a pipe,
+    which might have no end."""
     try:
+        if not path.is_file():
+            path.stat()  # says why there is none
+            kind = "is a folder" if path.is_dir() else "is no file"
+            raise InputError(f"{option} {path}: cannot be read: {kind}")
+        size = path.stat().st_size
+        if size > _MOST_BYTES:
+            raise InputError(f"{option} {path}: has {size} bytes; must have at most {_MOST_BYTES}")
         return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not UTF-8 text"
-        raise InputError(f"{option} {path}: cannot be read: {reason}") from error
+    except OSError as error:
+        reason = error.strerror or str(error)
+    except UnicodeDecodeError:
+        reason = "not UTF-8 text"
+    except ValueError as error:  # a NUL in the path
+        if isinstance(error, InputError):
+            raise
+        reason = str(error)
+    name = str(path).replace("\0", "\\0")
+    raise InputError(f"{option} {name}: cannot be read: {reason}")

@@ -5,17 +5,31 @@ from __future__ import annotations
 from pathlib import Path
 
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from .files import unfinished
 
 BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
 
 
+class PlainFigure(Figure):
+    """A figure whose texts are as they are written: a machine's names may hold dollar signs, which
+    matplotlib would read as formulas."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it."""
+        for text in self.findobj(Text):
+            if "mathdefault" not in text.get_text():  # powers of ten at logarithmic axes
+                text.set_parse_math(False)
+        super().draw(renderer)
+
+
 def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
     """A figure with one pair of axes, without the global state of pyplot; size in inches."""
-    figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
+    figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     axes.spines[["top", "right"]].set_visible(False)

@@ -16,7 +16,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from .errors import RunFailed
-from .runs.status import FAILED
+from .status import FAILED
 
 _OPTIONS = {
     "as_json": Annotated[

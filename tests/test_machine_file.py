@@ -1,16 +1,23 @@
 """The page and the schema of machine files say what the reader takes."""
 
+import io
 import json
+import os
 import sys
 import tomllib
 from pathlib import Path
 
 import jsonschema
 import pytest
+from matplotlib.text import Text
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
+import rotor_fmu as rf
 from rotor_fmu.cli import main
+from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.machine_picture import machine_figure
+from rotor_fmu.machine_file.reading import machine_text
 from rotor_fmu.machine_file.schema import schema
 from rotor_fmu.machine_file.tables import own_tables, part_tables
 
@@ -113,3 +120,40 @@ def test_an_unknown_example_is_told_its_neighbour(told):
     status, _, said = told("jefcott")
     assert status == 2
     assert said.endswith("did you mean jeffcott_rub?\n")
+
+
+@pytest.mark.parametrize(
+    ("base", "why"),
+    [
+        ("/dev/zero", "is no file"),
+        ("pipe", "is no file"),
+        (".", "is a folder"),
+        ("missing.toml", "No such file"),
+        ("a\\u0000b", "must be the name of a file"),
+        ("large", "must have at most"),
+    ],
+)
+def test_what_is_extended_is_a_file_that_a_machine_may_fill(tmp_path, base, why):
+    if not hasattr(os, "mkfifo"):
+        pytest.skip("no pipes with names here")
+    os.mkfifo(tmp_path / "pipe")
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(10**9)
+    path = tmp_path / "machine.toml"
+    path.write_text(f'extends = "{base}"\n')
+    with pytest.raises(InputError, match=why) as error:
+        machine_text("--rotor", path)
+    assert "\0" not in str(error.value)
+
+
+def test_a_path_with_a_nul_is_refused_in_one_sentence():
+    with pytest.raises(InputError, match="cannot be read: embedded null"):
+        rf.load("a\0b.toml")
+
+
+def test_a_name_is_drawn_as_it_is_written_not_as_a_formula():
+    machine = rf.parse(rig_toml().replace('name = "zigulic2003"', 'name = "a $\\\\frac{$ b"'))
+    assert machine.rotor.name == r"a $\frac{$ b"
+    figure = machine_figure(machine.rotor)
+    figure.savefig(io.BytesIO(), format="svg")
+    assert machine.rotor.name in {text.get_text() for text in figure.findobj(Text)}

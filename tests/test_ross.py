@@ -161,6 +161,15 @@ def test_what_cannot_be_carried_over_is_refused_by_name(before, after, expected)
     assert "\n" not in str(refused.value)
 
 
+def test_null_is_nothing():
+    text = text_of("compressor.toml")
+    tables = parse_ross(text).tables
+    data = tomllib.loads(text)
+    seal = next(key for key in data if key.startswith("SealElement"))
+    data[seal] |= {"seal_leakage": None, "some_other_key": None}
+    assert parse_ross(json.dumps(data), is_json=True).tables == tables
+
+
 def test_text_survives_being_written():
     tables = {
         "name": 'a "b" \\ \t\x7f é',

@@ -11,7 +11,7 @@ from rotor_fmu.model.spelling import NOTES, Message
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.log import read_message, with_code
-from rotor_fmu.runs.status import status_of
+from rotor_fmu.status import status_of
 
 COARSE = "doubtful: too-coarse-in-contact"
 UNSTABLE = """

@@ -49,5 +49,5 @@ def test_a_run_whose_shortest_steps_miss_the_tolerance_is_not_ok():
     sets = ["solver.tolerance=1e-5", "solver.h_min=1e-3", "solver.h=1e-3"]
     job = prepare(None, None, sets, None, 0.1, 0.05)
     run = run_direct(job.rotor, job)
-    assert run.status == "too coarse since t = 0 s"
+    assert run.status == "doubtful: too-coarse"
     assert any("take a smaller solver.h_min" in message for message in run.messages)

@@ -96,9 +96,9 @@ class _Element(NamedTuple):
         return cells[0] if len(set(cells)) == 1 else cells
 
     def refuse_others(self, *known: str) -> None:
-        """Raise `QuantityError` for a key that is not known."""
-        for key in self.values:
-            if key not in (*known, *_IDLE):
+        """Raise `QuantityError` for a key that is not known and says something."""
+        for key, value in self.values.items():
+            if value is not None and key not in (*known, *_IDLE):
                 hint = nearest(key, known)
                 raise QuantityError(f"{self.where}.{key}: unknown key, {hint}not carried over")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import InputError
 from ..model.simulation import warn
 from ..runs.recording import Recording
-from ..runs.status import messages_and_codes
+from ..status import messages_and_codes
 from .machine import Machine, parse
 from .result import Result
 from .simulate import Signal, plan

@@ -110,7 +110,7 @@ class Result:
 
     @property
     def status(self) -> str:
-        """`ok`, `doubtful: ` and the codes of its warnings, or `failed: ` and why."""
+        """`ok`, `doubtful` and the codes of its warnings, or `failed` and why."""
         return str(self.recording.about.get("status", "ok"))
 
     @property

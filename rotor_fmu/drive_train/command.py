@@ -209,7 +209,7 @@ def run_up_figure(runs: dict[str, Coupled], ample: float, small: float) -> Figur
     top.set_xlim(0, end)
     top.set_ylim(bottom=0)
     top.set_xlabel("Time [s]")
-    top.set_ylabel("Rotational speed $n$ [Hz]")
+    top.set_ylabel("Rotational speed n [Hz]")
     top.set_title("Ample torque passes the resonances; too little hangs", loc="left", fontsize=10)
 
     hz, torque = mean_load(runs["ample"])
@@ -228,7 +228,7 @@ def run_up_figure(runs: dict[str, Coupled], ample: float, small: float) -> Figur
     low.axvline(peak, color=GREY, lw=1.0, ls="--")
     low.set_xlim(0, max(hz))
     low.set_ylim(0, 1.25e3 * max(torque.max(), small))
-    low.set_xlabel("Rotational speed $n$ [Hz]")
+    low.set_xlabel("Rotational speed n [Hz]")
     low.set_ylabel("Torque [N mm]")
     return figure
 

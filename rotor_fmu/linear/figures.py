@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.interpolate import CubicHermiteSpline
 
-from ..figures import BLUE, GREEN, GREY, ORANGE
+from ..figures import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
@@ -28,7 +28,7 @@ _FINE = 12  # points an element of a curve through the nodes
 
 
 def _figure(width: float, height: float, rows: int, columns: int = 1, **options) -> tuple:
-    figure = Figure(figsize=(width, height), dpi=150, layout="constrained")
+    figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(rows, columns, squeeze=False, **options)
     for axes in grid.flat:
@@ -77,7 +77,7 @@ def modes_figure(found: Modes) -> Figure:
         )
         axes.set_ylim(-1.15, 1.15)
         if i + columns >= shown:
-            axes.set_xlabel("Along the shaft $z$ [mm]")
+            axes.set_xlabel("Along the shaft z [mm]")
             axes.tick_params(labelbottom=True)
         if i % columns == 0:
             axes.set_ylabel("Shape [1]")
@@ -141,7 +141,7 @@ def campbell_figure(found: Campbell) -> Figure:
         below.set_ylim(-1, 1)
     elif len(finite) and finite.max() > 3:
         below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
-    below.set_xlabel("Rotational speed $n$ [Hz]")
+    below.set_xlabel("Rotational speed n [Hz]")
     above.set_title(f"Campbell diagram, contacts {found.contacts}", loc="left", fontsize=10)
     return figure
 
@@ -191,7 +191,7 @@ def unbalance_figure(found: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
     below.set_ylabel("Phase to the mark [deg]")
     below.set_ylim(-185, 185)
     below.set_yticks([-180, -90, 0, 90, 180])
-    below.set_xlabel("Rotational speed $n$ [Hz]")
+    below.set_xlabel("Rotational speed n [Hz]")
     title = f"Steady response to unbalance, contacts {found.contacts}"
     above.set_title(title, loc="left", fontsize=10)
     return figure
@@ -227,7 +227,7 @@ def static_figure(found: Static) -> Figure:
             arrowprops={"arrowstyle": "->", "color": "black", "lw": 0.9},
         )
     axes.margins(x=0.08, y=0.3)
-    axes.set_xlabel("Along the shaft $z$ [mm]")
+    axes.set_xlabel("Along the shaft z [mm]")
     axes.set_ylabel("Deflection [µm]")
     state = turns(found.speed, found.contacts)
     axes.set_title(f"At rest under gravity, {state}", loc="left", fontsize=10)

@@ -63,6 +63,8 @@ def _tables(path: Path, data: dict[str, Any], text: str, above: tuple[Path, ...]
         return data
     if not isinstance(base, str):
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
+    if "\0" in base:
+        raise InputError(f"{path}: {_EXTENDS} = {base!r}: must be the name of a file")
     other = path.parent / base
     if other.resolve() in (p.resolve() for p in (*above, path)) or len(above) >= _MOST:
         raise InputError(f"{path}: {_EXTENDS} = {base!r}: goes round, or too deep")

@@ -41,7 +41,7 @@ def run_up_figure(run: Levitated, off: float) -> Figure:
     first = run.t < _LIFTED
     t = 1e3 * run.t[first]
     lift.plot(t, 1e6 * run.rotor["left_magnet.y"][first], color=BLUE)
-    lift.set(ylabel=r"Height $y$ [$\mu$m]", xlim=(0, t[-1]))
+    lift.set(ylabel="Height y [µm]", xlim=(0, t[-1]))
     lift.set_title("Lifted out of the touchdown bearings", loc="left", fontsize=10)
     for name, colour, label in (("a", BLUE, "upper coil"), ("b", ORANGE, "lower coil")):
         currents.plot(t, run.control[f"left_iy{name}"][first], color=colour, label=label)
@@ -53,9 +53,7 @@ def run_up_figure(run: Levitated, off: float) -> Figure:
         ("body[2].x_amp", ORANGE, "motor"),
     ):
         swing.plot(run.rotor["w"][up], 1e6 * run.rotor[name][up], color=colour, label=label)
-    swing.set(
-        xlabel="Speed [rad/s]", ylabel=r"Amplitude $X$ [$\mu$m]", xlim=(0, None), ylim=(0, None)
-    )
+    swing.set(xlabel="Speed [rad/s]", ylabel="Amplitude X [µm]", xlim=(0, None), ylim=(0, None))
     swing.set_title("Through the critical speed", loc="left", fontsize=10)
     swing.legend(frameon=False, loc="upper left")
     return figure

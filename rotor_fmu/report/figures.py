@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from .. import vibration
-from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
+from ..figures import BLUE, GREEN, GREY, ORANGE, PlainFigure, new_figure
 from .places import hertz
 from .view import View, parted, two
 
-SPEED = "Rotational speed $n$ [Hz]"
+SPEED = "Rotational speed n [Hz]"
 PURPLE, BLACK = "#cc79a7", "#000000"
 _SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
 _PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
@@ -54,7 +54,7 @@ def bode(view: View) -> Figure:
 
 def polar(view: View) -> Figure:
     """1x vector of x over speed, from the keyphasor mark; lag clockwise."""
-    figure = Figure(figsize=(5.8, 5.4), dpi=150, layout="constrained")
+    figure = PlainFigure(figsize=(5.8, 5.4), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
@@ -263,7 +263,7 @@ def contact_angle(view: View) -> Figure:
     axes.set_ylim(0, 360)
     axes.set_yticks(*_PSI)
     axes.set_xlabel(SPEED)
-    axes.set_ylabel("Contact angle $\\psi$ [deg]")
+    axes.set_ylabel("Contact angle ψ [deg]")
     view.title(axes, f"where {touch.label} touches")
     return figure
 

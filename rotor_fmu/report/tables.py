@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
-from ..runs.status import FAILED, OK
-from ..runs.verification import headline_of, rows_of
+from ..status import FAILED, OK
 from ..vibration import TooFewTurns
 from .places import Recorded, hertz
+from .verification import headline_of, rows_of
 
 _SUMMARY = {
     "wall_s": "wall time [s]",

@@ -8,6 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .. import vibration
+from ..figures import PlainFigure
 from .places import Recorded
 
 
@@ -62,7 +63,7 @@ def parted(speed: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 def two(even: bool = False) -> tuple[Figure, tuple[Axes, Axes]]:
     """A picture of two parts over one axis; even: of equal heights."""
-    figure = Figure(figsize=(6.8, 5.4), dpi=150, layout="constrained")
+    figure = PlainFigure(figsize=(6.8, 5.4), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1) if even else (2, 1))
     for axes in (above, below):

@@ -13,6 +13,7 @@ from ..fmi.interface import interface
 from ..fmi.packing.variable_table import markdown
 from ..model.settings import PRESETS
 from ..report.page import write_report
+from ..report.verification import text_of
 from ..telling import tells
 from .figures import write_run_down
 from .host_env import host_environment
@@ -30,7 +31,7 @@ from .job import (
 )
 from .signals import RUN_DOWN_STOP
 from .summary import summary
-from .verification import finer_job, text_of
+from .verification import finer_job
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")

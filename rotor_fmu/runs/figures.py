@@ -31,7 +31,7 @@ from .views import (
     time_share,
 )
 
-SPEED_LABEL = "Rotational speed $n$ [Hz]"
+SPEED_LABEL = "Rotational speed n [Hz]"
 _PSI_TICKS = (
     [0, 90, 180, 270, 360],
     ["0 (right)", "90 (top)", "180 (left)", "270 (bottom)", "360"],
@@ -126,7 +126,7 @@ def contact_angle(recording: Recording, caption: str) -> Figure:
     _speed_axis(axes, hz)
     axes.set_yticks(*_PSI_TICKS)
     axes.set_ylim(0, 360)
-    axes.set_ylabel(f"Contact angle $\\psi$ of {spoken(str(part))} [deg]")
+    axes.set_ylabel(f"Contact angle ψ of {spoken(str(part))} [deg]")
     _titled(axes, caption)
     return figure
 

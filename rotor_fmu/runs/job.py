@@ -25,13 +25,13 @@ from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
+from ..status import FAILED, with_doubt
 from ..telling import json_text
 from . import PLOTS
 from .progress import shown
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .signals import Signals, make_signals, read_signals
-from .status import FAILED, with_doubt
 
 # What a run leaves in its folder.
 RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")

@@ -24,10 +24,10 @@ from ..model.machine.rotor import Rotor
 from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
 from ..model.spelling import Message
+from ..status import FAILED, messages_and_codes, status_of
 from .progress import Tell, silent
 from .recording import Recording
 from .signals import Driver, Signals
-from .status import FAILED, messages_and_codes, status_of
 
 _TAPE_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..status import messages_and_codes
 from .run_down import Run
-from .status import messages_and_codes
 from .views import contact_of, peak_index, place_of, why_no_peak
 
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]

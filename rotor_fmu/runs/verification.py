@@ -16,9 +16,9 @@ import numpy as np
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
+from ..status import OK
 from .job import Job
 from .run_down import Run
-from .status import OK
 
 CONFIRMED, SENSITIVE, NOT_CONFIRMED = "confirmed", "sensitive", "not confirmed"
 NOT_CONFIRMED_CODE = "not-confirmed"  # in the status of a run
@@ -77,32 +77,6 @@ class Verification:
             "peaks": [c._asdict() for c in self.peaks],
             "final": [c._asdict() for c in self.final],
         }
-
-
-def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]:
-    """Of `Verification.figures`: quantity, this run and the finer one [um], difference [%]."""
-    return [
-        (f"{c['name']}, {title}", 1e6 * c["value"], 1e6 * c["finer"], 100 * c["difference"])
-        for title, compared in (("largest", figures["peaks"]), ("at the end", figures["final"]))
-        for c in compared
-    ]
-
-
-def headline_of(figures: Mapping[str, Any]) -> str:
-    """Of `Verification.figures`: what follows, and from which run."""
-    changed = ", ".join(f"{name} = {value:g}" for name, value in figures["finer"].items())
-    return f"{figures['conclusion']}, by the same run with {changed}: {figures['finer_status']}"
-
-
-def text_of(figures: Mapping[str, Any]) -> str:
-    """`Verification.figures` as a table of plain text."""
-    lines = [f"{'verification':20s} {headline_of(figures)}"]
-    lines.append(f"  {'':26s} {'this run':>12s} {'finer':>12s} {'difference':>12s}")
-    lines += [
-        f"  {name:26s} {value:9.5g} um {other:9.5g} um {difference:10.3g} %"
-        for name, value, other, difference in rows_of(figures)
-    ]
-    return "\n".join(lines) + "\n"
 
 
 def finer(settings: Settings) -> dict[str, float]:

@@ -19,7 +19,7 @@ from rich.progress import TextColumn
 from rich.table import Table
 
 from ..errors import InputError, writable_folder
-from ..runs.status import FAILED
+from ..status import FAILED
 from ..telling import tells
 from .conduct import Progress, conduct
 from .engines import Where, engine

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import RunFailed
-from ..runs.status import FAILED
+from ..status import FAILED
 from .engines import Chunk, Done, Engine, deaths, run_chunk
 from .store import Row, Store
 from .study import Result, Study

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..errors import InputError
-from ..runs.status import FAILED
+from ..status import FAILED
 from .study import Model, Result
 
 TIME_OUT = 10.0  # within which a scheduler must answer [s]

@@ -32,7 +32,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one run: its status (see `runs.status`), and the cells by the names of the
+    """What came of one run: its status (see `rotor_fmu.status`), and the cells by the names of the
     columns, none of a failed run."""
 
     status: str

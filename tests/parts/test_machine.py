@@ -9,7 +9,7 @@ from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import RotorWarning, Simulation
+from rotor_fmu.model.simulation import RotorNote, Simulation
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.places import places
 
@@ -92,7 +92,7 @@ def test_the_survey_sees_a_housings_masses_as_the_linear_answers_do():
     )
     text = STEEL + sections(0.2, 0.2, 0.2, outer=0.03) + held + HUB + SEAT + "cx = 5.0\ncy = 5.0\n"
     rotor = parse_rotor(text + SEAL.replace("5e4", "8e5"))
-    with pytest.warns(RotorWarning, match="unstable at rest"):
+    with pytest.warns(RotorNote, match="unstable at rest"):
         sim = Simulation(rotor)
     found = modes(rotor, 0.0, count=20).eigenvalues
     growing = found[np.argmax(found.real)]

@@ -11,7 +11,7 @@ from rotor_fmu.model.simulation import StepFailure
 from rotor_fmu.model.spelling import Message
 
 from papers.integrators.tolerances import TAME, TOLERANCES
-from rotor_fmu.runs.status import status_of
+from rotor_fmu.status import status_of
 
 from .machines import Case
 from .truth import Truth

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.ticker import FuncFormatter
 
+from ...figures import PlainFigure
 from ...model.machine.rotor import Rotor
 from ...model.protocol.part import Shape
 
@@ -22,7 +23,7 @@ _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 def machine_picture(rotor: Rotor) -> bytes:
     """The machine to scale as a PNG, for the importing tool's icon."""
-    figure = Figure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
+    figure = PlainFigure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     axes.set_axis_off()
@@ -36,7 +37,7 @@ def machine_picture(rotor: Rotor) -> bytes:
 
 def machine_figure(rotor: Rotor) -> Figure:
     """The machine to scale, in mm, its nodes numbered and its parts named."""
-    figure = Figure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
+    figure = PlainFigure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
     axes.spines[["top", "right", "left"]].set_visible(False)
@@ -70,7 +71,7 @@ def machine_figure(rotor: Rotor) -> Figure:
     in_mm = FuncFormatter(lambda value, _: f"{value * 1e3:.6g}")
     axes.xaxis.set_major_formatter(in_mm)
     axes.yaxis.set_visible(False)
-    axes.set_xlabel("Along the shaft $z$ [mm], radii to the same scale")
+    axes.set_xlabel("Along the shaft z [mm], radii to the same scale")
     axes.set_title(rotor.name, loc="left", fontsize=10)
     return figure
 

@@ -29,7 +29,7 @@ from ...model.kernels.sealed_folder import make_private
 from ...model.kernels.user_cache import user_cache
 from ...model.spelling import Message
 from ...runs.recording import Recording
-from ...runs.status import FAILED, messages_and_codes, status_of
+from ...status import FAILED, messages_and_codes, status_of
 from ..study import Result
 from .driving import Drive
 from .keeping import cells

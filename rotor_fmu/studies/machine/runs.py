@@ -23,8 +23,8 @@ from ...model.settings import Settings, SettingsError
 from ...model.simulation import EquilibriumError, Simulation, StepFailure
 from ...model.spelling import Message
 from ...runs.recording import Recording
-from ...runs.status import FAILED, messages_and_codes, status_of, with_doubt
 from ...runs.verification import NOT_CONFIRMED_CODE, allowed, finer
+from ...status import FAILED, messages_and_codes, status_of, with_doubt
 from ..study import Cell, Column, Result
 from .driving import FREE, Drive, drive
 from .keeping import KINDS, Keep, cells

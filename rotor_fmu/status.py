@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..model.spelling import Message
+from .model.spelling import Message
 
 OK, DOUBTFUL, FAILED = "ok", "doubtful: ", "failed: "
 
