@@ -7,7 +7,8 @@ from typing import Any
 
 
 def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]:
-    """Of `runs.verification.Verification.figures`: quantity, this run and the finer one [um], difference [%]."""
+    """Of `runs.verification.Verification.figures`: quantity, this run and the finer one [um], and
+    their difference [%]."""
     return [
         (f"{c['name']}, {title}", 1e6 * c["value"], 1e6 * c["finer"], 100 * c["difference"])
         for title, compared in (("largest", figures["peaks"]), ("at the end", figures["final"]))
