@@ -29,7 +29,7 @@ WAITING = "another process is compiling the solver: waiting for it"
 
 # What no kernel of a run is made of.
 _NO_KERNELS = (
-    *("linear", "machine"),
+    *("linear", "machine", "periodic"),
     *("rest.py", "refusal.py", "simulation.py", "code.py"),
     *(f"kernels/{name}" for name in ("code_cache", "kept_overloads", "library", "process_lock")),
     *("kernels/sealed_folder", "kernels/user_cache"),

@@ -1,0 +1,1 @@
+"""Periodic motion: harmonic balance, continuation, stability."""

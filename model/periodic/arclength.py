@@ -1,0 +1,226 @@
+"""Continuation of a curve of solutions R(x, lambda) = 0 by its arclength (Keller 1977).
+
+The length of a step is measured in (x, (lambda - lambda_0) / scale). The predictor goes along the
+tangent, or along the last chord where that fails (a corner of a force law); Newton's method corrects
+at right angles to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
+_ITERATIONS, _AIM = 12, 4
+_LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
+_TURN = 0.9  # least cosine of two tangents one after another
+_GROW, _SHRINK = 1.5, 0.5
+
+
+class Equations(Protocol):
+    """What is continued."""
+
+    def evaluate(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residual, its derivative by x, and by lambda over its scale."""
+
+
+@dataclass(frozen=True)
+class Steps:
+    """Lengths of steps: first, least and most; how many points at most."""
+
+    first: float = 0.02
+    least: float = 1e-6
+    most: float = 0.05
+    points: int = 2000
+
+
+class Point(NamedTuple):
+    """A point of a curve: unknowns, lambda, the unit tangent by x and by lambda over its scale, and
+    Newton's corrections on the way to it."""
+
+    x: np.ndarray
+    value: float
+    tangent: np.ndarray
+    by_value: float
+    corrections: tuple[float, ...] = ()
+
+
+class Lost(RuntimeError):
+    """A corrector that does not converge; `corrections` says how it went."""
+
+    def __init__(self, corrections: list[float]) -> None:
+        self.corrections = corrections
+        super().__init__("Newton's method does not converge")
+
+
+def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 30) -> np.ndarray:
+    """The unknowns at a fixed lambda, by Newton's method, damped; raises `Lost`."""
+    x, corrections = x.copy(), []
+    for _ in range(iterations):
+        residual, jacobian, _ = equations.evaluate(x, value)
+        step = -_solved(jacobian, residual)
+        size = float(np.linalg.norm(step))
+        if not np.isfinite(size):
+            break
+        corrections.append(size)
+        limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
+        x += step * min(1.0, limit / size) if size > 0 else 0.0
+        if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
+            return x
+    raise Lost(corrections)
+
+
+def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """The least solution, where a matrix is singular to rounding."""
+    try:
+        found = np.linalg.solve(matrix, right)
+        if np.isfinite(found).all() and np.abs(found).max(initial=0.0) < 1e12:
+            return found
+    except np.linalg.LinAlgError:
+        pass
+    return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+
+
+def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
+    """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller (-1)
+    lambda."""
+    _, jacobian, by = equations.evaluate(x, value)
+    tangent = np.append(-_solved(jacobian, by), 1.0)
+    tangent *= direction / np.linalg.norm(tangent)
+    return Point(x, value, tangent[:-1], float(tangent[-1]))
+
+
+def correct(
+    equations: Equations,
+    x: np.ndarray,
+    value: float,
+    plane: np.ndarray,
+    scale: float,
+    before: np.ndarray,
+    iterations: int = _ITERATIONS,
+) -> Point:
+    """Newton's method at right angles to `plane`; the tangent is that which goes on from `before`.
+    Raises `Lost`."""
+    x, corrections = x.copy(), []
+    n = len(x)
+    bordered = np.zeros((n + 1, n + 1))
+    right = np.zeros((n + 1, 2))
+    limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
+    for _ in range(iterations):
+        residual, jacobian, by = equations.evaluate(x, value)
+        bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by, plane
+        right[:n, 0], right[n, 1] = -residual, 1.0
+        step, tangent = _solved(bordered, right).T
+        size = float(np.linalg.norm(step))
+        corrections.append(size)
+        if not size < limit:
+            break
+        x += step[:n]
+        value += scale * step[n]
+        if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
+            tangent = tangent / np.linalg.norm(tangent)
+            if tangent @ before < 0:
+                tangent = -tangent
+            return Point(x, float(value), tangent[:n], float(tangent[n]), tuple(corrections))
+    raise Lost(corrections)
+
+
+def onward(equations: Equations, point: Point, length: float, scale: float) -> Point:
+    """The point a step along the tangent away; raises `Lost`."""
+    plane = np.append(point.tangent, point.by_value)
+    return correct(
+        equations,
+        point.x + length * point.tangent,
+        point.value + length * scale * point.by_value,
+        plane,
+        scale,
+        plane,
+    )
+
+
+def trace(
+    equations: Equations, start: Point, scale: float, low: float, high: float, steps: Steps
+) -> Iterator[Point]:
+    """Points of the curve from `start` on, until lambda leaves [low, high]: the last point is at that
+    end. Raises `Lost` where no step is short enough.
+
+    What is sent in, (equations, point), takes the place of the equations and of the last point: with
+    other harmonics.
+    """
+    point, length = start, steps.first
+    chord: np.ndarray | None = None
+    for _ in range(steps.points):
+        try:
+            found = onward(equations, point, length, scale)
+            turned = float(found.tangent @ point.tangent + found.by_value * point.by_value)
+            if turned < _TURN and length > 64 * steps.least:
+                raise Lost(list(found.corrections))
+        except Lost as error:
+            length *= _SHRINK
+            if length >= steps.least:
+                continue
+            corner = _around_corner(equations, point, chord, steps, scale)
+            if corner is None:
+                raise Lost(error.corrections) from None
+            found, length = corner, 16 * steps.least
+        if not low <= found.value <= high:
+            yield _at_end(equations, point, found, low if found.value < low else high)
+            return
+        chord = np.append(found.x - point.x, (found.value - point.value) / scale)
+        iterations = len(found.corrections)
+        point = found
+        taken = yield point
+        if taken is not None:
+            equations, point = taken
+            chord = None
+        if iterations < _AIM:
+            length *= _GROW
+        elif iterations > _AIM + 1:
+            length *= 0.7
+        length = min(length, steps.most)
+
+
+def _around_corner(
+    equations: Equations, point: Point, chord: np.ndarray | None, steps: Steps, scale: float
+) -> Point | None:
+    """A point beyond a corner of the curve, where its tangent jumps: in the tangent's direction a
+    little way on, where the forces are others; None where there is none."""
+    del chord
+    plane = np.append(point.tangent, point.by_value)
+    for length in (4 * steps.least, 64 * steps.least, 1e3 * steps.least):
+        x = point.x + length * point.tangent
+        value = point.value + length * scale * point.by_value
+        _, jacobian, by = equations.evaluate(x, value)
+        beyond = np.append(-_solved(jacobian, by), 1.0)
+        beyond /= np.linalg.norm(beyond)
+        for direction in (beyond, -beyond):
+            try:
+                found = correct(
+                    equations,
+                    point.x + length * direction[:-1],
+                    point.value + length * scale * direction[-1],
+                    direction,
+                    scale,
+                    direction,
+                )
+            except Lost:
+                continue
+            moved = np.append(found.x - point.x, (found.value - point.value) / scale)
+            if moved @ plane > 0.05 * np.linalg.norm(moved) > 0:
+                return found
+    return None
+
+
+def _at_end(equations: Equations, point: Point, found: Point, value: float) -> Point:
+    """The point at an end, between two."""
+    share = (value - point.value) / (found.value - point.value)
+    x = solve(equations, point.x + share * (found.x - point.x), value)
+    return replace_point(found, x, value)
+
+
+def replace_point(point: Point, x: np.ndarray, value: float) -> Point:
+    """A point with other unknowns and lambda."""
+    return point._replace(x=x, value=value)

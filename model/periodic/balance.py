@@ -1,0 +1,274 @@
+"""Harmonic balance: the equations of a periodic motion in the Fourier coefficients of the relative
+displacements of the interfaces, and of the laws' own states.
+
+    S_k(omega) b_k = f_k + B^T F_k,    i k omega s_k = g_k
+
+F and g, forces and rates of states, are sampled in time along the orbit and transformed (alternating
+frequency and time: Cameron and Griffin 1989), and so are their tangents. omega is the speed over
+`turns`, or, of a motion by itself (whirl without unbalance), an unknown.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from .condensed import Condensed, Harmonics
+from .fourier import amplitudes, as_real, basis, coefficients, projection, resized
+
+_STEP = 1e-6  # of a central difference by the parameter or by omega, as a share of its scale
+_SAMPLES = 8  # a harmonic: forces beyond a wall have many
+_LEAST_SAMPLES = 64
+
+
+class Orbit(NamedTuple):
+    """A periodic motion: coefficients of b [m], shape (2 H + 1, b), of own states, shape
+    (2 H + 1, s); omega [rad/s], turns in a period, speed [rad/s], value of the parameter."""
+
+    b: np.ndarray
+    own: np.ndarray
+    omega: float
+    turns: int
+    speed: float
+    parameter: float
+
+    @property
+    def H(self) -> int:
+        """How many harmonics."""
+        return len(self.b) // 2
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is varied: `speed`, or a quantity of the machine; scale: of its range."""
+
+    name: str
+    scale: float
+
+
+class Problem:
+    """The equations with H harmonics.
+
+    machine_at: the machine at a value of the parameter; speed: of a parameter that is not the speed
+    [rad/s]; turns: revolutions in a period; is_autonomous: whether omega is unknown, and nothing
+    acts but what is constant.
+    """
+
+    def __init__(
+        self,
+        machine_at: Callable[[float], Condensed],
+        parameter: Parameter,
+        at: float,
+        H: int,
+        *,
+        speed: float = 0.0,
+        turns: int = 1,
+        is_autonomous: bool = False,
+        omega: float = 0.0,
+        own_scale: np.ndarray | None = None,
+    ) -> None:
+        self.machine_at, self.parameter, self.at = machine_at, parameter, at
+        self.H, self.turns, self.is_autonomous = H, turns, is_autonomous
+        self._speed, self.omega_scale = speed, omega
+        machine = machine_at(at)
+        self.b, self.s = machine.b, machine.laws.states
+        self.d = 2 * machine.laws.count
+        self.lengths = float(np.min(machine.laws.length, initial=np.inf))
+        if not math.isfinite(self.lengths):
+            self.lengths = float(machine.structure.numbers[0].clearance)
+        self.own_scale = np.ones(self.s) if own_scale is None else own_scale
+        n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES * H)))
+        self.angles = 2 * math.pi * np.arange(n) / n
+        self.E, self.E1 = basis(H, self.angles)
+        self.P = projection(self.E)
+        self.anchor: np.ndarray | None = None
+        base = self.omega_at(at) or omega
+        S = self.harmonics(at, base).S
+        size = np.abs(S).max(axis=(1, 2), initial=0.0)
+        rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
+        self.row_scale = 1.0 / np.maximum(rows, 1e-9 * size.max(initial=1.0))
+
+    def like(self, H: int | None = None, at: float | None = None, turns: int | None = None) -> Problem:
+        """The same with other harmonics, about another value, or with a longer period."""
+        made = Problem(
+            self.machine_at,
+            self.parameter,
+            self.at if at is None else at,
+            self.H if H is None else H,
+            speed=self._speed,
+            turns=self.turns if turns is None else turns,
+            is_autonomous=self.is_autonomous,
+            omega=self.omega_scale,
+            own_scale=self.own_scale,
+        )
+        if self.anchor is not None:
+            made.anchor = resized(self.anchor, made.H)
+        return made
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return (2 * self.H + 1) * (self.b + self.s) + self.is_autonomous
+
+    def speed_at(self, value: float) -> float:
+        """The speed at a value of the parameter [rad/s]."""
+        return value if self.parameter.name == "speed" else self._speed
+
+    def omega_at(self, value: float) -> float:
+        """The frequency at a value of the parameter [rad/s]; 0 where it is unknown."""
+        return 0.0 if self.is_autonomous else self.speed_at(value) / self.turns
+
+    def harmonics(self, value: float, omega: float) -> Harmonics:
+        """The linear part at a value of the parameter."""
+        order = 0 if self.is_autonomous else self.turns
+        return self.machine_at(value).harmonics(omega, self.speed_at(value), self.H, order)
+
+    def split(self, x: np.ndarray, value: float) -> Orbit:
+        """What unknowns stand for."""
+        rows = 2 * self.H + 1
+        b = x[: rows * self.b].reshape(rows, self.b) * self.lengths
+        own = x[rows * self.b : rows * (self.b + self.s)].reshape(rows, self.s) * self.own_scale
+        omega = x[-1] * self.omega_scale if self.is_autonomous else self.omega_at(value)
+        return Orbit(b, own, float(omega), self.turns, self.speed_at(value), value)
+
+    def join(self, orbit: Orbit) -> np.ndarray:
+        """The unknowns of an orbit, whatever harmonics it has."""
+        b = resized(orbit.b, self.H) / self.lengths
+        own = resized(orbit.own, self.H) / self.own_scale
+        tail = [orbit.omega / self.omega_scale] if self.is_autonomous else []
+        return np.concatenate([b.ravel(), own.ravel(), tail])
+
+    def moved(self, x: np.ndarray, other: Problem) -> np.ndarray:
+        """Unknowns, or a change of them, of this problem as those of another one."""
+        rows = 2 * self.H + 1
+        b = resized(x[: rows * self.b].reshape(rows, -1), other.H)
+        own = resized(x[rows * self.b : rows * (self.b + self.s)].reshape(rows, self.s), other.H)
+        return np.concatenate([b.ravel(), own.ravel(), x[rows * (self.b + self.s) :]])
+
+    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
+        """What the equations lack, shape (size,), each on a scale of about 1."""
+        orbit, machine = self.split(x, value), self.machine_at(value)
+        d, v, own = self._sampled(orbit, machine)
+        force, rates = machine.laws.forces(d, v, own, orbit.speed)
+        return self._lack(orbit, self.harmonics(value, orbit.omega), machine, force, rates)
+
+    def _sampled(self, orbit: Orbit, machine: Condensed):
+        d = self.E @ (orbit.b @ machine.B.T)
+        v = orbit.omega * self.E1 @ (orbit.b @ machine.B.T)
+        return d, v, self.E @ orbit.own
+
+    def _lack(self, orbit, parts, machine, force, rates) -> np.ndarray:
+        linear = coefficients(
+            np.einsum("kij,kj->ki", parts.S, amplitudes(orbit.b)) - parts.force
+        )
+        of_b = linear - self.P @ (force @ machine.B)
+        of_own = orbit.omega * derivative(orbit.own) - self.P @ rates
+        tail = [self._phase(orbit)] if self.is_autonomous else []
+        return np.concatenate([
+            (self.row_scale[:, None] * of_b).ravel() / self.lengths,
+            (of_own / (self.own_scale * self.pace)).ravel(),
+            tail,
+        ])
+
+    @cached_property
+    def pace(self) -> float:
+        """A frequency by which rates of own states are measured [rad/s]."""
+        return abs(self.omega_at(self.at)) or self.omega_scale
+
+    def _phase(self, orbit: Orbit) -> float:
+        """How far an autonomous orbit has turned from the last one."""
+        assert self.anchor is not None
+        return float(np.sum(orbit.b / self.lengths * derivative(self.anchor)))
+
+    def fix_phase(self, x: np.ndarray) -> None:
+        """Let an autonomous orbit's phase be measured from this one."""
+        rows = 2 * self.H + 1
+        self.anchor = x[: rows * self.b].reshape(rows, self.b).copy()
+        self.anchor /= max(np.linalg.norm(derivative(self.anchor)), 1e-300)
+
+    def evaluate(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Residual, its derivative by the unknowns, shape (size, size), and by the parameter over
+        its scale."""
+        residual, jacobian = self.linearized(x, value)
+        h = _STEP * self.parameter.scale
+        by = (self.residual(x, value + h) - self.residual(x, value - h)) / (2 * _STEP)
+        return residual, jacobian, by
+
+    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Residual and its derivative by the unknowns."""
+        orbit, machine = self.split(x, value), self.machine_at(value)
+        d, v, own = self._sampled(orbit, machine)
+        along = machine.laws.tangents(d, v, own, self.own_scale, orbit.speed)
+        parts = self.harmonics(value, orbit.omega)
+        residual = self._lack(orbit, parts, machine, along.force, along.rates)
+        rows, nb = 2 * self.H + 1, self.b
+        by_d = np.zeros((rows, self.d, rows, self.d))
+        moving = orbit.omega * self.E1
+        for j in range(self.d // 2):
+            for a in range(2):
+                for c in range(2):
+                    of = along.by_d[:, j, a, c, None] * self.E
+                    of += along.by_v[:, j, a, c, None] * moving
+                    by_d[:, 2 * j + a, :, 2 * j + c] = self.P @ of
+        of_b = as_real(parts.S).reshape(rows, nb, rows, nb)
+        of_b -= np.einsum("ib,pijq,jc->pbqc", *(machine.B, by_d.transpose(0, 1, 3, 2), machine.B)) \
+            if nb != self.d else by_d
+        n = rows * nb
+        jacobian = np.zeros((self.size, self.size))
+        scale = np.repeat(self.row_scale, nb)[:, None]
+        jacobian[:n, :n] = scale * of_b.reshape(n, n)
+        if self.s:
+            self._add_states(jacobian, along, machine, orbit, scale, moving)
+        if self.is_autonomous:
+            h = _STEP * self.omega_scale
+            near = x.copy()
+            near[-1] = x[-1] + _STEP
+            above = self.residual(near, value)
+            near[-1] = x[-1] - _STEP
+            jacobian[:, -1] = (above - self.residual(near, value)) / (2 * _STEP)
+            assert self.anchor is not None and h > 0
+            jacobian[-1, :n] = derivative(self.anchor).ravel()
+        return residual, jacobian
+
+    def _add_states(self, jacobian, along, machine, orbit, scale, moving) -> None:
+        rows, nb, s = 2 * self.H + 1, self.b, self.s
+        n = rows * nb
+        by_own = np.einsum("pt,tis,tq->piqs", self.P, along.by_own, self.E, optimize=True)
+        by_own = np.einsum("ib,piqs->pbqs", machine.B, by_own) * self.own_scale / self.lengths
+        jacobian[:n, n : n + rows * s] = -scale * by_own.reshape(n, rows * s)
+        of_d = np.einsum("pt,tsi,tq->psqi", self.P, along.rates_by_d, self.E, optimize=True)
+        of_d += np.einsum("pt,tsi,tq->psqi", self.P, along.rates_by_v, moving, optimize=True)
+        of_d = np.einsum("psqi,ib->psqb", of_d, machine.B)
+        inverse = 1.0 / (self.own_scale * self.pace)
+        of_d *= -inverse[None, :, None, None] * self.lengths
+        jacobian[n : n + rows * s, :n] = of_d.reshape(rows * s, n)
+        of_own = -np.einsum("pt,tsr,tq->psqr", self.P, along.rates_by_own, self.E, optimize=True)
+        turned = derivative(np.eye(rows)) * orbit.omega
+        for i in range(s):
+            of_own[:, i, :, i] += turned
+        of_own *= inverse[None, :, None, None] * self.own_scale
+        jacobian[n : n + rows * s, n : n + rows * s] = of_own.reshape(rows * s, rows * s)
+
+    def last_share(self, x: np.ndarray) -> float:
+        """The amplitudes of the highest harmonics as a share of all that moves."""
+        size = np.abs(amplitudes(self.split(x, self.at).b)).max(axis=1)
+        last = max(2, self.H // 4)
+        return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if self.H > last else 1.0
+
+
+def derivative(series: np.ndarray) -> np.ndarray:
+    """Coefficients of the derivative by the angle."""
+    out = np.zeros_like(series)
+    k = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
+    out[1::2], out[2::2] = k * series[2::2], -k * series[1::2]
+    return out
+
+
+def cached(machine_at: Callable[[float], Condensed]) -> Callable[[float], Condensed]:
+    """The machines of the last few values of a parameter, kept."""
+    return lru_cache(maxsize=8)(machine_at)

@@ -1,0 +1,316 @@
+"""A branch of periodic motions: continued, with as many harmonics as it needs, its stability, and
+the bifurcations on it located.
+
+A fold is where the curve turns in the parameter; elsewhere the number of Floquet multipliers beyond
+the unit circle changes: at -1 the period doubles, a pair makes a torus (Neimark and Sacker), at +1
+another branch passes through.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from . import arclength
+from .arclength import Lost, Point, Steps
+from .balance import Orbit, Problem
+from .floquet import multipliers
+from .fourier import amplitudes
+
+FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
+    "fold",
+    "period doubling",
+    "Neimark-Sacker",
+    "branch point",
+    "grazing",
+)
+_UNIT = 1e-6  # of a multiplier beyond the unit circle
+_LOCATED = 40  # evaluations of a test function at most
+_CLOSED = 0.5  # of a step: how near a branch has come to its start
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How many harmonics: `least` to `most`, so that the highest are below `share` of the motion;
+    whether multipliers are computed."""
+
+    share: float = 1e-5
+    least: int = 3
+    most: int = 60
+    has_stability: bool = True
+
+
+class Solution(NamedTuple):
+    """A point of a branch: value of the parameter, the orbit, complex amplitudes of all dofs, x and
+    y in turn, shape (H + 1, 2 size) [m, rad], multipliers, the largest first (of an autonomous
+    motion without the one that is 1), whether it is stable, share of the highest harmonics, Newton's
+    corrections."""
+
+    value: float
+    orbit: Orbit
+    motion: np.ndarray
+    multipliers: np.ndarray
+    is_stable: bool
+    last_share: float
+    corrections: tuple[float, ...]
+
+
+class Bifurcation(NamedTuple):
+    """Where a branch changes: its kind, the value of the parameter, the orbit there, the multiplier
+    that crosses the unit circle, and behind which point of the branch."""
+
+    kind: str
+    value: float
+    orbit: Orbit
+    multiplier: complex
+    behind: int
+
+
+@dataclass
+class Branch:
+    """Points in their order along the curve, bifurcations, and why it ends where it does."""
+
+    points: list[Solution] = field(default_factory=list)
+    bifurcations: list[Bifurcation] = field(default_factory=list)
+    ends: tuple[str, str] = ("", "")
+
+
+def solution(problem: Problem, point: Point, accuracy: Accuracy) -> Solution:
+    """What a point of the curve is as a motion."""
+    orbit = problem.split(point.x, point.value)
+    machine = problem.machine_at(point.value)
+    parts = problem.harmonics(point.value, orbit.omega)
+    motion = machine.expanded(parts, amplitudes(orbit.b))
+    found = np.zeros(0, complex)
+    if accuracy.has_stability:
+        found = crossing(problem, multipliers(machine, orbit).values)
+    stable = bool(len(found) == 0 or np.abs(found[0]) <= 1.0 + _UNIT)
+    share = problem.last_share(point.x)
+    return Solution(point.value, orbit, motion, found, stable, share, point.corrections)
+
+
+def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
+    """The multipliers by which stability is judged."""
+    if problem.is_autonomous:
+        return np.delete(values, np.argmin(np.abs(values - 1.0)))
+    return values
+
+
+def refined(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
+    """With as many harmonics as the point needs; raises `Lost`."""
+    while True:
+        share = problem.last_share(point.x)
+        H = problem.H
+        if share > accuracy.share and H < accuracy.most:
+            H = min(accuracy.most, math.ceil(1.4 * H) + problem.turns)
+        else:
+            return problem, point
+        other = problem.like(H, at=point.value)
+        plane = np.append(problem.moved(point.tangent, other), point.by_value)
+        before = plane / np.linalg.norm(plane)
+        found = arclength.correct(
+            other, problem.moved(point.x, other), point.value, before, other.parameter.scale, before
+        )
+        problem, point = other, found._replace(corrections=point.corrections)
+
+
+def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
+    """With fewer harmonics where the highest are far below what is asked for."""
+    H = max(accuracy.least * problem.turns, math.ceil(0.6 * problem.H))
+    if H < problem.H and problem.last_share(point.x) < 1e-3 * accuracy.share:
+        other = problem.like(H, at=point.value)
+        if other.last_share(problem.moved(point.x, other)) < 0.1 * accuracy.share:
+            plane = np.append(problem.moved(point.tangent, other), point.by_value)
+            before = plane / np.linalg.norm(plane)
+            try:
+                found = arclength.correct(
+                    other,
+                    problem.moved(point.x, other),
+                    point.value,
+                    before,
+                    other.parameter.scale,
+                    before,
+                )
+            except Lost:
+                return problem, point
+            return other, found._replace(corrections=point.corrections)
+    return problem, point
+
+
+class Tracer:
+    """Follows a branch one way; `branch` grows while `advance` is iterated."""
+
+    def __init__(
+        self,
+        problem: Problem,
+        x: np.ndarray,
+        value: float,
+        low: float,
+        high: float,
+        *,
+        steps: Steps,
+        accuracy: Accuracy,
+    ) -> None:
+        self.problem, self.low, self.high = problem, low, high
+        self.steps, self.accuracy = steps, accuracy
+        self._x, self._value = x, value
+
+    def follow(self, direction: float) -> Iterator[tuple[Solution, list[Bifurcation]]]:
+        """Points and the bifurcations before each, from the start on; ends with `Lost` where it does
+        not converge."""
+        problem, accuracy = self.problem, self.accuracy
+        if problem.is_autonomous:
+            problem.fix_phase(self._x)
+        point = arclength.begin(problem, self._x, self._value, direction)
+        problem, point = refined(problem, point, accuracy)
+        last = solution(problem, point, accuracy)
+        yield last, []
+        self.end = ""
+        scale = problem.parameter.scale
+        walk = arclength.trace(problem, point, scale, self.low, self.high, self.steps)
+        start = point
+        found = next(walk, None)
+        while found is not None:
+            before = point
+            problem_here = problem
+            now = solution(problem_here, found, accuracy)
+            passed = self._between(problem_here, before, found, last, now)
+            problem, point = thinned(*refined(problem_here, found, accuracy), accuracy)
+            if problem.is_autonomous:
+                problem.fix_phase(point.x)
+            if problem is not problem_here:
+                now = solution(problem, point, accuracy)
+            yield now, passed
+            if self._is_closed(problem, start, before, point):
+                self.end = "the branch is closed"
+                return
+            last = now
+            try:
+                found = walk.send((problem, point))
+            except StopIteration:
+                found = None
+        self.end = self._why_ended(point)
+
+    def _why_ended(self, point: Point) -> str:
+        inside = self.low < point.value < self.high
+        return f"{self.steps.points} points" if inside else "end of the range"
+
+    def _is_closed(self, problem: Problem, start: Point, before: Point, point: Point) -> bool:
+        if len(start.x) != len(point.x) or len(before.x) != len(point.x):
+            return False
+        scale = problem.parameter.scale
+        step = math.hypot(
+            float(np.linalg.norm(point.x - before.x)), (point.value - before.value) / scale
+        )
+        way = math.hypot(
+            float(np.linalg.norm(point.x - start.x)), (point.value - start.value) / scale
+        )
+        same = float(start.tangent @ point.tangent + start.by_value * point.by_value)
+        return 0 < way < _CLOSED * step and same > 0.9 and before is not start
+
+    def _between(
+        self, problem: Problem, before: Point, after: Point, last: Solution, now: Solution
+    ) -> list[Bifurcation]:
+        """What is passed between two points."""
+        found = []
+        turns = before.by_value * after.by_value < 0
+        if turns:
+            located = self._fold(problem, before, after)
+            found.append(located)
+        if not self.accuracy.has_stability:
+            return found
+        outside = [int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now)]
+        changed = abs(outside[1] - outside[0]) - (1 if turns else 0)
+        if changed > 0 or (turns and changed > 0):
+            crossed = self._crossing(problem, before, after, max(outside), outside)
+            if crossed is not None:
+                found.append(crossed)
+        return found
+
+    def _at(self, problem: Problem, before: Point, length: float) -> Point:
+        return arclength.onward(problem, before, length, problem.parameter.scale)
+
+    def _length(self, problem: Problem, before: Point, after: Point) -> float:
+        scale = problem.parameter.scale
+        x = problem.moved(before.x, problem) if len(before.x) == len(after.x) else before.x
+        return float(
+            before.tangent @ (after.x - x)
+            + before.by_value * (after.value - before.value) / scale
+        )
+
+    def _fold(self, problem: Problem, before: Point, after: Point) -> Bifurcation:
+        """The turn, where the tangent has no part along the parameter."""
+        point, is_smooth = self._root(
+            problem, before, after, lambda p: p.by_value, before.by_value, after.by_value
+        )
+        kind = FOLD if is_smooth else GRAZING
+        orbit = problem.split(point.x, point.value)
+        return Bifurcation(kind, point.value, orbit, complex(1.0), -1)
+
+    def _crossing(
+        self, problem: Problem, before: Point, after: Point, k: int, outside: list[int]
+    ) -> Bifurcation | None:
+        """Where the k-th largest multiplier crosses the unit circle."""
+        seen: dict[float, np.ndarray] = {}
+
+        def size(point: Point) -> float:
+            orbit = problem.split(point.x, point.value)
+            values = crossing(
+                problem, multipliers(problem.machine_at(point.value), orbit).values
+            )
+            seen[point.value] = values
+            return math.log(max(abs(values[k - 1]), 1e-300)) - math.log1p(_UNIT)
+
+        first, second = size(before), size(after)
+        if first * second >= 0:
+            return None
+        point, _ = self._root(problem, before, after, size, first, second)
+        values = seen.get(point.value)
+        if values is None:
+            size(point)
+            values = seen[point.value]
+        value = complex(values[k - 1])
+        real = abs(value.imag) < 1e-6 * abs(value)
+        if abs(outside[1] - outside[0]) % 2 == 0 and not real:
+            kind = TORUS
+        elif value.real < 0 and real:
+            kind = DOUBLING
+        else:
+            kind = BRANCHING if real else TORUS
+        return Bifurcation(kind, point.value, problem.split(point.x, point.value), value, -1)
+
+    def _root(
+        self,
+        problem: Problem,
+        before: Point,
+        after: Point,
+        test: Callable[[Point], float],
+        at_before: float,
+        at_after: float,
+    ) -> tuple[Point, bool]:
+        """The point where a test function is 0, by the Illinois rule, and whether it is smooth
+        there."""
+        low, high = 0.0, self._length(problem, before, after)
+        f_low, f_high = at_before, at_after
+        whole = max(abs(f_low), abs(f_high))
+        point, value, width = after, f_high, high
+        for _ in range(_LOCATED):
+            s = (low * f_high - high * f_low) / (f_high - f_low)
+            if not low < s < high:
+                s = 0.5 * (low + high)
+            try:
+                point = self._at(problem, before, s)
+            except Lost:
+                break
+            value = test(point)
+            if abs(value) < 1e-9 * whole or high - low < 1e-9 * width:
+                break
+            if (value > 0) == (f_low > 0):
+                low, f_low, f_high = s, value, 0.5 * f_high
+            else:
+                high, f_high, f_low = s, value, 0.5 * f_low
+        return point, abs(value) < 1e-3 * whole

@@ -1,0 +1,61 @@
+"""Real Fourier series by their coefficients [mean, cos 1, sin 1, cos 2, ...], harmonics first."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The functions of a series of H harmonics at angles [rad], and their derivatives by the angle,
+    each of shape (n, 2 H + 1)."""
+    k = np.arange(1, H + 1)
+    c, s = np.cos(np.outer(angles, k)), np.sin(np.outer(angles, k))
+    value, slope = np.zeros((2, len(angles), 2 * H + 1))
+    value[:, 0] = 1.0
+    value[:, 1::2], value[:, 2::2] = c, s
+    slope[:, 1::2], slope[:, 2::2] = -k * s, k * c
+    return value, slope
+
+
+def projection(value: np.ndarray) -> np.ndarray:
+    """From samples evenly over a turn to coefficients, shape (2 H + 1, n)."""
+    weights = np.full(value.shape[1], 2.0 / len(value))
+    weights[0] = 1.0 / len(value)
+    return weights[:, None] * value.T
+
+
+def amplitudes(coefficients: np.ndarray) -> np.ndarray:
+    """Complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along the first axis."""
+    out = np.zeros((len(coefficients) // 2 + 1, *coefficients.shape[1:]), complex)
+    out[0] = coefficients[0]
+    out[1:] = coefficients[1::2] - 1j * coefficients[2::2]
+    return out
+
+
+def coefficients(amplitude: np.ndarray) -> np.ndarray:
+    """The other way round."""
+    out = np.zeros((2 * len(amplitude) - 1, *amplitude.shape[1:]))
+    out[0] = amplitude[0].real
+    out[1::2], out[2::2] = amplitude[1:].real, -amplitude[1:].imag
+    return out
+
+
+def as_real(S: np.ndarray) -> np.ndarray:
+    """Complex matrices of harmonics 0 to H, shape (H + 1, b, b), as a matrix of coefficients, shape
+    ((2 H + 1) b, (2 H + 1) b)."""
+    count, b, _ = S.shape
+    out = np.zeros((2 * count - 1, b, 2 * count - 1, b))
+    out[0, :, 0] = S[0].real
+    k = np.arange(1, count)
+    out[2 * k - 1, :, 2 * k - 1] = out[2 * k, :, 2 * k] = S[1:].real
+    out[2 * k - 1, :, 2 * k] = S[1:].imag
+    out[2 * k, :, 2 * k - 1] = -S[1:].imag
+    return out.reshape((2 * count - 1) * b, -1)
+
+
+def resized(series: np.ndarray, H: int) -> np.ndarray:
+    """Coefficients with as many harmonics as wanted, along the first axis."""
+    out = np.zeros((2 * H + 1, *series.shape[1:]))
+    n = min(len(out), len(series))
+    out[:n] = series[:n]
+    return out

@@ -1,0 +1,176 @@
+"""The force laws along an orbit: forces, tangents, rates and openings at its samples.
+
+The one place from where this package calls the laws; the tangents are the kernels' own.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..code import Code, chosen
+from ..kernels.compiled import IS_COMPILED, compiled, plain
+from ..parts import LAWS
+from ..parts.linear_bearing import LINEAR_BEARING
+from ..step.laws import law_opening, law_rates, law_tangent
+from ..structure.structure import Structure
+
+_STEP = 1e-6  # of a central difference, as a share of the variable's scale
+
+
+def is_linear(structure: Structure) -> np.ndarray:
+    """Of each interface, whether its law is linear in displacement and velocity."""
+    linear = LAWS.index(LINEAR_BEARING)
+    return np.asarray(structure.interfaces.law == linear)
+
+
+class Along(NamedTuple):
+    """What m interfaces with s own states do at n samples: forces F of x and y, shape (n, 2 m) [N];
+    their derivatives by displacements, by velocities, shape (n, m, 2, 2) each, and by own states,
+    shape (n, 2 m, s); rates of the states, shape (n, s), with their derivatives by displacements and
+    velocities, shape (n, s, 2 m) each, and by states, shape (n, s, s)."""
+
+    force: np.ndarray
+    by_d: np.ndarray
+    by_v: np.ndarray
+    by_own: np.ndarray
+    rates: np.ndarray
+    rates_by_d: np.ndarray
+    rates_by_v: np.ndarray
+    rates_by_own: np.ndarray
+
+
+@compiled
+def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
+    """Forces, tangents p z + q conj(z) by displacement and by velocity, and rates."""
+    for j in range(len(interfaces)):
+        interface = interfaces[j]
+        at = interface.own
+        for t in range(d.shape[1]):
+            for i in range(2):
+                found = law_tangent(
+                    laws,
+                    interface,
+                    d[j, t],
+                    v[j, t],
+                    speed,
+                    speed,
+                    1.0 - i,
+                    1.0 * i,
+                    0.0,
+                    own[t, at:],
+                    scratch[t, at:],
+                )
+                force[j, t], p[i, j, t], q[i, j, t] = found
+            law_rates(
+                laws, interface, d[j, t], v[j, t], speed, speed, own[t, at:], rates[t, at:]
+            )
+
+
+@compiled
+def _openings(laws, interfaces, d, opening):
+    for j in range(len(interfaces)):
+        for t in range(d.shape[1]):
+            opening[j, t] = law_opening(laws, interfaces[j], d[j, t])
+
+
+class LawsAlong:
+    """The laws of some interfaces of a structure, called at many samples at once."""
+
+    def __init__(self, structure: Structure, which: np.ndarray) -> None:
+        self._laws = structure.laws
+        interfaces = structure.interfaces[which].copy()
+        interfaces.own = np.cumsum(interfaces.states) - interfaces.states
+        self._interfaces = interfaces.view(np.recarray)
+        self.count = len(interfaces)
+        self.states = int(interfaces.states.sum())
+        self.owner = np.repeat(np.arange(self.count), interfaces.states)
+        self.place = np.arange(self.states) - interfaces.own[self.owner]
+        self.starts = np.array([s for i in interfaces for s in LAWS[i.law].states], float)
+        self.length = np.array([i.length for i in interfaces], float)
+        self.has_wall = np.asarray(interfaces.has_wall == 1)
+        is_fast = IS_COMPILED and chosen() is not Code.PYTHON
+        self._along = _along if is_fast else plain(_along)
+        self._openings = _openings if is_fast else plain(_openings)
+
+    def openings(self, d: np.ndarray) -> np.ndarray:
+        """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""
+        out = np.zeros((self.count, len(d)))
+        self._openings(self._laws, self._interfaces, _complex(d), out)
+        return out.T
+
+    def forces(
+        self, d: np.ndarray, v: np.ndarray, own: np.ndarray, speed: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Forces, shape (n, 2 m) [N], and rates of the states, shape (n, s)."""
+        force, _, _, rates = self._call(d, v, own, speed)
+        return _plane(force), rates
+
+    def tangents(
+        self, d: np.ndarray, v: np.ndarray, own: np.ndarray, scale: np.ndarray, speed: float
+    ) -> Along:
+        """All of `Along`; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s), with sizes `scale`."""
+        force, p, q, rates = self._call(d, v, own, speed)
+        m, s, n = self.count, self.states, len(d)
+        both = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+        by_d, by_v = both.transpose(2, 4, 3, 0, 1)
+        by_own = np.zeros((n, 2 * m, s))
+        rates_by = [np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m)), np.zeros((n, s, s))]
+        for place in range(int(self.place.max(initial=-1)) + 1):
+            columns = np.flatnonzero(self.place == place)
+            step = np.zeros(s)
+            step[columns] = _STEP * scale[columns]
+            of_force, of_rates = self._difference(d, v, own, speed, own_step=step)
+            for c in columns:
+                j = 2 * self.owner[c]
+                by_own[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
+                rows = np.flatnonzero(self.owner == self.owner[c])
+                rates_by[2][:, rows, c] = of_rates[:, rows] / (2 * step[c])
+        for axis in range(2 if s else 0):
+            # displacements on the scale of the interface, velocities on that of its motion
+            pace = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
+            for i, size in enumerate((self.length, self.length * pace)):
+                step = np.zeros(2 * m)
+                step[axis::2] = 1e-3 * _STEP * size
+                pair = (step, 0 * step) if i == 0 else (0 * step, step)
+                _, of_rates = self._difference(d, v, own, speed, *pair)
+                for c in range(s):
+                    j = 2 * self.owner[c] + axis
+                    rates_by[i][:, c, j] = of_rates[:, c] / (2 * step[j])
+        return Along(_plane(force), by_d, by_v, by_own, rates, *rates_by)
+
+    def _difference(self, d, v, own, speed, d_step=0.0, v_step=0.0, own_step=0.0):
+        above = self.forces(d + d_step, v + v_step, own + own_step, speed)
+        below = self.forces(d - d_step, v - v_step, own - own_step, speed)
+        return above[0] - below[0], above[1] - below[1]
+
+    def _call(self, d, v, own, speed):
+        n, m = len(d), self.count
+        force, rates = np.zeros((m, n), complex), np.zeros((n, self.states))
+        p, q = np.zeros((2, m, n), complex), np.zeros((2, m, n), complex)
+        states = np.ascontiguousarray(own, float)
+        self._along(
+            self._laws,
+            self._interfaces,
+            _complex(d),
+            _complex(v),
+            float(speed),
+            states,
+            states.copy(),
+            force,
+            p,
+            q,
+            rates,
+        )
+        return force, p, q, rates
+
+
+def _complex(d: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray((d[:, ::2] + 1j * d[:, 1::2]).T)
+
+
+def _plane(z: np.ndarray) -> np.ndarray:
+    out = np.empty((z.shape[1], 2 * len(z)))
+    out[:, ::2], out[:, 1::2] = z.T.real, z.T.imag
+    return out
