@@ -30,6 +30,7 @@ __all__ = [
     "load",
     "parse",
     "read_run",
+    "response",
     "simulate",
     "simulate_fmu",
 ]

@@ -37,6 +37,7 @@ COMMANDS = {
         "campbell": "linear.command:campbell",
         "unbalance": "linear.command:unbalance",
         "static": "linear.command:static",
+        "response": "periodic.command:response",
         "import-ross": "linear.command:import_ross",
         "example": "machine_file.command:example",
         "schema": "machine_file.command:schema_command",

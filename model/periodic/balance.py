@@ -19,10 +19,20 @@ from typing import NamedTuple
 import numpy as np
 
 from .condensed import Condensed, Harmonics
-from .fourier import amplitudes, as_real, basis, coefficients, projection, resized
+from .fourier import (
+    after_derivative,
+    amplitudes,
+    as_real,
+    basis,
+    coefficients,
+    derivative,
+    multiplication,
+    projection,
+    resized,
+)
 
 _STEP = 1e-6  # of a central difference by the parameter or by omega, as a share of its scale
-_SAMPLES = 8  # a harmonic: forces beyond a wall have many
+_SAMPLES = 32  # a harmonic: the more, the less it matters where a wall lies between two
 _LEAST_SAMPLES = 64
 
 
@@ -93,7 +103,9 @@ class Problem:
         rows = np.concatenate([[size[0]], np.repeat(size[1:], 2)])
         self.row_scale = 1.0 / np.maximum(rows, 1e-9 * size.max(initial=1.0))
 
-    def like(self, H: int | None = None, at: float | None = None, turns: int | None = None) -> Problem:
+    def like(
+        self, H: int | None = None, at: float | None = None, turns: int | None = None
+    ) -> Problem:
         """The same with other harmonics, about another value, or with a longer period."""
         made = Problem(
             self.machine_at,
@@ -163,17 +175,17 @@ class Problem:
         return d, v, self.E @ orbit.own
 
     def _lack(self, orbit, parts, machine, force, rates) -> np.ndarray:
-        linear = coefficients(
-            np.einsum("kij,kj->ki", parts.S, amplitudes(orbit.b)) - parts.force
-        )
+        linear = coefficients(np.einsum("kij,kj->ki", parts.S, amplitudes(orbit.b)) - parts.force)
         of_b = linear - self.P @ (force @ machine.B)
         of_own = orbit.omega * derivative(orbit.own) - self.P @ rates
         tail = [self._phase(orbit)] if self.is_autonomous else []
-        return np.concatenate([
-            (self.row_scale[:, None] * of_b).ravel() / self.lengths,
-            (of_own / (self.own_scale * self.pace)).ravel(),
-            tail,
-        ])
+        return np.concatenate(
+            [
+                (self.row_scale[:, None] * of_b).ravel() / self.lengths,
+                (of_own / (self.own_scale * self.pace)).ravel(),
+                tail,
+            ]
+        )
 
     @cached_property
     def pace(self) -> float:
@@ -207,23 +219,18 @@ class Problem:
         parts = self.harmonics(value, orbit.omega)
         residual = self._lack(orbit, parts, machine, along.force, along.rates)
         rows, nb = 2 * self.H + 1, self.b
-        by_d = np.zeros((rows, self.d, rows, self.d))
-        moving = orbit.omega * self.E1
+        by_d = np.zeros((rows, rows, self.d, self.d))
+        blocks = self._product(along.by_d, along.by_v, orbit.omega)
         for j in range(self.d // 2):
-            for a in range(2):
-                for c in range(2):
-                    of = along.by_d[:, j, a, c, None] * self.E
-                    of += along.by_v[:, j, a, c, None] * moving
-                    by_d[:, 2 * j + a, :, 2 * j + c] = self.P @ of
+            by_d[:, :, 2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = blocks[:, :, j]
         of_b = as_real(parts.S).reshape(rows, nb, rows, nb)
-        of_b -= np.einsum("ib,pijq,jc->pbqc", *(machine.B, by_d.transpose(0, 1, 3, 2), machine.B)) \
-            if nb != self.d else by_d
+        of_b -= (machine.B.T @ by_d @ machine.B).transpose(0, 2, 1, 3)
         n = rows * nb
         jacobian = np.zeros((self.size, self.size))
         scale = np.repeat(self.row_scale, nb)[:, None]
         jacobian[:n, :n] = scale * of_b.reshape(n, n)
         if self.s:
-            self._add_states(jacobian, along, machine, orbit, scale, moving)
+            self._add_states(jacobian, along, machine, orbit, scale)
         if self.is_autonomous:
             h = _STEP * self.omega_scale
             near = x.copy()
@@ -235,38 +242,31 @@ class Problem:
             jacobian[-1, :n] = derivative(self.anchor).ravel()
         return residual, jacobian
 
-    def _add_states(self, jacobian, along, machine, orbit, scale, moving) -> None:
+    def _product(self, by_value: np.ndarray, by_rate: np.ndarray, omega: float) -> np.ndarray:
+        """Of series and of their rates, what tangents make, shape (2 H + 1, 2 H + 1, ...)."""
+        of_rate = omega * after_derivative(multiplication(by_rate, self.H))
+        return multiplication(by_value, self.H) + of_rate
+
+    def _add_states(self, jacobian, along, machine, orbit, scale) -> None:
         rows, nb, s = 2 * self.H + 1, self.b, self.s
         n = rows * nb
-        by_own = np.einsum("pt,tis,tq->piqs", self.P, along.by_own, self.E, optimize=True)
-        by_own = np.einsum("ib,piqs->pbqs", machine.B, by_own) * self.own_scale / self.lengths
-        jacobian[:n, n : n + rows * s] = -scale * by_own.reshape(n, rows * s)
-        of_d = np.einsum("pt,tsi,tq->psqi", self.P, along.rates_by_d, self.E, optimize=True)
-        of_d += np.einsum("pt,tsi,tq->psqi", self.P, along.rates_by_v, moving, optimize=True)
-        of_d = np.einsum("psqi,ib->psqb", of_d, machine.B)
         inverse = 1.0 / (self.own_scale * self.pace)
-        of_d *= -inverse[None, :, None, None] * self.lengths
+        of_force = machine.B.T @ multiplication(along.by_own, self.H) * self.own_scale
+        of_force = of_force.transpose(0, 2, 1, 3) / self.lengths
+        jacobian[:n, n : n + rows * s] = -scale * of_force.reshape(n, rows * s)
+        of_d = self._product(along.rates_by_d, along.rates_by_v, orbit.omega) @ machine.B
+        of_d = of_d.transpose(0, 2, 1, 3) * -inverse[:, None, None] * self.lengths
         jacobian[n : n + rows * s, :n] = of_d.reshape(rows * s, n)
-        of_own = -np.einsum("pt,tsr,tq->psqr", self.P, along.rates_by_own, self.E, optimize=True)
-        turned = derivative(np.eye(rows)) * orbit.omega
-        for i in range(s):
-            of_own[:, i, :, i] += turned
-        of_own *= inverse[None, :, None, None] * self.own_scale
+        of_own = -multiplication(along.rates_by_own, self.H)
+        of_own += (orbit.omega * derivative(np.eye(rows)))[:, :, None, None] * np.eye(s)
+        of_own = of_own.transpose(0, 2, 1, 3) * inverse[:, None, None] * self.own_scale
         jacobian[n : n + rows * s, n : n + rows * s] = of_own.reshape(rows * s, rows * s)
 
     def last_share(self, x: np.ndarray) -> float:
         """The amplitudes of the highest harmonics as a share of all that moves."""
         size = np.abs(amplitudes(self.split(x, self.at).b)).max(axis=1)
         last = max(2, self.H // 4)
-        return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if self.H > last else 1.0
-
-
-def derivative(series: np.ndarray) -> np.ndarray:
-    """Coefficients of the derivative by the angle."""
-    out = np.zeros_like(series)
-    k = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
-    out[1::2], out[2::2] = k * series[2::2], -k * series[1::2]
-    return out
+        return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < self.H else 1.0
 
 
 def cached(machine_at: Callable[[float], Condensed]) -> Callable[[float], Condensed]:

@@ -105,7 +105,7 @@ def refined(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
     while True:
         share = problem.last_share(point.x)
         H = problem.H
-        if share > accuracy.share and H < accuracy.most:
+        if share > accuracy.share and accuracy.most > H:
             H = min(accuracy.most, math.ceil(1.4 * H) + problem.turns)
         else:
             return problem, point
@@ -238,8 +238,7 @@ class Tracer:
         scale = problem.parameter.scale
         x = problem.moved(before.x, problem) if len(before.x) == len(after.x) else before.x
         return float(
-            before.tangent @ (after.x - x)
-            + before.by_value * (after.value - before.value) / scale
+            before.tangent @ (after.x - x) + before.by_value * (after.value - before.value) / scale
         )
 
     def _fold(self, problem: Problem, before: Point, after: Point) -> Bifurcation:
@@ -259,9 +258,7 @@ class Tracer:
 
         def size(point: Point) -> float:
             orbit = problem.split(point.x, point.value)
-            values = crossing(
-                problem, multipliers(problem.machine_at(point.value), orbit).values
-            )
+            values = crossing(problem, multipliers(problem.machine_at(point.value), orbit).values)
             seen[point.value] = values
             return math.log(max(abs(values[k - 1]), 1e-300)) - math.log1p(_UNIT)
 

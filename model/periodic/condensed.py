@@ -15,12 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.compiled import plain
 from ..linear import LinearError, LinearMachine
 from ..linear.machine import OPEN, in_plane
 from ..linear.tangents import tangents
 from ..machine.rotor import Rotor
-from ..step.excitation import at_load
 from .laws import LawsAlong, is_linear
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
@@ -56,6 +54,7 @@ class Condensed:
         self.rotor, self.machine, s = rotor, machine, machine.structure
         self.structure = s
         linear = is_linear(s)
+        self.is_in = ~linear
         self.laws = LawsAlong(s, ~linear)
         rows = np.repeat(~linear, 2)
         across = (machine.across @ machine.expand).toarray()
@@ -63,9 +62,7 @@ class Condensed:
         N = across.shape[1]
         rest = np.setdiff1d(np.arange(N // 2), pivots)
         self._T = np.kron(
-            np.linalg.inv(
-                np.vstack([across[rows][::2, ::2][independent], np.eye(N // 2)[rest]])
-            ),
+            np.linalg.inv(np.vstack([across[rows][::2, ::2][independent], np.eye(N // 2)[rest]])),
             np.eye(2),
         )
         self.size, self.b = N, 2 * len(independent)
@@ -81,9 +78,14 @@ class Condensed:
         still, turning = (machine.at_zero_load(speed) for speed in (0.0, 1.0))
 
         def without_laws(matrix, by):
-            blocks = np.einsum("jaN,jab,jbM->NM", *(
-                across.reshape(-1, 2, across.shape[1]), by, across.reshape(-1, 2, across.shape[1])
-            ))
+            blocks = np.einsum(
+                "jaN,jab,jbM->NM",
+                *(
+                    across.reshape(-1, 2, across.shape[1]),
+                    by,
+                    across.reshape(-1, 2, across.shape[1]),
+                ),
+            )
             return matrix.toarray() + blocks
 
         def turned(matrix):
@@ -165,6 +167,10 @@ class Condensed:
         in turn, complex, shape (H + 1, 2 size)."""
         r = parts.own - np.einsum("krb,kb->kr", parts.by_b, b)
         return np.concatenate([b, r], axis=1) @ (self.machine.expand @ self._T).T
+
+    def b_of(self, d: np.ndarray) -> np.ndarray:
+        """b of relative displacements of all nonlinear interfaces, shape (n, 2 m)."""
+        return d @ np.linalg.pinv(self.B).T
 
     def check_held(self) -> None:
         """Raise `LinearError` unless with the interfaces held everything is held."""

@@ -1,8 +1,8 @@
 """Stability of a periodic motion: Floquet multipliers of the machine linearized along it.
 
-The constant part, the machine with its interfaces' mean tangents, is solved exactly in its modes;
-what the tangents deviate from their means is a force, collocated at three Radau points a step (order
-5, and what is fast is damped). Steps end where a contact opens or closes:
+Radau IIA with three points a step (order 5; what is faster than the steps is damped) in the modes of
+the machine with its interfaces' mean tangents, where only what the tangents deviate from their means
+couples them. Steps end where a contact opens or closes:
 
     u' = Lambda u + W f,    y = V u + R f,    f = dT(t) y
 
@@ -22,10 +22,8 @@ from .condensed import Condensed
 from .fourier import basis
 
 _C = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
-_STEPS = 24  # a turn of the highest harmonic that matters, at least
-_LEAST, _MOST = 48, 1024
+_LEAST, _MOST = 96, 1024  # steps a turn
 _SLOW = 200.0  # modes up to so many times the highest frequency of the orbit are kept
-_TAYLOR = 22
 
 
 class Multipliers(NamedTuple):
@@ -47,7 +45,7 @@ class _Modes(NamedTuple):
 def multipliers(machine: Condensed, orbit: Orbit, steps: int = 0) -> Multipliers:
     """Of an orbit; steps: a period, 0: as many as its harmonics need."""
     period = 2 * math.pi / abs(orbit.omega)
-    steps = steps or min(_MOST, max(_LEAST, 4 * orbit.H * orbit.turns))
+    steps = steps or min(_MOST, max(_LEAST * orbit.turns, 4 * orbit.H))
     if machine.b == 0:
         modes = _modes(machine, orbit, np.zeros((0, 0)))
         return Multipliers(*_sorted(np.exp(modes.roots * period), modes.shapes))
@@ -172,37 +170,14 @@ def _real_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return scipy.linalg.eigh(0.5 * (K + K.T), M)
 
 
-def _phi(z: np.ndarray) -> np.ndarray:
-    """phi_1 to phi_3 of z, shape (3, ...): the sum over n of z^n / (n + k)!."""
-    out = np.empty((3, *z.shape), complex)
-    small = np.abs(z) < 1.0
-    big = np.where(small, 1.0, z)
-    out[0] = (np.exp(big) - 1.0) / big
-    out[1] = (out[0] - 1.0) / big
-    out[2] = (out[1] - 0.5) / big
-    near = z[small]
-    for k in range(3):
-        term = np.full(near.shape, 1.0 / math.factorial(k + 1), complex)
-        total = term.copy()
-        for i in range(1, _TAYLOR):
-            term = term * near / (i + k + 1)
-            total += term
-        out[k, small] = total
-    return out
-
-
 def _collocation(roots: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of one step: exp(c_i h lambda), shape (3, modes); weights of the forces at the points, shape
-    (3, 3, modes) [s]."""
+    """Of one step of Radau IIA: what it makes of each mode at its points, shape (3, modes); weights
+    of the forces at the points, shape (3, 3, modes) [s]."""
     powers = np.array([_C**p for p in range(3)])
-    lagrange = np.linalg.inv(powers)  # l_j(t) = sum over p of lagrange[j, p] t^p
-    grown, moments = np.empty((3, len(roots)), complex), np.empty((3, 3, len(roots)), complex)
-    for i, c in enumerate(_C):
-        grown[i] = np.exp(c * h * roots)
-        phi = _phi(c * h * roots)
-        for p in range(3):
-            moments[i, p] = h * c ** (p + 1) * math.factorial(p) * phi[p]
-    return grown, np.einsum("jp,ipm->ijm", lagrange, moments)
+    integrals = np.array([_C ** (p + 1) / (p + 1) for p in range(3)])
+    a = integrals.T @ np.linalg.inv(powers).T
+    inverse = np.linalg.inv(np.eye(3) - h * roots[:, None, None] * a)
+    return inverse.sum(axis=2).T, (inverse @ (h * a)).transpose(1, 2, 0)
 
 
 def _passed(modes: _Modes, change: np.ndarray, h: np.ndarray) -> np.ndarray:

@@ -53,6 +53,41 @@ def as_real(S: np.ndarray) -> np.ndarray:
     return out.reshape((2 * count - 1) * b, -1)
 
 
+def multiplication(samples: np.ndarray, H: int) -> np.ndarray:
+    """What multiplication by functions of the angle makes of the coefficients of a series, cut off at
+    H harmonics; samples: evenly over a turn, shape (n, ...), n > 4 H; shape (2 H + 1, 2 H + 1, ...).
+    """
+    spectrum = np.fft.rfft(samples, axis=0)[: 2 * H + 1] / len(samples)
+    c, s = spectrum.real, -spectrum.imag
+    k = np.arange(1, H + 1)
+    plus, minus = k[:, None] + k, k[:, None] - k
+    sign = np.sign(minus).reshape(*minus.shape, *[1] * (samples.ndim - 1))
+    c_minus, s_minus = c[np.abs(minus)], sign * s[np.abs(minus)]
+    out = np.empty((2 * H + 1, 2 * H + 1, *samples.shape[1:]))
+    out[0, 0] = c[0]
+    out[0, 1::2], out[0, 2::2] = c[k], s[k]
+    out[1::2, 0], out[2::2, 0] = 2 * c[k], 2 * s[k]
+    out[1::2, 1::2], out[2::2, 2::2] = c_minus + c[plus], c_minus - c[plus]
+    out[1::2, 2::2], out[2::2, 1::2] = s[plus] - s_minus, s[plus] + s_minus
+    return out
+
+
+def derivative(series: np.ndarray) -> np.ndarray:
+    """Coefficients of the derivative by the angle, along the first axis."""
+    out = np.zeros_like(series)
+    k = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
+    out[1::2], out[2::2] = k * series[2::2], -k * series[1::2]
+    return out
+
+
+def after_derivative(matrix: np.ndarray) -> np.ndarray:
+    """A matrix of coefficients, shape (rows, 2 H + 1, ...), applied to the derivative of a series."""
+    out = np.zeros_like(matrix)
+    k = np.arange(1, matrix.shape[1] // 2 + 1).reshape(-1, *[1] * (matrix.ndim - 2))
+    out[:, 2::2], out[:, 1::2] = k * matrix[:, 1::2], -k * matrix[:, 2::2]
+    return out
+
+
 def resized(series: np.ndarray, H: int) -> np.ndarray:
     """Coefficients with as many harmonics as wanted, along the first axis."""
     out = np.zeros((2 * H + 1, *series.shape[1:]))

@@ -63,9 +63,7 @@ def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
                     scratch[t, at:],
                 )
                 force[j, t], p[i, j, t], q[i, j, t] = found
-            law_rates(
-                laws, interface, d[j, t], v[j, t], speed, speed, own[t, at:], rates[t, at:]
-            )
+            law_rates(laws, interface, d[j, t], v[j, t], speed, speed, own[t, at:], rates[t, at:])
 
 
 @compiled

@@ -7,6 +7,7 @@ from .fmus import simulate_fmu as simulate_fmu
 from .machine import Machine as Machine
 from .machine import load as load
 from .machine import parse as parse
+from .periodic import response as response
 from .result import Peak as Peak
 from .result import Result as Result
 from .result import read_run as read_run

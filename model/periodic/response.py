@@ -1,0 +1,235 @@
+"""Periodic answers of a machine over its speed or another parameter: branches from both ends of the
+range and from seeds, each followed as far as it goes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from ..machine.speed_tables import tables_of
+from ..quantities import QuantityError
+from ..simulation import EquilibriumError, StepFailure
+from . import arclength
+from .arclength import Lost, Point, Steps
+from .balance import Orbit, Parameter, Problem, cached
+from .branch import Accuracy, Branch, Solution, Tracer, solution
+from .condensed import Condensed
+from .fourier import basis, resized
+from .seeds import time_seed
+
+SPEED = "speed"
+_LINEAR_POINTS = 401  # of a machine without nonlinear parts
+_SAME = 0.02  # distance of two orbits that are one, as a share of their size
+
+Tell = Callable[[str, Solution], None]
+
+
+class PeriodicError(QuantityError):
+    """A periodic answer that cannot be had; says why."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked for: the parameter over [low, high], `speed` [rad/s] where it is another one,
+    constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are, values
+    at which runs in time seed further branches."""
+
+    low: float
+    high: float
+    name: str = SPEED
+    speed: float = 0.0
+    turns: int = 1
+    loads: np.ndarray | None = None
+    accuracy: Accuracy = Accuracy()
+    steps: Steps = Steps(most=0.1)
+    seeds: tuple[float, ...] = ()
+
+
+@dataclass
+class Response:
+    """Branches of a task, and what is to be said of them, a line each."""
+
+    rotor: Rotor
+    task: Task
+    branches: list[Branch] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def machine_at(self, value: float) -> Condensed:
+        """The machine at a value of the parameter."""
+        return _machines(self.rotor, self.task)(value)
+
+
+def check(rotor: Rotor, task: Task) -> None:
+    """Raise `PeriodicError` or `QuantityError` for what cannot be asked of a machine."""
+    if not task.low < task.high:
+        raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
+    speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
+    for speed in speeds:
+        if not 0 < speed < math.inf:
+            raise PeriodicError(f"speed = {speed:g} rad/s: must be > 0 and finite")
+        for allowed in tables_of(rotor):
+            if not allowed.low <= speed <= allowed.high:
+                raise PeriodicError(allowed.beyond.format(speed=speed))
+    if task.name != SPEED:
+        for value in (task.low, task.high):
+            rotor.with_value(task.name, value)
+
+
+def _machines(rotor: Rotor, task: Task) -> Callable[[float], Condensed]:
+    if task.name == SPEED:
+        machine = Condensed(rotor, task.loads)
+        return lambda _: machine
+    return cached(lambda value: Condensed(rotor.with_value(task.name, value), task.loads))
+
+
+def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Response:
+    """All branches that a task reaches; `tell` hears of every point. A branch that is lost keeps
+    what it has. KeyboardInterrupt ends it with what there is."""
+    check(rotor, task)
+    machines = _machines(rotor, task)
+    machines(task.low).check_held()
+    result = Response(rotor, task)
+    problem = _problem(machines, task, task.low)
+    if problem.b == 0:
+        result.branches.append(_linear(problem, task, tell))
+        return result
+    try:
+        _from_ends(result, machines, tell)
+    except KeyboardInterrupt:
+        result.notes.append("stopped: what was found until then is kept")
+    return result
+
+
+def _problem(machines: Callable[[float], Condensed], task: Task, at: float) -> Problem:
+    H = max(task.accuracy.least, 3) * task.turns
+    parameter = Parameter(task.name, task.high - task.low)
+    return Problem(machines, parameter, at, H, speed=task.speed, turns=task.turns)
+
+
+def _linear(problem: Problem, task: Task, tell: Tell) -> Branch:
+    """A machine without nonlinear parts: at even values."""
+    branch = Branch(ends=("end of the range", "end of the range"))
+    for value in np.linspace(task.low, task.high, _LINEAR_POINTS):
+        point = Point(np.zeros(0), float(value), np.zeros(0), 1.0)
+        found = solution(problem, point, task.accuracy)
+        branch.points.append(found)
+        tell("linear", found)
+    return branch
+
+
+def _from_ends(result: Response, machines, tell: Tell) -> None:
+    task = result.task
+    for value, direction in ((task.low, 1.0), (task.high, -1.0), *((s, 0.0) for s in task.seeds)):
+        for guess in _guesses(result, machines, value):
+            problem = _problem(machines, task, value).like(max(guess.H, task.accuracy.least))
+            try:
+                x = arclength.solve(problem, problem.join(guess), value)
+            except Lost:
+                continue
+            orbit = problem.split(x, value)
+            if not _is_known(result.branches, orbit, value):
+                follow(result, problem, x, value, direction, tell)
+            break
+        else:
+            result.notes.append(
+                f"no periodic motion was found at {task.name} = {value:g}: neither from rest, nor "
+                "from a run in time, which may be no periodic one"
+            )
+
+
+def _guesses(result: Response, machines, value: float):
+    """Orbits to start from: that of open contacts, then what the machine comes to in time."""
+    task = result.task
+    problem = _problem(machines, task, value)
+    yield problem.split(np.zeros(problem.size), value)
+    rotor = result.rotor if task.name == SPEED else result.rotor.with_value(task.name, value)
+    speed = value if task.name == SPEED else task.speed
+    for turns in (30, 200):
+        try:
+            yield time_seed(rotor, machines(value), speed, task.turns, task.loads, 12, turns)
+        except (StepFailure, EquilibriumError) as error:
+            result.notes.append(str(error))
+            return
+
+
+def follow(
+    result: Response, problem: Problem, x: np.ndarray, value: float, direction: float, tell: Tell
+) -> Branch:
+    """A branch from a solution on, one way (1, -1), or both (0); it is among the result's at once."""
+    task, branch = result.task, Branch()
+    result.branches.append(branch)
+    label = f"branch {len(result.branches)}"
+    ends = ["start", "start"]
+    for side, way in enumerate((-1.0, 1.0) if direction == 0 else (direction,)):
+        tracer = Tracer(
+            problem, x, value, task.low, task.high, steps=task.steps, accuracy=task.accuracy
+        )
+        try:
+            for found, passed in tracer.follow(way):
+                tell(label, found)
+                if side and not passed and found.value == value:
+                    continue  # the start, which is there already
+                branch.points.append(found)
+                branch.bifurcations += [b._replace(behind=len(branch.points) - 2) for b in passed]
+            ends[1] = tracer.end
+        except Lost as error:
+            ends[1] = why_lost(tracer, branch, error)
+            result.notes.append(
+                f"{label} ends at {task.name} = {_last(branch, value):g}: {ends[1]}"
+            )
+        if direction == 0 and side == 0:
+            _turn_round(branch)
+            ends = [ends[1], ""]
+            if ends[0] == "the branch is closed":
+                ends[1] = ends[0]
+                break
+    branch.ends = ends[0], ends[1]
+    return branch
+
+
+def _last(branch: Branch, value: float) -> float:
+    return branch.points[-1].value if branch.points else value
+
+
+def _turn_round(branch: Branch) -> None:
+    last = len(branch.points) - 2
+    branch.points.reverse()
+    branch.bifurcations = [b._replace(behind=last - b.behind) for b in branch.bifurcations[::-1]]
+
+
+def why_lost(tracer: Tracer, branch: Branch, error: Lost) -> str:
+    """Where a branch that does not converge ends, and why."""
+    if not branch.points:
+        return "Newton's method does not converge there"
+    last = branch.points[-1]
+    accuracy = tracer.accuracy
+    if accuracy.most <= last.orbit.H and last.last_share > accuracy.share:
+        return (
+            f"the motion has more than {accuracy.most} harmonics: the highest are "
+            f"{last.last_share:.1g} of it; ask for more, or soften the wall"
+        )
+    machine = tracer.problem.machine_at(last.value)
+    value, _ = basis(last.orbit.H, np.linspace(0, 2 * math.pi, 1000))
+    opening = machine.laws.openings(value @ last.orbit.b @ machine.B.T)
+    if (np.abs(opening).min(axis=0) < 1e-3 * machine.laws.length).any():
+        return "a corner of a law: a contact just opens or closes there"
+    return "Newton's method does not converge with the shortest step"
+
+
+def _is_known(branches: Sequence[Branch], orbit: Orbit, value: float) -> bool:
+    """Whether a branch passes through an orbit."""
+    for branch in branches:
+        for a, b in zip(branch.points, branch.points[1:], strict=False):
+            if not min(a.value, b.value) <= value <= max(a.value, b.value) or a.value == b.value:
+                continue
+            share = (value - a.value) / (b.value - a.value)
+            H = max(a.orbit.H, b.orbit.H, orbit.H)
+            first, second, own = (resized(o.b, H) for o in (a.orbit, b.orbit, orbit))
+            gap = np.linalg.norm(first + share * (second - first) - own)
+            if gap <= _SAME * np.linalg.norm(own) + 0.5 * np.linalg.norm(second - first):
+                return True
+    return False

@@ -1,0 +1,22 @@
+"""Periodic answers: `rf.response`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..model.machine.rotor import Rotor
+from ..periodic.answers import ResponseResult, answer
+from .machine import Machine
+
+
+def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseResult:
+    """Periodic motions of a machine with its contacts, over its speed or another parameter: see
+    `rotor_fmu.periodic.answers.answer` for the options.
+
+    >>> import rotor_fmu as rf
+    >>> found = rf.response("examples/jeffcott_rub/jeffcott.toml", speed=(60, 240))
+    >>> [(b.kind, round(b.value, 2)) for b in found.bifurcations]
+    [('fold', 202.21), ('grazing', 138.5)]
+    """
+    return answer(machine, **options)

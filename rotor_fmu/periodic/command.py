@@ -1,0 +1,137 @@
+"""`rotor-fmu response`: periodic answers over the speed or another parameter."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.console import Console
+
+from ..errors import InputError, writable_folder
+from ..linear.command import RotorFile, one_speed, speed_range
+from ..runs.job import load_rotor, write_json
+from ..telling import tells
+
+if TYPE_CHECKING:
+    from ..model.periodic.branch import Solution
+
+_EVERY = 2.0  # seconds between two lines of progress
+
+
+@tells
+def response(
+    rotor: RotorFile = None,
+    speed: Annotated[
+        str,
+        typer.Option(
+            "--speed", help="FROM:TO in rad/s, or with rpm or Hz behind; with --over one."
+        ),
+    ] = "50:400",
+    over: Annotated[
+        str | None,
+        typer.Option(
+            help="NAME=FROM:TO: a quantity of the machine to vary in the place of the speed."
+        ),
+    ] = None,
+    values: Annotated[
+        list[str] | None, typer.Option("--set", help="NAME=VALUE of the machine; repeatable.")
+    ] = None,
+    load: Annotated[
+        list[str] | None,
+        typer.Option(help="NAME=VALUE of a constant force, disc[2].fy=-20 [N]; repeatable."),
+    ] = None,
+    period: Annotated[int, typer.Option(help="Revolutions in a period.")] = 1,
+    harmonics: Annotated[int, typer.Option(help="Harmonics of the speed, at most.")] = 60,
+    share: Annotated[
+        float, typer.Option(help="What the highest harmonics may be of the motion.")
+    ] = 1e-4,
+    step: Annotated[
+        float, typer.Option(help="Longest step, in clearances and shares of the range.")
+    ] = 0.1,
+    seed: Annotated[
+        list[float] | None,
+        typer.Option(help="Value where a run in time looks for a further branch; repeatable."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for picture and numbers.")] = Path(
+        "out/response"
+    ),
+) -> dict[str, Any]:
+    """Periodic motions with contacts: the whole curve with its jumps and unstable parts."""
+    low_high: float | tuple[float, float]
+    varied = None
+    if over is None:
+        ends = speed_range(speed, 2)
+        if len(ends) != 2:
+            raise InputError(f"--speed {speed}: must be FROM:TO")
+        low_high = float(ends[0]), float(ends[1])
+    else:
+        low_high = one_speed(speed)
+        varied = _range(over)
+    machine = load_rotor(rotor)[1]
+    writable_folder(out)
+    from ..figures import save
+    from .answers import answer
+
+    found = answer(
+        machine,
+        speed=low_high,
+        over=varied,
+        parameters=_pairs("--set", values),
+        loads=_pairs("--load", load),
+        period=period,
+        harmonics=harmonics,
+        share=share,
+        step=step,
+        seeds=seed or (),
+        tell=_Progress(),
+    )
+    save(found.figure(), out / "response.png")
+    write_json(found.summary, out / "response.json")
+    typer.echo(found.table().text())
+    for note in found.notes:
+        typer.echo(note)
+    typer.echo(f"written to {out}")
+    return found.summary
+
+
+class _Progress:
+    """A line on standard error every now and then."""
+
+    def __init__(self) -> None:
+        self._said = time.monotonic()
+        self._count = 0
+        self._console = Console(stderr=True)
+
+    def __call__(self, label: str, point: Solution) -> None:
+        self._count += 1
+        if time.monotonic() - self._said > _EVERY:
+            self._said = time.monotonic()
+            self._console.print(
+                f"{label}: {self._count} points, at {point.value:.5g}, {point.orbit.H} harmonics"
+            )
+
+
+def _range(text: str) -> tuple[str, float, float]:
+    name, equals, ends = (part.strip() for part in text.partition("="))
+    try:
+        low, high = (float(end) for end in ends.split(":"))
+    except ValueError:
+        equals = ""
+    if not equals:
+        raise InputError(f"--over {text}: must be NAME=FROM:TO")
+    return name, low, high
+
+
+def _pairs(option: str, texts: list[str] | None) -> dict[str, float]:
+    found = {}
+    for text in texts or []:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        try:
+            found[name] = float(value)
+        except ValueError:
+            equals = ""
+        if not equals:
+            raise InputError(f"{option} {text}: must be NAME=NUMBER")
+    return found
