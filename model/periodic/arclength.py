@@ -14,7 +14,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
+_CORNER = 1e-5  # of a correction that goes to and fro across a corner of a law
 _ITERATIONS, _AIM = 12, 4
+_LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that are rounding
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _TURN = 0.9  # least cosine of two tangents one after another
 _GROW, _SHRINK = 1.5, 0.5
@@ -22,6 +24,12 @@ _GROW, _SHRINK = 1.5, 0.5
 
 class Equations(Protocol):
     """What is continued."""
+
+    def residual(self, x: np.ndarray, value: float) -> np.ndarray:
+        """What the equations lack."""
+
+    def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
+        """Residual and its derivative by x."""
 
     def evaluate(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual, its derivative by x, and by lambda over its scale."""
@@ -56,21 +64,41 @@ class Lost(RuntimeError):
         super().__init__("Newton's method does not converge")
 
 
-def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 30) -> np.ndarray:
+def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 40) -> np.ndarray:
     """The unknowns at a fixed lambda, by Newton's method, damped; raises `Lost`."""
     x, corrections = x.copy(), []
     for _ in range(iterations):
-        residual, jacobian, _ = equations.evaluate(x, value)
+        residual, jacobian = equations.linearized(x, value)
         step = -_solved(jacobian, residual)
         size = float(np.linalg.norm(step))
         if not np.isfinite(size):
             break
-        corrections.append(size)
         limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
-        x += step * min(1.0, limit / size) if size > 0 else 0.0
+        most = min(1.0, limit / size) if size > 0 else 1.0
+        relax = _relaxed(equations, residual, x, value, step, most)
+        corrections.append(relax * size)
+        x += relax * step
         if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
             return x
     raise Lost(corrections)
+
+
+def _relaxed(
+    equations: Equations,
+    residual: np.ndarray,
+    x: np.ndarray,
+    value: float,
+    step: np.ndarray,
+    relax: float,
+) -> float:
+    """Share of a correction after which the residual is smaller (Armijo), or the least tried."""
+    size = float(np.linalg.norm(residual))
+    while relax > _LEAST_SHARE:
+        left = float(np.linalg.norm(equations.residual(x + relax * step, value)))
+        if left <= (1.0 - 0.1 * relax) * size or size < _ROUNDING:
+            break
+        relax *= 0.5
+    return relax
 
 
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -82,6 +110,12 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     except np.linalg.LinAlgError:
         pass
     return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
+
+
+def _stagnates(corrections: list[float]) -> bool:
+    """Whether Newton's method goes to and fro across a corner of a law."""
+    last = corrections[-4:]
+    return len(last) == 4 and last[-1] > 0.5 * last[0]
 
 
 def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
@@ -118,9 +152,11 @@ def correct(
         corrections.append(size)
         if not size < limit:
             break
-        x += step[:n]
-        value += scale * step[n]
-        if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
+        relax = 0.5 if _stagnates(corrections) else 1.0
+        x += relax * step[:n]
+        value += scale * relax * step[n]
+        of_x = 1.0 + float(np.linalg.norm(x))
+        if size <= TOLERANCE * of_x or (_stagnates(corrections) and size <= _CORNER * of_x):
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent

@@ -23,17 +23,17 @@ from .fourier import (
     after_derivative,
     amplitudes,
     as_real,
-    basis,
     coefficients,
     derivative,
     multiplication,
-    projection,
     resized,
+    sampled,
+    series_of,
 )
 
 _STEP = 1e-6  # of a central difference by the parameter or by omega, as a share of its scale
-_SAMPLES = 32  # a harmonic: the more, the less it matters where a wall lies between two
-_LEAST_SAMPLES = 64
+_SAMPLES = 128  # a harmonic: the more, the less it matters where a wall lies between two
+_LEAST_SAMPLES = 256
 
 
 class Orbit(NamedTuple):
@@ -93,9 +93,7 @@ class Problem:
             self.lengths = float(machine.structure.numbers[0].clearance)
         self.own_scale = np.ones(self.s) if own_scale is None else own_scale
         n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES * H)))
-        self.angles = 2 * math.pi * np.arange(n) / n
-        self.E, self.E1 = basis(H, self.angles)
-        self.P = projection(self.E)
+        self._samples = n
         self.anchor: np.ndarray | None = None
         base = self.omega_at(at) or omega
         S = self.harmonics(at, base).S
@@ -170,14 +168,14 @@ class Problem:
         return self._lack(orbit, self.harmonics(value, orbit.omega), machine, force, rates)
 
     def _sampled(self, orbit: Orbit, machine: Condensed):
-        d = self.E @ (orbit.b @ machine.B.T)
-        v = orbit.omega * self.E1 @ (orbit.b @ machine.B.T)
-        return d, v, self.E @ orbit.own
+        d = orbit.b @ machine.B.T
+        v = orbit.omega * derivative(d)
+        return tuple(sampled(series, self._samples) for series in (d, v, orbit.own))
 
     def _lack(self, orbit, parts, machine, force, rates) -> np.ndarray:
         linear = coefficients(np.einsum("kij,kj->ki", parts.S, amplitudes(orbit.b)) - parts.force)
-        of_b = linear - self.P @ (force @ machine.B)
-        of_own = orbit.omega * derivative(orbit.own) - self.P @ rates
+        of_b = linear - series_of(force @ machine.B, self.H)
+        of_own = orbit.omega * derivative(orbit.own) - series_of(rates, self.H)
         tail = [self._phase(orbit)] if self.is_autonomous else []
         return np.concatenate(
             [

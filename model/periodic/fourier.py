@@ -24,6 +24,21 @@ def projection(value: np.ndarray) -> np.ndarray:
     return weights[:, None] * value.T
 
 
+def sampled(series: np.ndarray, n: int) -> np.ndarray:
+    """Series at n angles evenly over a turn, along the first axis; n > 2 H."""
+    spectrum = np.zeros((n // 2 + 1, *series.shape[1:]), complex)
+    spectrum[: len(series) // 2 + 1] = amplitudes(series) * (0.5 * n)
+    spectrum[0] *= 2.0
+    return np.fft.irfft(spectrum, n, axis=0)
+
+
+def series_of(samples: np.ndarray, H: int) -> np.ndarray:
+    """Coefficients of samples evenly over a turn, cut off at H harmonics, along the first axis."""
+    spectrum = np.fft.rfft(samples, axis=0)[: H + 1] * (2.0 / len(samples))
+    spectrum[0] *= 0.5
+    return coefficients(spectrum)
+
+
 def amplitudes(coefficients: np.ndarray) -> np.ndarray:
     """Complex amplitudes of harmonics 0 to H, x = Re(sum x_k exp(i k t)), along the first axis."""
     out = np.zeros((len(coefficients) // 2 + 1, *coefficients.shape[1:]), complex)

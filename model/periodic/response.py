@@ -23,6 +23,8 @@ from .seeds import time_seed
 
 SPEED = "speed"
 _LINEAR_POINTS = 401  # of a machine without nonlinear parts
+LOST = "lost: "
+_BEYOND, _MOST_STARTS = 0.02, 12  # of the range: where a lost branch is taken up again
 _SAME = 0.02  # distance of two orbits that are one, as a share of their size
 
 Tell = Callable[[str, Solution], None]
@@ -122,23 +124,46 @@ def _linear(problem: Problem, task: Task, tell: Tell) -> Branch:
 
 
 def _from_ends(result: Response, machines, tell: Tell) -> None:
+    """From both ends of the range, from the seeds, and, where branches were lost, from beyond."""
     task = result.task
-    for value, direction in ((task.low, 1.0), (task.high, -1.0), *((s, 0.0) for s in task.seeds)):
-        for guess in _guesses(result, machines, value):
-            problem = _problem(machines, task, value).like(max(guess.H, task.accuracy.least))
-            try:
-                x = arclength.solve(problem, problem.join(guess), value)
-            except Lost:
-                continue
-            orbit = problem.split(x, value)
-            if not _is_known(result.branches, orbit, value):
-                follow(result, problem, x, value, direction, tell)
-            break
-        else:
-            result.notes.append(
-                f"no periodic motion was found at {task.name} = {value:g}: neither from rest, nor "
-                "from a run in time, which may be no periodic one"
-            )
+    todo = [(task.low, 1.0), (task.high, -1.0), *((s, 0.0) for s in task.seeds)]
+    for value, direction in todo:
+        if len(todo) < _MOST_STARTS:
+            todo += [(s, 0.0) for s in _beyond(result) if s not in {v for v, _ in todo}]
+        _from_start(result, machines, value, direction, tell)
+
+
+def _beyond(result: Response) -> list[float]:
+    """Values a little beyond the places where branches were lost."""
+    task, found = result.task, []
+    for branch in result.branches:
+        for end, a, b in ((branch.ends[0], 1, 0), (branch.ends[1], -2, -1)):
+            if end.startswith(LOST) and len(branch.points) > 1:
+                way = math.copysign(1.0, branch.points[b].value - branch.points[a].value)
+                beyond = branch.points[b].value + way * _BEYOND * (task.high - task.low)
+                if task.low < beyond < task.high:
+                    found.append(beyond)
+    return found
+
+
+def _from_start(result: Response, machines, value: float, direction: float, tell: Tell) -> None:
+    """A branch from what is found at a value, unless one passes there already."""
+    task = result.task
+    for guess in _guesses(result, machines, value):
+        problem = _problem(machines, task, value).like(max(guess.H, task.accuracy.least))
+        try:
+            x = arclength.solve(problem, problem.join(guess), value)
+        except Lost:
+            continue
+        orbit = problem.split(x, value)
+        if not _is_known(result.branches, orbit, value):
+            follow(result, problem, x, value, direction, tell)
+        break
+    else:
+        result.notes.append(
+            f"no periodic motion was found at {task.name} = {value:g}: neither from rest, nor "
+            "from a run in time, which may be no periodic one"
+        )
 
 
 def _guesses(result: Response, machines, value: float):
@@ -150,7 +175,7 @@ def _guesses(result: Response, machines, value: float):
     speed = value if task.name == SPEED else task.speed
     for turns in (30, 200):
         try:
-            yield time_seed(rotor, machines(value), speed, task.turns, task.loads, 12, turns)
+            yield time_seed(rotor, machines(value), speed, task.turns, task.loads, 60, turns)
         except (StepFailure, EquilibriumError) as error:
             result.notes.append(str(error))
             return
@@ -176,8 +201,8 @@ def follow(
                 branch.points.append(found)
                 branch.bifurcations += [b._replace(behind=len(branch.points) - 2) for b in passed]
             ends[1] = tracer.end
-        except Lost as error:
-            ends[1] = why_lost(tracer, branch, error)
+        except Lost:
+            ends[1] = LOST + why_lost(tracer, branch)
             result.notes.append(
                 f"{label} ends at {task.name} = {_last(branch, value):g}: {ends[1]}"
             )
@@ -201,7 +226,7 @@ def _turn_round(branch: Branch) -> None:
     branch.bifurcations = [b._replace(behind=last - b.behind) for b in branch.bifurcations[::-1]]
 
 
-def why_lost(tracer: Tracer, branch: Branch, error: Lost) -> str:
+def why_lost(tracer: Tracer, branch: Branch) -> str:
     """Where a branch that does not converge ends, and why."""
     if not branch.points:
         return "Newton's method does not converge there"

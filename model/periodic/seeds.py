@@ -16,7 +16,7 @@ from .condensed import Condensed
 from .fourier import basis, projection
 
 _SAMPLES, _TURNS = 64, 30
-_TOLERANCE, _FINE = 1e-4, 1e-6
+_TOLERANCE = 1e-6
 
 
 class Stay(NamedTuple):
@@ -48,7 +48,7 @@ def time_seed(
 
 def _recorded(run: Simulation, machine: Condensed, speed: float, turns: int, H: int) -> Orbit:
     """The next period of a run."""
-    n = max(_SAMPLES, 4 * H)
+    n = 4 * H
     period = 2 * math.pi * turns / speed
     start, phase = run.time, math.remainder(speed * run.time, 2 * math.pi)
     d = np.empty((n, machine.laws.count), complex)
