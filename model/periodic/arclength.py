@@ -13,6 +13,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from ..quantities import QuantityError
+
 TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
 _CORNER = 1e-5  # of a correction that goes to and fro across a corner of a law
 _ITERATIONS, _AIM = 12, 4
@@ -20,6 +22,7 @@ _LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that a
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _TURN = 0.9  # least cosine of two tangents one after another
 _GROW, _SHRINK = 1.5, 0.5
+_FARTHEST = 2.0  # of a step: how far the next point of a curve may be
 
 
 class Equations(Protocol):
@@ -144,7 +147,10 @@ def correct(
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
     for _ in range(iterations):
-        residual, jacobian, by = equations.evaluate(x, value)
+        try:
+            residual, jacobian, by = equations.evaluate(x, value)
+        except QuantityError:  # a value that no machine can have
+            break
         bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
         step, tangent = _solved(bordered, right).T
@@ -190,8 +196,19 @@ def trace(
     chord: np.ndarray | None = None
     for _ in range(steps.points):
         try:
+            ahead = point.value + length * scale * point.by_value
+            if not low <= ahead <= high:
+                end = low if ahead < low else high
+                share = (end - point.value) / (scale * point.by_value)
+                yield _at_end(equations, point, share, end)
+                return
             found = onward(equations, point, length, scale)
             turned = float(found.tangent @ point.tangent + found.by_value * point.by_value)
+            if not low <= found.value <= high:
+                raise Lost(list(found.corrections))
+            moved = np.append(found.x - point.x, (found.value - point.value) / scale)
+            if np.linalg.norm(moved) > _FARTHEST * length:  # another branch
+                raise Lost(list(found.corrections))
             if turned < _TURN and length > 64 * steps.least:
                 raise Lost(list(found.corrections))
         except Lost as error:
@@ -202,9 +219,6 @@ def trace(
             if corner is None:
                 raise Lost(error.corrections) from None
             found, length = corner, 16 * steps.least
-        if not low <= found.value <= high:
-            yield _at_end(equations, point, found, low if found.value < low else high)
-            return
         chord = np.append(found.x - point.x, (found.value - point.value) / scale)
         iterations = len(found.corrections)
         point = found
@@ -250,13 +264,9 @@ def _around_corner(
     return None
 
 
-def _at_end(equations: Equations, point: Point, found: Point, value: float) -> Point:
-    """The point at an end, between two."""
-    share = (value - point.value) / (found.value - point.value)
-    x = solve(equations, point.x + share * (found.x - point.x), value)
-    return replace_point(found, x, value)
-
-
-def replace_point(point: Point, x: np.ndarray, value: float) -> Point:
-    """A point with other unknowns and lambda."""
+def _at_end(equations: Equations, point: Point, length: float, value: float) -> Point:
+    """The point at an end, about so long a step away; raises `Lost`."""
+    x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
+    if np.linalg.norm(x - point.x) > 3.0 * length + TOLERANCE:
+        raise Lost([])
     return point._replace(x=x, value=value)

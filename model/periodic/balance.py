@@ -66,7 +66,8 @@ class Problem:
 
     machine_at: the machine at a value of the parameter; speed: of a parameter that is not the speed
     [rad/s]; turns: revolutions in a period; is_autonomous: whether omega is unknown, and nothing
-    acts but what is constant.
+    acts but what is constant; length: by which displacements are measured, at least the least of the
+    interfaces' [m].
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class Problem:
         is_autonomous: bool = False,
         omega: float = 0.0,
         own_scale: np.ndarray | None = None,
+        length: float = 0.0,
     ) -> None:
         self.machine_at, self.parameter, self.at = machine_at, parameter, at
         self.H, self.turns, self.is_autonomous = H, turns, is_autonomous
@@ -91,6 +93,7 @@ class Problem:
         self.lengths = float(np.min(machine.laws.length, initial=np.inf))
         if not math.isfinite(self.lengths):
             self.lengths = float(machine.structure.numbers[0].clearance)
+        self.lengths = max(self.lengths, length)
         self.own_scale = np.ones(self.s) if own_scale is None else own_scale
         n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES * H)))
         self._samples = n
@@ -115,6 +118,7 @@ class Problem:
             is_autonomous=self.is_autonomous,
             omega=self.omega_scale,
             own_scale=self.own_scale,
+            length=self.lengths,
         )
         if self.anchor is not None:
             made.anchor = resized(self.anchor, made.H)

@@ -92,6 +92,21 @@ class LawsAlong:
         self._along = _along if is_fast else plain(_along)
         self._openings = _openings if is_fast else plain(_openings)
 
+    def radius(self, j: int) -> float:
+        """Of the journal at a wall [m]."""
+        return float(self._part(j).journal_radius)
+
+    def normal(self, j: int, r: float) -> float:
+        """Force of a wall on a journal on a circle of this radius about its middle [N], inward."""
+        d = np.zeros((1, 2 * self.count))
+        d[0, 2 * j] = r
+        force, _ = self.forces(d, 0 * d, np.tile(self.starts, (1, 1)), 0.0)
+        return -float(force[0, 2 * j])
+
+    def _part(self, j: int):
+        interface = self._interfaces[j]
+        return self._laws[interface.law][interface.row]
+
     def openings(self, d: np.ndarray) -> np.ndarray:
         """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""
         out = np.zeros((self.count, len(d)))

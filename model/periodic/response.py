@@ -20,6 +20,7 @@ from .branch import Accuracy, Branch, Solution, Tracer, solution
 from .condensed import Condensed
 from .fourier import basis, resized
 from .seeds import time_seed
+from .whirl import rolling
 
 SPEED = "speed"
 _LINEAR_POINTS = 401  # of a machine without nonlinear parts
@@ -38,7 +39,8 @@ class PeriodicError(QuantityError):
 class Task:
     """What is asked for: the parameter over [low, high], `speed` [rad/s] where it is another one,
     constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are, values
-    at which runs in time seed further branches."""
+    at which runs in time seed further branches; is_whirl: of the machine
+    without unbalance, that which whirls by itself."""
 
     low: float
     high: float
@@ -49,6 +51,7 @@ class Task:
     accuracy: Accuracy = Accuracy()
     steps: Steps = Steps(most=0.1)
     seeds: tuple[float, ...] = ()
+    is_whirl: bool = False
 
 
 @dataclass
@@ -100,7 +103,10 @@ def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Respo
         result.branches.append(_linear(problem, task, tell))
         return result
     try:
-        _from_ends(result, machines, tell)
+        if task.is_whirl:
+            _whirl(result, machines, tell)
+        else:
+            _from_ends(result, machines, tell)
     except KeyboardInterrupt:
         result.notes.append("stopped: what was found until then is kept")
     return result
@@ -131,6 +137,46 @@ def _from_ends(result: Response, machines, tell: Tell) -> None:
         if len(todo) < _MOST_STARTS:
             todo += [(s, 0.0) for s in _beyond(result) if s not in {v for v, _ in todo}]
         _from_start(result, machines, value, direction, tell)
+
+
+def _whirl(result: Response, machines, tell: Tell) -> None:
+    """Whirls that roll along a wall at the ends of the range, in its middle, and at the seeds."""
+    task = result.task
+    for value in (*task.seeds, 0.5 * (task.low + task.high), task.high, task.low):
+        speed = value if task.name == SPEED else task.speed
+        parameter = Parameter(task.name, task.high - task.low)
+        of_scale = Problem(
+            machines, parameter, value, 3, speed=task.speed, is_autonomous=True, omega=speed
+        )
+        for guess in rolling(of_scale, value):
+            problem = Problem(
+                machines,
+                parameter,
+                value,
+                max(task.accuracy.least, 3),
+                speed=task.speed,
+                is_autonomous=True,
+                omega=guess.omega,
+                length=float(np.abs(guess.b).max()),
+            )
+            start = problem.join(guess)
+            problem.fix_phase(start)
+            try:
+                x = arclength.solve(problem, start, value)
+            except Lost:
+                continue
+            orbit = problem.split(x, value)
+            if _moves(problem, orbit) and not _is_known(result.branches, orbit, value):
+                follow(result, problem, x, value, 0.0, tell)
+    if not result.branches:
+        result.notes.append(
+            "no whirl was found that rolls along a wall: friction or speed may be too small"
+        )
+
+
+def _moves(problem: Problem, orbit: Orbit) -> bool:
+    """Whether an autonomous orbit is a motion, and turns the way it was looked for."""
+    return float(np.linalg.norm(orbit.b[1:])) > 0.1 * problem.lengths and orbit.omega > 0
 
 
 def _beyond(result: Response) -> list[float]:

@@ -266,6 +266,7 @@ def answer(
     stability: bool = True,
     step: float = 0.1,
     seeds: Sequence[float] = (),
+    whirl: bool = False,
     tell: Callable[[str, Solution], None] = lambda _, __: None,
 ) -> ResponseResult:
     """Periodic motions of a machine over its speed, or over another parameter.
@@ -275,7 +276,8 @@ def answer(
     such as `disc[2].fy` [N]; period: revolutions in a period; harmonics: at most, share: what the
     highest may be of the motion; stability: whether Floquet multipliers are computed; step: longest
     step along the curve, in clearances and shares of the range; seeds: values of the parameter where
-    runs in time look for further branches. Raises `InputError` for what cannot be.
+    runs in time look for further branches; whirl: of the machine without its unbalance, the backward
+    whirl by itself (dry whirl), whose frequency is unknown. Raises `InputError` for what cannot be.
     """
     rotor = _rotor(machine)
     if parameters:
@@ -313,6 +315,7 @@ def answer(
         Accuracy(share, min(3, harmonics), harmonics * period, stability),
         Steps(most=step),
         tuple(float(s) for s in seeds),
+        whirl,
     )
     return ResponseResult(response(rotor, task, tell))
 

@@ -54,6 +54,9 @@ def response(
         list[float] | None,
         typer.Option(help="Value where a run in time looks for a further branch; repeatable."),
     ] = None,
+    whirl: Annotated[
+        bool, typer.Option("--whirl", help="Backward whirl by itself, without unbalance.")
+    ] = False,
     out: Annotated[Path, typer.Option(help="Folder for picture and numbers.")] = Path(
         "out/response"
     ),
@@ -85,6 +88,7 @@ def response(
         share=share,
         step=step,
         seeds=seed or (),
+        whirl=whirl,
         tell=_Progress(),
     )
     save(found.figure(), out / "response.png")
