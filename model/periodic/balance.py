@@ -14,7 +14,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,8 +32,8 @@ from .fourier import (
 )
 
 _STEP = 1e-6  # of a central difference by the parameter or by omega, as a share of its scale
-_SAMPLES = 128  # a harmonic: the more, the less it matters where a wall lies between two
-_LEAST_SAMPLES = 256
+_SAMPLES = 32  # a harmonic: the more, the less it matters where a wall lies between two
+_LEAST_SAMPLES = 64
 
 
 class Orbit(NamedTuple):
@@ -66,8 +66,8 @@ class Problem:
 
     machine_at: the machine at a value of the parameter; speed: of a parameter that is not the speed
     [rad/s]; turns: revolutions in a period; is_autonomous: whether omega is unknown, and nothing
-    acts but what is constant; length: by which displacements are measured, at least the least of the
-    interfaces' [m].
+    acts but what is constant; length: by which displacements are measured, by default the least of
+    the interfaces' [m].
     """
 
     def __init__(
@@ -90,10 +90,9 @@ class Problem:
         machine = machine_at(at)
         self.b, self.s = machine.b, machine.laws.states
         self.d = 2 * machine.laws.count
-        self.lengths = float(np.min(machine.laws.length, initial=np.inf))
+        self.lengths = length or float(np.min(machine.laws.length, initial=np.inf))
         if not math.isfinite(self.lengths):
             self.lengths = float(machine.structure.numbers[0].clearance)
-        self.lengths = max(self.lengths, length)
         self.own_scale = np.ones(self.s) if own_scale is None else own_scale
         n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES * H)))
         self._samples = n
@@ -271,6 +270,6 @@ class Problem:
         return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < self.H else 1.0
 
 
-def cached(machine_at: Callable[[float], Condensed]) -> Callable[[float], Condensed]:
-    """The machines of the last few values of a parameter, kept."""
-    return lru_cache(maxsize=8)(machine_at)
+def cached(function: Callable[[float], Any]) -> Callable[[float], Any]:
+    """What a function makes of the last few values of a parameter, kept."""
+    return lru_cache(maxsize=8)(function)

@@ -11,6 +11,7 @@ with its interfaces held it is held.
 from __future__ import annotations
 
 import math
+from copy import copy
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,8 @@ from ..linear import LinearError, LinearMachine
 from ..linear.machine import OPEN, in_plane
 from ..linear.tangents import tangents
 from ..machine.rotor import Rotor
+from ..structure.assembly import assemble
+from ..structure.structure import Structure
 from .laws import LawsAlong, is_linear
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
@@ -54,7 +57,7 @@ class Condensed:
         self.rotor, self.machine, s = rotor, machine, machine.structure
         self.structure = s
         linear = is_linear(s)
-        self.is_in = ~linear
+        self.is_in, self._loads = ~linear, loads
         self.laws = LawsAlong(s, ~linear)
         rows = np.repeat(~linear, 2)
         across = (machine.across @ machine.expand).toarray()
@@ -72,6 +75,16 @@ class Condensed:
         self._linear = linear
         self._take_matrices(machine, across)
         self._take_forces(loads)
+
+    def with_rotor(self, rotor: Rotor) -> Condensed:
+        """The same machine with other quantities: where these are of its nonlinear laws, the linear
+        part is taken over."""
+        s = assemble(rotor)
+        if not _is_same_but_laws(self.structure, s, self._linear):
+            return Condensed(rotor, self._loads)
+        made = copy(self)
+        made.rotor, made.structure, made.laws = rotor, s, LawsAlong(s, self.is_in)
+        return made
 
     def _take_matrices(self, machine: LinearMachine, across: np.ndarray) -> None:
         T, s = self._T, self.structure
@@ -179,6 +192,19 @@ class Condensed:
         lowest = np.linalg.eigvals(np.linalg.solve(M, K)).real.min() if len(K) else 1.0
         if lowest < 1e-9 * self.structure.numbers[0].lowest_omega ** 2:
             raise LinearError(self.machine.why_not_held())
+
+
+_LINEAR = ("M", "C", "K", "G", "K_shaft", "K_axial", "weight", "unbalance", "housings", "springs")
+_SPEED_DEPENDENT = ("kappa_v", "kappa_h", "eta_v", "eta_h")
+
+
+def _is_same_but_laws(a: Structure, b: Structure, linear: np.ndarray) -> bool:
+    """Whether two structures differ in their nonlinear laws alone."""
+    if not all(np.array_equal(getattr(a, name), getattr(b, name)) for name in _LINEAR):
+        return False
+    if any(a.numbers[0][name] != b.numbers[0][name] for name in _SPEED_DEPENDENT):
+        return False
+    return all(a.laws[i.law][i.row] == b.laws[i.law][i.row] for i in a.interfaces[linear])
 
 
 def _independent(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -16,8 +16,9 @@ from ..simulation import EquilibriumError, StepFailure
 from . import arclength
 from .arclength import Lost, Point, Steps
 from .balance import Orbit, Parameter, Problem, cached
-from .branch import Accuracy, Branch, Solution, Tracer, solution
+from .branch import FOLD, Accuracy, Bifurcation, Branch, Solution, Tracer, solution
 from .condensed import Condensed
+from .folds import FoldCurve, fold_curve
 from .fourier import basis, resized
 from .seeds import time_seed
 from .whirl import rolling
@@ -88,7 +89,8 @@ def _machines(rotor: Rotor, task: Task) -> Callable[[float], Condensed]:
     if task.name == SPEED:
         machine = Condensed(rotor, task.loads)
         return lambda _: machine
-    return cached(lambda value: Condensed(rotor.with_value(task.name, value), task.loads))
+    first = Condensed(rotor.with_value(task.name, task.low), task.loads)
+    return cached(lambda value: first.with_rotor(rotor.with_value(task.name, value)))
 
 
 def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Response:
@@ -157,7 +159,7 @@ def _whirl(result: Response, machines, tell: Tell) -> None:
                 speed=task.speed,
                 is_autonomous=True,
                 omega=guess.omega,
-                length=float(np.abs(guess.b).max()),
+                length=max(float(np.abs(guess.b).max()), of_scale.lengths),
             )
             start = problem.join(guess)
             problem.fix_phase(start)
@@ -270,6 +272,53 @@ def _turn_round(branch: Branch) -> None:
     last = len(branch.points) - 2
     branch.points.reverse()
     branch.bifurcations = [b._replace(behind=last - b.behind) for b in branch.bifurcations[::-1]]
+
+
+def folds_over(
+    result: Response, fold: Bifurcation, name: str, low: float, high: float
+) -> FoldCurve:
+    """The curve of folds through one of a response, over a second parameter.
+
+    Raises `PeriodicError` where the machine's own value of it lies outside, or what is given is no
+    fold of a smooth branch.
+    """
+    task, rotor = result.task, result.rotor
+    start = {str(n): value for n, _, value in rotor.parameters()}[name]
+    if not low <= start <= high:
+        raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
+    if fold.kind != FOLD:
+        raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
+    for end in (low, high):
+        rotor.with_value(name, end)
+    first = _machines(rotor, task)
+
+    @cached
+    def problem_at(value: float) -> Problem:
+        changed = rotor.with_value(name, value)
+        machines = _machines(changed, task)
+        if task.name == SPEED:
+            machine = first(0.0).with_rotor(changed)
+            machines = lambda _: machine  # noqa: E731
+        orbit = fold.orbit
+        problem = Problem(
+            machines,
+            Parameter(task.name, task.high - task.low),
+            fold.value,
+            orbit.H,
+            speed=task.speed,
+            turns=task.turns,
+            is_autonomous=task.is_whirl,
+            omega=orbit.omega,
+            length=lengths,
+        )
+        problem.row_scale = row_scale
+        if task.is_whirl:
+            problem.fix_phase(problem.join(orbit))
+        return problem
+
+    base = _problem(first, task, fold.value).like(fold.orbit.H)
+    lengths, row_scale = base.lengths, base.row_scale
+    return fold_curve(problem_at, fold.orbit, start, low, high, task.steps)
 
 
 def why_lost(tracer: Tracer, branch: Branch) -> str:

@@ -9,13 +9,13 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from ..settings import choose
-from ..simulation import Simulation, StepFailure
+from ..simulation import Simulation
 from ..step.laws import relative
 from .balance import Orbit
 from .condensed import Condensed
 from .fourier import basis, projection
 
-_SAMPLES, _TURNS = 64, 30
+_TURNS = 30
 _TOLERANCE = 1e-6
 
 
@@ -67,5 +67,3 @@ def _recorded(run: Simulation, machine: Condensed, speed: float, turns: int, H: 
     P = projection(value)
     return Orbit(P @ machine.b_of(plane), P @ own, speed / turns, turns, speed, speed)
 
-
-__all__ = ["Stay", "StepFailure", "time_seed"]

@@ -16,9 +16,10 @@ from ..errors import InputError
 from ..fmi.interface import ports
 from ..linear.tables import Table
 from ..model.machine.rotor import Rotor
-from ..model.periodic.arclength import Steps
-from ..model.periodic.branch import Accuracy, Bifurcation, Solution
-from ..model.periodic.response import SPEED, Response, Task, response
+from ..model.periodic.arclength import Lost, Steps
+from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
+from ..model.periodic.folds import FoldCurve
+from ..model.periodic.response import SPEED, Response, Task, folds_over, response
 from ..model.protocol.part import BASE, Probe
 
 if TYPE_CHECKING:
@@ -115,6 +116,20 @@ class ResponseResult:
         return OrbitSeries(
             t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
         )
+
+    def fold_curve(self, name: str, low: float, high: float, i: int = 0) -> FoldCurve:
+        """Where the i-th smooth fold lies over another parameter: the map of jumps.
+
+        Raises `InputError` where there is no such fold or parameter.
+        """
+        folds = [b for b in self.bifurcations if b.kind == FOLD]
+        if not 0 <= i < len(folds):
+            raise InputError(f"i = {i}: there are {len(folds)} folds")
+        _check_names(self._found.rotor, {name: 0.0})
+        try:
+            return folds_over(self._found, folds[i], name, low, high)
+        except Lost as error:
+            raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 
     def dataframe(self) -> Any:
         """A row a point: branch, parameter, whether it is stable, the largest multiplier's size, how

@@ -1,0 +1,120 @@
+"""The curve of folds in a second parameter: jump speeds over clearance, friction, unbalance.
+
+At a fold R_x is singular. With two fixed vectors b, c the function g of
+
+    R_x v + b g = 0,    c^T v = 1,    R_x^T w + c g = 0,    b^T w = 1
+
+is 0 there (Govaerts 2000, ch. 3), and R = 0, g = 0 are continued for (x, lambda) over the second
+parameter. g's gradient is -w^T R_xx v, a difference of tangents along v.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from . import arclength
+from .arclength import Lost, Steps
+from .balance import Orbit, Problem
+
+_STEP = 1e-5
+
+
+class FoldCurve(NamedTuple):
+    """Where folds lie: values of the second parameter and of the first, each of shape (n,), and why
+    the curve ends at either side."""
+
+    second: np.ndarray
+    first: np.ndarray
+    ends: tuple[str, str]
+
+
+class _Folds:
+    """R = 0, g = 0 in X = (x, lambda over its scale), over the second parameter."""
+
+    def __init__(self, problem_at: Callable[[float], Problem], scale: float) -> None:
+        self._at, self._scale = problem_at, scale
+        self._b = self._c = np.zeros(0)
+
+    def border(self, X: np.ndarray, second: float) -> None:
+        """Take b and c from the singular vectors at a fold."""
+        problem = self._at(second)
+        _, J = problem.linearized(X[:-1], X[-1] * problem.parameter.scale)
+        left, _, right = np.linalg.svd(J)
+        self._b, self._c = left[:, -1], right[-1]
+
+    def _vectors(self, J: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+        n = len(J)
+        bordered = np.zeros((n + 1, n + 1))
+        bordered[:n, :n], bordered[:n, n], bordered[n, :n] = J, self._b, self._c
+        one = np.eye(n + 1)[n]
+        v, w = np.linalg.solve(bordered, one), np.linalg.solve(bordered.T, one)
+        return v[:n], w[:n], float(v[n])
+
+    def residual(self, X: np.ndarray, second: float) -> np.ndarray:
+        """R and g."""
+        problem = self._at(second)
+        R, J = problem.linearized(X[:-1], X[-1] * problem.parameter.scale)
+        return np.append(R, self._vectors(J)[2])
+
+    def linearized(self, X: np.ndarray, second: float) -> tuple[np.ndarray, np.ndarray]:
+        """R and g, and their derivative by X."""
+        problem = self._at(second)
+        x, value, scale = X[:-1], X[-1] * problem.parameter.scale, problem.parameter.scale
+        R, J, by = problem.evaluate(x, value)
+        v, w, g = self._vectors(J)
+        n = len(x)
+        out = np.empty((n + 1, n + 1))
+        out[:n, :n], out[:n, n] = J, by
+        size = _STEP * (1.0 + np.linalg.norm(x)) / np.linalg.norm(v)
+        along = problem.linearized(x + size * v, value)[1]
+        along -= problem.linearized(x - size * v, value)[1]
+        out[n, :n] = -(w @ along) / (2 * size)
+        over = problem.linearized(x, value + _STEP * scale)[1]
+        over -= problem.linearized(x, value - _STEP * scale)[1]
+        out[n, n] = -(w @ over @ v) / (2 * _STEP)
+        return np.append(R, g), out
+
+    def evaluate(self, X: np.ndarray, second: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """And by the second parameter over its scale."""
+        lack, J = self.linearized(X, second)
+        h = _STEP * self._scale
+        by = (self.residual(X, second + h) - self.residual(X, second - h)) / (2 * _STEP)
+        return lack, J, by
+
+
+def fold_curve(
+    problem_at: Callable[[float], Problem],
+    fold: Orbit,
+    start: float,
+    low: float,
+    high: float,
+    steps: Steps,
+) -> FoldCurve:
+    """The curve of folds through one at `start` of the second parameter, over [low, high].
+
+    problem_at: the equations at a value of it. Raises `Lost` where the first is none.
+    """
+    scale = high - low
+    equations = _Folds(problem_at, scale)
+    problem = problem_at(start)
+    X = np.append(problem.join(fold), fold.parameter / problem.parameter.scale)
+    equations.border(X, start)
+    X = arclength.solve(equations, X, start)
+    sides, ends = [], []
+    for direction in (-1.0, 1.0):
+        point = arclength.begin(equations, X, start, direction)
+        found, end = [], "end of the range"
+        try:
+            for point in arclength.trace(equations, point, scale, low, high, steps):
+                found.append((point.value, point.x[-1] * problem.parameter.scale))
+                equations.border(point.x, point.value)
+        except Lost:
+            end = "lost: Newton's method does not converge with the shortest step"
+        sides.append(found)
+        ends.append(end)
+    middle = [(start, float(X[-1]) * problem.parameter.scale)]
+    table = np.array([*sides[0][::-1], *middle, *sides[1]])
+    return FoldCurve(table[:, 0], table[:, 1], (ends[0], ends[1]))
