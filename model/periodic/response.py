@@ -41,7 +41,8 @@ class Task:
     """What is asked for: the parameter over [low, high], `speed` [rad/s] where it is another one,
     constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are, values
     at which runs in time seed further branches; is_whirl: of the machine
-    without unbalance, that which whirls by itself."""
+    without unbalance, that which whirls by itself; begin: an orbit
+    from which alone branches are followed, at the machine's own value of the parameter."""
 
     low: float
     high: float
@@ -53,6 +54,7 @@ class Task:
     steps: Steps = Steps(most=0.1)
     seeds: tuple[float, ...] = ()
     is_whirl: bool = False
+    begin: Orbit | None = None
 
 
 @dataclass
@@ -105,7 +107,9 @@ def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Respo
         result.branches.append(_linear(problem, task, tell))
         return result
     try:
-        if task.is_whirl:
+        if task.begin is not None:
+            _from_orbit(result, machines, task.begin, tell)
+        elif task.is_whirl:
             _whirl(result, machines, tell)
         else:
             _from_ends(result, machines, tell)
@@ -139,6 +143,21 @@ def _from_ends(result: Response, machines, tell: Tell) -> None:
         if len(todo) < _MOST_STARTS:
             todo += [(s, 0.0) for s in _beyond(result) if s not in {v for v, _ in todo}]
         _from_start(result, machines, value, direction, tell)
+
+
+def _from_orbit(result: Response, machines, begin: Orbit, tell: Tell) -> None:
+    """Both ways from an orbit that is given."""
+    task = result.task
+    own = {str(n): value for n, _, value in result.rotor.parameters()}
+    value = begin.speed if task.name == SPEED else own[task.name]
+    if not task.low <= value <= task.high:
+        raise PeriodicError(f"{task.name} = {value:g}, where the orbit begins: must be in the range")
+    problem = _problem(machines, task, value).like(begin.H)
+    try:
+        x = arclength.solve(problem, problem.join(begin), value)
+    except Lost as error:
+        raise PeriodicError(f"the orbit given is none at {task.name} = {value:g}") from error
+    follow(result, problem, x, value, 0.0, tell)
 
 
 def _whirl(result: Response, machines, tell: Tell) -> None:
@@ -272,6 +291,45 @@ def _turn_round(branch: Branch) -> None:
     last = len(branch.points) - 2
     branch.points.reverse()
     branch.bifurcations = [b._replace(behind=last - b.behind) for b in branch.bifurcations[::-1]]
+
+
+def at(result: Response, value: float) -> list[Solution]:
+    """All motions of the branches at a value of the parameter, by Newton's method from their
+    neighbours."""
+    found = []
+    for branch in result.branches:
+        for a, b in zip(branch.points, branch.points[1:], strict=False):
+            low, high = sorted((a.value, b.value))
+            if not low <= value < high and not (value == high and b is branch.points[-1]):
+                continue
+            solved = _between(result, a, b, value)
+            if solved is not None:
+                found.append(solved)
+    return found
+
+
+def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
+    task = result.task
+    machines = _machines(result.rotor, task)
+    problem = Problem(
+        machines,
+        Parameter(task.name, task.high - task.low),
+        value,
+        max(a.orbit.H, b.orbit.H),
+        speed=task.speed,
+        turns=task.turns,
+        is_autonomous=task.is_whirl,
+        omega=a.orbit.omega,
+    )
+    share = (value - a.value) / (b.value - a.value)
+    first, second = problem.join(a.orbit), problem.join(b.orbit)
+    if task.is_whirl:
+        problem.fix_phase(first)
+    try:
+        x = arclength.solve(problem, first + share * (second - first), value)
+    except Lost:
+        return None
+    return solution(problem, Point(x, value, x, 1.0), task.accuracy)
 
 
 def folds_over(

@@ -19,7 +19,7 @@ from ..model.machine.rotor import Rotor
 from ..model.periodic.arclength import Lost, Steps
 from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
 from ..model.periodic.folds import FoldCurve
-from ..model.periodic.response import SPEED, Response, Task, folds_over, response
+from ..model.periodic.response import SPEED, Response, Task, at, folds_over, response
 from ..model.protocol.part import BASE, Probe
 
 if TYPE_CHECKING:
@@ -116,6 +116,14 @@ class ResponseResult:
         return OrbitSeries(
             t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
         )
+
+    def at(self, value: float) -> list[Solution]:
+        """All motions at a value of the parameter, exact, stable ones and others."""
+        return at(self._found, value)
+
+    def amplitude(self, point: Solution, name: str, quantity: str = "r_amp") -> float:
+        """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""
+        return self._quantities(point, name)[quantity]
 
     def fold_curve(self, name: str, low: float, high: float, i: int = 0) -> FoldCurve:
         """Where the i-th smooth fold lies over another parameter: the map of jumps.
@@ -282,6 +290,7 @@ def answer(
     step: float = 0.1,
     seeds: Sequence[float] = (),
     whirl: bool = False,
+    start: Solution | None = None,
     tell: Callable[[str, Solution], None] = lambda _, __: None,
 ) -> ResponseResult:
     """Periodic motions of a machine over its speed, or over another parameter.
@@ -292,7 +301,8 @@ def answer(
     highest may be of the motion; stability: whether Floquet multipliers are computed; step: longest
     step along the curve, in clearances and shares of the range; seeds: values of the parameter where
     runs in time look for further branches; whirl: of the machine without its unbalance, the backward
-    whirl by itself (dry whirl), whose frequency is unknown. Raises `InputError` for what cannot be.
+    whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or `points`,
+    from which alone branches are followed. Raises `InputError` for what cannot be.
     """
     rotor = _rotor(machine)
     if parameters:
@@ -331,6 +341,7 @@ def answer(
         Steps(most=step),
         tuple(float(s) for s in seeds),
         whirl,
+        None if start is None else start.orbit,
     )
     return ResponseResult(response(rotor, task, tell))
 

@@ -1,0 +1,124 @@
+"""The synchronous rub and dry whirl as curves, against their closed forms."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+
+from .machines import CLEARANCE, OMEGA, RADIUS, growth, jeffcott, rolling, rub
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return rf.response(jeffcott(), speed=(60.0, 240.0))
+
+
+def radii(curve, omega):
+    """Radii in clearances at a speed, the largest first, with whether each is stable."""
+    found = [(curve.amplitude(p, "disc") / CLEARANCE, p.is_stable) for p in curve.at(omega * OMEGA)]
+    return sorted(found, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("omega", "radius", "unstable"),
+    [
+        (0.9, 1.039376, None),
+        (1.0, 1.109153, None),
+        (1.2, 1.296981, None),
+        (1.4, 1.580638, 1.007200),
+        (1.8, 2.777077, 1.416169),
+        (2.0, 3.598968, 2.459855),
+    ],
+)
+def test_the_curve_has_the_radii_of_the_closed_form(curve, omega, radius, unstable):
+    found = radii(curve, omega)
+    assert found[0][0] == pytest.approx(radius, rel=1e-6, abs=1e-6)
+    assert found[0][1]
+    if unstable is None:
+        assert len(found) == 1
+    else:
+        assert found[1][0] == pytest.approx(unstable, rel=1e-6, abs=1e-6)
+        assert not found[1][1]
+        assert found[2][0] < 1
+        assert found[2][1]
+
+
+def test_it_jumps_up_and_down_where_the_closed_form_does(curve):
+    fold, grazing = curve.bifurcations
+    assert (fold.kind, grazing.kind) == ("fold", "grazing")
+    assert fold.value / OMEGA == pytest.approx(2.02208, rel=1e-5)
+    # where the whirl without rub fills the clearance: E s^2 = |1 - s^2 + 2 i ZETA s|
+    squares = np.roots([1 - 0.5**2, -2 + 4 * 0.1**2, 1])
+    assert grazing.value / OMEGA == pytest.approx(math.sqrt(squares.real.max()), rel=1e-4)
+
+
+@pytest.mark.parametrize("omega", [0.9, 1.0, 1.2, 1.4, 1.8, 2.0])
+def test_multipliers_are_those_of_the_closed_forms_exponents(curve, omega):
+    for point in curve.at(omega * OMEGA):
+        r = curve.amplitude(point, "disc") / CLEARANCE
+        if r > 1:
+            seen = np.log(np.abs(point.multipliers[:2])) * omega / (2 * math.pi)
+            assert seen == pytest.approx(growth(omega, r)[:2], abs=1e-5)
+
+
+def test_newtons_method_converges_quadratically(curve):
+    """Each correction is about the square of the one before; below 1e-5 the difference by which the
+    speed's column is made is seen."""
+    pairs = [pair for p in curve.points for pair in pairwise(p.corrections) if pair[0] > 1e-5]
+    assert len(pairs) > 50
+    assert sum(last <= 30 * before**2 for before, last in pairs) > 0.97 * len(pairs)
+
+
+def test_friction_beyond_hopfs_point_makes_a_torus(curve):
+    start = curve.at(1.4 * OMEGA)[0]
+    assert curve.amplitude(start, "disc") > 1.2 * CLEARANCE
+    found = rf.response(
+        jeffcott(), speed=1.4 * OMEGA, over=("contact[1].mu", 0.02, 0.3), start=start
+    )
+    (torus,) = [b for b in found.bifurcations if b.kind == "Neimark-Sacker"]
+    assert torus.value == pytest.approx(0.147023, rel=1e-4)
+
+
+def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
+    folds = curve.fold_curve("contact[1].mu", 0.01, 0.1)
+    assert folds.ends == ("end of the range", "end of the range")
+    for mu, speed in zip(folds.second, folds.first, strict=True):
+        # where the two radii meet
+        inside, outside = speed / OMEGA * (1 - 2e-6), speed / OMEGA * (1 + 2e-6)
+        assert rub(inside, mu) >= rub(inside, mu, -1)
+        with pytest.raises(ValueError, match="domain"):
+            rub(outside, mu)
+
+
+@pytest.mark.parametrize("v", [2.0, 4.0, 8.0])
+def test_dry_whirl_rolls_as_the_closed_form_says(v):
+    machine = jeffcott(0.05, 20.0, 0.1, 0.0)
+    speed = v * CLEARANCE * OMEGA / RADIUS
+    found = rf.response(machine, speed=speed, over=("contact[1].mu", 0.02, 0.15), whirl=True)
+    points = found.at(0.1)
+    (rolls,) = [p for p in points if p.is_stable]
+    (slides,) = [p for p in points if not p.is_stable]
+    omega, r = rolling(v)
+    assert rolls.orbit.omega / OMEGA == pytest.approx(omega, rel=1e-4)
+    assert found.amplitude(rolls, "disc") / CLEARANCE == pytest.approx(r, rel=1e-4)
+    # the separatrix of T2
+    assert slides.orbit.omega / OMEGA == pytest.approx(1.618034, rel=1e-4)
+    assert found.amplitude(slides, "disc") / CLEARANCE == pytest.approx(1.088023, rel=1e-4)
+    (needed,) = [b.value for b in found.bifurcations if b.kind == "fold"]
+    assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
+
+
+def test_the_threshold_of_dry_whirl_is_the_closed_forms():
+    """Of a clearance that is nothing beside the surface's speed."""
+    gap = 1e-9
+    found = rf.response(
+        jeffcott(0.05, 20.0, 0.03, 0.0, gap),
+        speed=1e6 * gap * OMEGA / RADIUS,
+        over=("contact[1].mu", 0.015, 0.05),
+        whirl=True,
+    )
+    fold = min(b.value for b in found.bifurcations if b.kind == "fold")
+    assert fold == pytest.approx(2 * 0.05 * math.sqrt(21) / 20, rel=1e-5)
