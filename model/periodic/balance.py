@@ -265,7 +265,7 @@ class Problem:
 
     def last_share(self, x: np.ndarray) -> float:
         """The amplitudes of the highest harmonics as a share of all that moves."""
-        size = np.abs(amplitudes(self.split(x, self.at).b)).max(axis=1)
+        size = np.abs(amplitudes(self.split(x, self.at).b)).max(axis=1, initial=0.0)
         last = max(2, self.H // 4)
         return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < self.H else 1.0
 

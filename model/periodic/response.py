@@ -151,7 +151,9 @@ def _from_orbit(result: Response, machines, begin: Orbit, tell: Tell) -> None:
     own = {str(n): value for n, _, value in result.rotor.parameters()}
     value = begin.speed if task.name == SPEED else own[task.name]
     if not task.low <= value <= task.high:
-        raise PeriodicError(f"{task.name} = {value:g}, where the orbit begins: must be in the range")
+        raise PeriodicError(
+            f"{task.name} = {value:g}, where the orbit begins: must be in the range"
+        )
     problem = _problem(machines, task, value).like(begin.H)
     try:
         x = arclength.solve(problem, problem.join(begin), value)

@@ -66,4 +66,3 @@ def _recorded(run: Simulation, machine: Condensed, speed: float, turns: int, H: 
     plane[:, ::2], plane[:, 1::2] = d.real, d.imag
     P = projection(value)
     return Orbit(P @ machine.b_of(plane), P @ own, speed / turns, turns, speed, speed)
-

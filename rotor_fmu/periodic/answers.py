@@ -21,6 +21,7 @@ from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
 from ..model.periodic.folds import FoldCurve
 from ..model.periodic.response import SPEED, Response, Task, at, folds_over, response
 from ..model.protocol.part import BASE, Probe
+from ..model.quantities import QuantityError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -307,7 +308,10 @@ def answer(
     rotor = _rotor(machine)
     if parameters:
         _check_names(rotor, parameters)
-        rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
+        try:
+            rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
+        except QuantityError as error:
+            raise InputError(str(error)) from error
     if not 1 <= period <= 16:
         raise InputError(f"period = {period}: must be an integer from 1 to 16")
     if not 1 <= harmonics <= 500:
@@ -343,7 +347,10 @@ def answer(
         whirl,
         None if start is None else start.orbit,
     )
-    return ResponseResult(response(rotor, task, tell))
+    try:
+        return ResponseResult(response(rotor, task, tell))
+    except QuantityError as error:
+        raise InputError(str(error)) from error
 
 
 def _check_names(rotor: Rotor, names: Mapping[str, float]) -> None:

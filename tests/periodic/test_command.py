@@ -1,0 +1,80 @@
+"""`rotor-fmu response` and `rf.response` with what cannot be, and what they write."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rotor_fmu as rf
+
+from .machines import jeffcott
+
+JEFFCOTT = Path(rf.__file__).parents[1] / "examples" / "jeffcott_rub" / "jeffcott.toml"
+COMMAND = "from rotor_fmu.cli import main; main()"
+
+
+def command(*arguments):
+    return subprocess.run(
+        [sys.executable, "-c", COMMAND, "response", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"COLUMNS": "200"},
+    )
+
+
+def test_the_command_writes_curve_and_picture(tmp_path):
+    done = command("--rotor", JEFFCOTT, "--speed", "100:240", "--out", tmp_path, "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["parameter"] == "speed"
+    assert told == json.loads((tmp_path / "response.json").read_text())
+    assert (tmp_path / "response.png").stat().st_size > 10_000
+    kinds = [b["kind"] for b in told["bifurcations"]]
+    assert "fold" in kinds
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--speed", "200"), "--speed 200: must be FROM:TO"),
+        (("--speed", "-5:200"), "speed = -5 rad/s: must be > 0"),
+        (("--speed", "100", "--over", "contact[1].mu"), "must be NAME=FROM:TO"),
+        (("--speed", "100", "--over", "contact[1].nu=0:1"), "the nearest is contact[1].mu"),
+        (("--speed", "100", "--over", "contact[1].mu=-1:1"), "contact[1].mu = -1"),
+        (("--period", "0"), "period = 0: must be"),
+        (("--share", "2"), "share = 2: must be"),
+        (("--load", "disc=3"), "is no force on a port"),
+        (("--seed", "1000"), "seed = 1000: must be from 50 to 400"),
+    ],
+)
+def test_what_cannot_be_is_one_line_with_status_2(tmp_path, arguments, words):
+    done = command("--rotor", JEFFCOTT, "--out", tmp_path / "out", *arguments)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_speeds_outside_a_table_are_refused():
+    table = "[[seal]]\nnode = 2\nspeed = [10.0, 100.0]\nkxx = [1.0, 2.0]\nkyy = 1.0\n"
+    machine = rf.parse(jeffcott().toml + table + "cxx = 0.0\ncyy = 0.0\n")
+    with pytest.raises(rf.InputError, match=r"speed 120 rad/s lies outside its table"):
+        rf.response(machine, speed=(50.0, 120.0))
+
+
+def test_a_machine_that_nothing_holds_is_refused():
+    machine = rf.parse(
+        "[material]\nyoung = 2.1e11\ndensity = 7800.0\n[shaft]\nnodes = [0.0, 0.2, 0.4]\n"
+        "diameters = [0.02, 0.02]\n"
+    )
+    with pytest.raises(rf.InputError, match="not held"):
+        rf.response(machine, speed=(50.0, 120.0))
+
+
+def test_a_branch_of_too_few_harmonics_says_so_and_keeps_what_it_has():
+    found = rf.response(rf.load(), speed=(140.0, 200.0), harmonics=12)
+    assert any("more than 12 harmonics" in note for note in found.notes)
+    assert len(found.points) > 5

@@ -1,0 +1,44 @@
+"""The rig at constant speeds under gravity: the curve against integration in time."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+
+TURNS, SAMPLES = 150, 200
+
+
+@pytest.fixture(scope="module")
+def curve():
+    return rf.response(rf.load(), speed=(100.0, 160.0))
+
+
+def in_time(machine, speed):
+    """x of the last disc over a turn at a tolerance of 1e-6, and how far the turns differ [m]."""
+    run = Simulation(machine.rotor, choose(tolerance=1e-6), speed=speed, warn=lambda message: None)
+    period = 2 * math.pi / speed
+    run.advance(TURNS * period, speed)
+    seen = []
+    for i in range(2 * SAMPLES):
+        run.advance((TURNS + i / SAMPLES) * period, speed)
+        seen.append(run.read("disc[3].x"))
+    turns = np.array(seen).reshape(2, SAMPLES)
+    return turns[1], np.abs(turns[1] - turns[0]).max()
+
+
+@pytest.mark.parametrize("speed", [120.0, 150.0, pytest.param(100.0, marks=pytest.mark.slow)])
+def test_a_stable_branch_is_what_time_integration_settles_on(curve, speed):
+    (point,) = curve.at(speed)
+    assert point.is_stable
+    x, differ = in_time(rf.load(), speed)
+    amplitude = np.ptp(x) / 2
+    assert differ < 1e-5 * amplitude
+    assert curve.amplitude(point, "disc[3]", "x_amp") == pytest.approx(amplitude, rel=1e-4)
+    once = 2 * np.mean(x * np.exp(-2j * np.pi * np.arange(SAMPLES) / SAMPLES))
+    assert curve.amplitude(point, "disc[3]", "x_1x") == pytest.approx(abs(once), rel=1e-4)
+    phase = curve.amplitude(point, "disc[3]", "x_1x_phase")
+    assert abs(np.exp(1j * phase) - once / abs(once)) < 1e-4
