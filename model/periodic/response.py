@@ -20,7 +20,7 @@ from .branch import FOLD, Accuracy, Bifurcation, Branch, Solution, Tracer, solut
 from .condensed import Condensed
 from .folds import FoldCurve, fold_curve
 from .fourier import basis, resized
-from .seeds import time_seed
+from .seeds import Stay, stay, time_seed
 from .whirl import rolling
 
 SPEED = "speed"
@@ -332,6 +332,18 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
     except Lost:
         return None
     return solution(problem, Point(x, value, x, 1.0), task.accuracy)
+
+
+def stays(result: Response, point: Solution, turns: int) -> Stay:
+    """Whether the integrator, started on a motion, is still there after some turns."""
+    task = result.task
+    rotor = result.rotor
+    if task.is_whirl:
+        raise PeriodicError("a whirl by itself is of the machine without its unbalance: no check")
+    if task.name != SPEED:
+        rotor = rotor.with_value(task.name, point.value)
+    machine = _machines(result.rotor, task)(point.value)
+    return stay(rotor, machine, point.orbit, point.motion, task.loads, turns)
 
 
 def folds_over(

@@ -13,15 +13,16 @@ from ..simulation import Simulation
 from ..step.laws import relative
 from .balance import Orbit
 from .condensed import Condensed
-from .fourier import basis, projection
+from .fourier import amplitudes, basis, projection
 
 _TURNS = 30
 _TOLERANCE = 1e-6
+_STAYS = 1e-2  # of an orbit: how far a run that stays on it may be
 
 
 class Stay(NamedTuple):
-    """Of an orbit taken into time: turns that were run, how far the machine went from it at the
-    end, and at most over the last period, as a share of the orbit's largest displacement."""
+    """Of an orbit taken into time: turns that were run, how far the machine is from it at the end, as
+    a share of the orbit's size, and whether that is little."""
 
     turns: int
     distance: float
@@ -66,3 +67,39 @@ def _recorded(run: Simulation, machine: Condensed, speed: float, turns: int, H: 
     plane[:, ::2], plane[:, 1::2] = d.real, d.imag
     P = projection(value)
     return Orbit(P @ machine.b_of(plane), P @ own, speed / turns, turns, speed, speed)
+
+
+def stay(
+    rotor: Rotor,
+    machine: Condensed,
+    orbit: Orbit,
+    motion: np.ndarray,
+    loads: np.ndarray | None,
+    turns: int,
+) -> Stay:
+    """Start the integrator on an orbit, and see whether it is there after so many turns; motion:
+    complex amplitudes of all dofs, x and y in turn, shape (H + 1, 2 size). Raises `StepFailure`."""
+    run = Simulation(
+        rotor, choose(tolerance=_TOLERANCE), speed=orbit.speed, loads=loads, warn=lambda _: None
+    )
+    state = run.motion
+    factor = 1j * orbit.omega * np.arange(len(motion))[:, None]
+    for target, power in ((state.q, 0), (state.v, 1), (state.a, 2), (state.v_dot, 2)):
+        plane = (factor**power * motion).sum(axis=0).real
+        target[:] = plane[::2] + 1j * plane[1::2]
+    series = amplitudes(orbit.own).real.sum(axis=0)
+    places = np.concatenate(
+        [
+            np.arange(i.own, i.own + i.states)
+            for i, is_in in zip(run.structure.interfaces, machine.is_in, strict=True)
+            if is_in
+        ]
+    ).astype(int)
+    state.own[places] = series
+    start = state.q.copy()
+    size = float(np.abs(motion[1:, : 2 * (len(start) - 1)]).sum(axis=0)[::2].max())
+    period = 2 * math.pi / orbit.omega
+    count = max(1, turns // orbit.turns)
+    run.advance(count * period, orbit.speed)
+    distance = float(np.abs(run.motion.q - start)[::2].max()) / size
+    return Stay(count * orbit.turns, distance, distance < _STAYS)

@@ -19,7 +19,16 @@ from ..model.machine.rotor import Rotor
 from ..model.periodic.arclength import Lost, Steps
 from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
 from ..model.periodic.folds import FoldCurve
-from ..model.periodic.response import SPEED, Response, Task, at, folds_over, response
+from ..model.periodic.response import (
+    SPEED,
+    Response,
+    Task,
+    at,
+    folds_over,
+    response,
+    stays,
+)
+from ..model.periodic.seeds import Stay
 from ..model.protocol.part import BASE, Probe
 from ..model.quantities import QuantityError
 
@@ -121,6 +130,13 @@ class ResponseResult:
     def at(self, value: float) -> list[Solution]:
         """All motions at a value of the parameter, exact, stable ones and others."""
         return at(self._found, value)
+
+    def check(self, point: Solution, turns: int = 50) -> Stay:
+        """Start the integrator on a motion: whether it stays there for so many turns."""
+        try:
+            return stays(self._found, point, turns)
+        except QuantityError as error:
+            raise InputError(str(error)) from error
 
     def amplitude(self, point: Solution, name: str, quantity: str = "r_amp") -> float:
         """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""

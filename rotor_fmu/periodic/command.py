@@ -16,8 +16,10 @@ from ..telling import tells
 
 if TYPE_CHECKING:
     from ..model.periodic.branch import Solution
+    from .answers import ResponseResult
 
 _EVERY = 2.0  # seconds between two lines of progress
+_CHECKED = 8  # points that are taken into time
 
 
 @tells
@@ -57,6 +59,13 @@ def response(
     whirl: Annotated[
         bool, typer.Option("--whirl", help="Backward whirl by itself, without unbalance.")
     ] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Take points into time and say whether they stay.")
+    ] = False,
+    fold_over: Annotated[
+        str | None,
+        typer.Option(help="NAME=FROM:TO: where the first fold lies over another quantity."),
+    ] = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and numbers.")] = Path(
         "out/response"
     ),
@@ -71,7 +80,7 @@ def response(
         low_high = float(ends[0]), float(ends[1])
     else:
         low_high = one_speed(speed)
-        varied = _range(over)
+        varied = _range(over, "--over")
     machine = load_rotor(rotor)[1]
     writable_folder(out)
     from ..figures import save
@@ -91,13 +100,47 @@ def response(
         whirl=whirl,
         tell=_Progress(),
     )
+    summary = dict(found.summary)
+    if fold_over is not None:
+        folds = found.fold_curve(*_range(fold_over, "--fold-over"))
+        summary["folds"] = {k: v for k, v in folds._asdict().items() if k != "ends"} | {
+            "name": fold_over.partition("=")[0].strip(),
+            "ends": folds.ends,
+        }
+        summary["folds"] = {
+            k: v.tolist() if hasattr(v, "tolist") else v for k, v in summary["folds"].items()
+        }
+    if check:
+        summary["check"] = _checked(found)
     save(found.figure(), out / "response.png")
-    write_json(found.summary, out / "response.json")
+    write_json(summary, out / "response.json")
     typer.echo(found.table().text())
     for note in found.notes:
         typer.echo(note)
     typer.echo(f"written to {out}")
-    return found.summary
+    return summary
+
+
+def _checked(found: ResponseResult) -> list[dict[str, Any]]:
+    """Points of the branches, evenly chosen, in time; said one a line."""
+    points = found.points[:: max(1, len(found.points) // _CHECKED)]
+    rows = []
+    for point in points:
+        seen = found.check(point)
+        rows.append(
+            {
+                "value": point.value,
+                "stable": point.is_stable,
+                "stays": seen.stays,
+                "distance": seen.distance,
+            }
+        )
+        what = "stable" if point.is_stable else "unstable"
+        typer.echo(
+            f"{point.value:.5g} {found.unit}, {what}: {'stays' if seen.stays else 'leaves'}, "
+            f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"
+        )
+    return rows
 
 
 class _Progress:
@@ -117,14 +160,14 @@ class _Progress:
             )
 
 
-def _range(text: str) -> tuple[str, float, float]:
+def _range(text: str, option: str) -> tuple[str, float, float]:
     name, equals, ends = (part.strip() for part in text.partition("="))
     try:
         low, high = (float(end) for end in ends.split(":"))
     except ValueError:
         equals = ""
     if not equals:
-        raise InputError(f"--over {text}: must be NAME=FROM:TO")
+        raise InputError(f"{option} {text}: must be NAME=FROM:TO")
     return name, low, high
 
 
