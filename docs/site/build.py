@@ -22,7 +22,7 @@ SECTIONS = {
     "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
     "Results": ["docs/signals.md"],
     "Machines": ["docs/machine.md", "examples/*/README.md"],
-    "Many runs": ["docs/studies.md"],
+    "Many runs": ["docs/studies.md", "docs/response.md"],
     "What to trust": [
         *("docs/truth.md", "docs/integrators.md", "docs/reproduction.md", "docs/impact.md"),
         "docs/performance.md",
