@@ -1,5 +1,5 @@
-"""Response curves with their unstable parts, of the Jeffcott rotor that rubs and of the rig, and the
-map of jumps: jeffcott.png, rig.png, jumps.png.
+"""Response curves with their unstable parts, of the Jeffcott rotor that rubs and of the rig, and
+the map of jumps: jeffcott.png, rig.png, jumps.png.
 
 python response_curves.py [FOLDER for the pictures]
 """

@@ -1,13 +1,13 @@
 """Continuation of a curve of solutions R(x, lambda) = 0 by its arclength (Keller 1977).
 
 The length of a step is measured in (x, (lambda - lambda_0) / scale). The predictor goes along the
-tangent, or along the last chord where that fails (a corner of a force law); Newton's method corrects
-at right angles to it.
+tangent, or along the last chord where that fails (a corner of a force law); Newton's method
+corrects at right angles to it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -122,8 +122,8 @@ def _stagnates(corrections: list[float]) -> bool:
 
 
 def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
-    """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller (-1)
-    lambda."""
+    """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller
+    (-1) lambda."""
     _, jacobian, by = equations.evaluate(x, value)
     tangent = np.append(-_solved(jacobian, by), 1.0)
     tangent *= direction / np.linalg.norm(tangent)
@@ -185,12 +185,12 @@ def onward(equations: Equations, point: Point, length: float, scale: float) -> P
 
 def trace(
     equations: Equations, start: Point, scale: float, low: float, high: float, steps: Steps
-) -> Iterator[Point]:
-    """Points of the curve from `start` on, until lambda leaves [low, high]: the last point is at that
-    end. Raises `Lost` where no step is short enough.
+) -> Generator[Point, tuple[Equations, Point] | None, None]:
+    """Points of the curve from `start` on, until lambda leaves [low, high]: the last point is at
+    that end. Raises `Lost` where no step is short enough.
 
-    What is sent in, (equations, point), takes the place of the equations and of the last point: with
-    other harmonics.
+    What is sent in, (equations, point), takes the place of the equations and of the last point:
+    with other harmonics.
     """
     point, length = start, steps.first
     chord: np.ndarray | None = None

@@ -3,9 +3,9 @@ displacements of the interfaces, and of the laws' own states.
 
     S_k(omega) b_k = f_k + B^T F_k,    i k omega s_k = g_k
 
-F and g, forces and rates of states, are sampled in time along the orbit and transformed (alternating
-frequency and time: Cameron and Griffin 1989), and so are their tangents. omega is the speed over
-`turns`, or, of a motion by itself (whirl without unbalance), an unknown.
+F and g, forces and rates of states, are sampled in time along the orbit and transformed
+(alternating frequency and time: Cameron and Griffin 1989), and so are their tangents. omega is the
+speed over `turns`, or, of a motion by itself (whirl without unbalance), an unknown.
 """
 
 from __future__ import annotations
@@ -233,13 +233,12 @@ class Problem:
         if self.s:
             self._add_states(jacobian, along, machine, orbit, scale)
         if self.is_autonomous:
-            h = _STEP * self.omega_scale
             near = x.copy()
             near[-1] = x[-1] + _STEP
             above = self.residual(near, value)
             near[-1] = x[-1] - _STEP
             jacobian[:, -1] = (above - self.residual(near, value)) / (2 * _STEP)
-            assert self.anchor is not None and h > 0
+            assert self.anchor is not None
             jacobian[-1, :n] = derivative(self.anchor).ravel()
         return residual, jacobian
 

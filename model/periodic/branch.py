@@ -47,8 +47,8 @@ class Accuracy:
 class Solution(NamedTuple):
     """A point of a branch: value of the parameter, the orbit, complex amplitudes of all dofs, x and
     y in turn, shape (H + 1, 2 size) [m, rad], multipliers, the largest first (of an autonomous
-    motion without the one that is 1), whether it is stable, share of the highest harmonics, Newton's
-    corrections."""
+    motion without the one that is 1), whether it is stable, share of the highest harmonics,
+    Newton's corrections."""
 
     value: float
     orbit: Orbit
@@ -160,8 +160,8 @@ class Tracer:
         self._x, self._value = x, value
 
     def follow(self, direction: float) -> Iterator[tuple[Solution, list[Bifurcation]]]:
-        """Points and the bifurcations before each, from the start on; ends with `Lost` where it does
-        not converge."""
+        """Points and the bifurcations before each, from the start on; ends with `Lost` where it
+        does not converge."""
         problem, accuracy = self.problem, self.accuracy
         if problem.is_autonomous:
             problem.fix_phase(self._x)

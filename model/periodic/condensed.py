@@ -4,8 +4,8 @@ With the relative displacements b of the interfaces among the coordinates, and a
 
     D(i w) = K - w^2 M + i w D,    S = D_bb - D_br D_rr^-1 D_rb,    S b = f_b - D_br D_rr^-1 f_r + F
 
-Displacements are x, y in turn. A free shaft has no flexibility at rest, but always such a stiffness:
-with its interfaces held it is held.
+Displacements are x, y in turn. A free shaft has no flexibility at rest, but always such a
+stiffness: with its interfaces held it is held.
 """
 
 from __future__ import annotations
@@ -176,8 +176,8 @@ class Condensed:
         return Harmonics(S, of_force, own, by_b)
 
     def expanded(self, parts: Harmonics, b: np.ndarray) -> np.ndarray:
-        """All displacements of complex amplitudes b, shape (H + 1, b): x, y of every dof and housing
-        in turn, complex, shape (H + 1, 2 size)."""
+        """All displacements of complex amplitudes b, shape (H + 1, b): x, y of every dof and
+        housing in turn, complex, shape (H + 1, 2 size)."""
         r = parts.own - np.einsum("krb,kb->kr", parts.by_b, b)
         return np.concatenate([b, r], axis=1) @ (self.machine.expand @ self._T).T
 
@@ -209,7 +209,9 @@ def _is_same_but_laws(a: Structure, b: Structure, linear: np.ndarray) -> bool:
 
 def _independent(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of rows of an incidence matrix: pivots of those that are independent, and which those are."""
-    left, pivots, kept = rows.astype(float).copy(), [], []
+    left = rows.astype(float).copy()
+    pivots: list[int] = []
+    kept: list[int] = []
     for i in range(len(left)):
         for j, pivot in zip(kept, pivots, strict=True):
             left[i] -= left[i, pivot] / left[j, pivot] * left[j]

@@ -1,8 +1,8 @@
 """Stability of a periodic motion: Floquet multipliers of the machine linearized along it.
 
-Radau IIA with three points a step (order 5; what is faster than the steps is damped) in the modes of
-the machine with its interfaces' mean tangents, where only what the tangents deviate from their means
-couples them. Steps end where a contact opens or closes:
+Radau IIA with three points a step (order 5; what is faster than the steps is damped) in the modes
+of the machine with its interfaces' mean tangents, where only what the tangents deviate from their
+means couples them. Steps end where a contact opens or closes:
 
     u' = Lambda u + W f,    y = V u + R f,    f = dT(t) y
 
@@ -97,8 +97,8 @@ def _grid(machine: Condensed, orbit: Orbit, steps: int) -> np.ndarray:
 
 
 def _tangents(machine: Condensed, orbit: Orbit, angles: np.ndarray) -> np.ndarray:
-    """By y, the displacements b, the velocities and the states: of the forces as b sees them, and of
-    the rates of the states, shape (n, b + s, 2 b + s)."""
+    """By y, the displacements b, the velocities and the states: of the forces as b sees them, and
+    of the rates of the states, shape (n, b + s, 2 b + s)."""
     d, v, own = _motion(machine, orbit, angles)
     scale = np.maximum(np.abs(orbit.own).max(axis=0, initial=0.0), 1e-9)
     along = machine.laws.tangents(d, v, own, scale, orbit.speed)

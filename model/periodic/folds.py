@@ -108,9 +108,9 @@ def fold_curve(
         point = arclength.begin(equations, X, start, direction)
         found, end = [], "end of the range"
         try:
-            for point in arclength.trace(equations, point, scale, low, high, steps):
-                found.append((point.value, point.x[-1] * problem.parameter.scale))
-                equations.border(point.x, point.value)
+            for near in arclength.trace(equations, point, scale, low, high, steps):
+                found.append((near.value, near.x[-1] * problem.parameter.scale))
+                equations.border(near.x, near.value)
         except Lost:
             end = "lost: Newton's method does not converge with the shortest step"
         sides.append(found)

@@ -69,8 +69,9 @@ def as_real(S: np.ndarray) -> np.ndarray:
 
 
 def multiplication(samples: np.ndarray, H: int) -> np.ndarray:
-    """What multiplication by functions of the angle makes of the coefficients of a series, cut off at
-    H harmonics; samples: evenly over a turn, shape (n, ...), n > 4 H; shape (2 H + 1, 2 H + 1, ...).
+    """What multiplication by functions of the angle makes of the coefficients of a series, cut off
+    at H harmonics; samples: evenly over a turn, shape (n, ...), n > 4 H; shape (2 H + 1, 2 H + 1,
+    ...).
     """
     spectrum = np.fft.rfft(samples, axis=0)[: 2 * H + 1] / len(samples)
     c, s = spectrum.real, -spectrum.imag
@@ -96,7 +97,8 @@ def derivative(series: np.ndarray) -> np.ndarray:
 
 
 def after_derivative(matrix: np.ndarray) -> np.ndarray:
-    """A matrix of coefficients, shape (rows, 2 H + 1, ...), applied to the derivative of a series."""
+    """A matrix of coefficients, shape (rows, 2 H + 1, ...), applied to the derivative of a
+    series."""
     out = np.zeros_like(matrix)
     k = np.arange(1, matrix.shape[1] // 2 + 1).reshape(-1, *[1] * (matrix.ndim - 2))
     out[:, 2::2], out[:, 1::2] = k * matrix[:, 1::2], -k * matrix[:, 2::2]

@@ -28,8 +28,8 @@ def is_linear(structure: Structure) -> np.ndarray:
 class Along(NamedTuple):
     """What m interfaces with s own states do at n samples: forces F of x and y, shape (n, 2 m) [N];
     their derivatives by displacements, by velocities, shape (n, m, 2, 2) each, and by own states,
-    shape (n, 2 m, s); rates of the states, shape (n, s), with their derivatives by displacements and
-    velocities, shape (n, s, 2 m) each, and by states, shape (n, s, s)."""
+    shape (n, 2 m, s); rates of the states, shape (n, s), with their derivatives by displacements
+    and velocities, shape (n, s, 2 m) each, and by states, shape (n, s, s)."""
 
     force: np.ndarray
     by_d: np.ndarray
@@ -123,7 +123,8 @@ class LawsAlong:
     def tangents(
         self, d: np.ndarray, v: np.ndarray, own: np.ndarray, scale: np.ndarray, speed: float
     ) -> Along:
-        """All of `Along`; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s), with sizes `scale`."""
+        """All of `Along`; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s), with sizes
+        `scale`."""
         force, p, q, rates = self._call(d, v, own, speed)
         m, s, n = self.count, self.states, len(d)
         both = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
@@ -136,7 +137,7 @@ class LawsAlong:
             step[columns] = _STEP * scale[columns]
             of_force, of_rates = self._difference(d, v, own, speed, own_step=step)
             for c in columns:
-                j = 2 * self.owner[c]
+                j = int(2 * self.owner[c])
                 by_own[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
                 rows = np.flatnonzero(self.owner == self.owner[c])
                 rates_by[2][:, rows, c] = of_rates[:, rows] / (2 * step[c])
@@ -145,12 +146,12 @@ class LawsAlong:
             pace = max(float(np.abs(v).max()) / max(float(np.abs(d).max()), 1e-300), 1.0)
             for i, size in enumerate((self.length, self.length * pace)):
                 step = np.zeros(2 * m)
-                step[axis::2] = 1e-3 * _STEP * size
+                step[axis::2] = _STEP * size
                 pair = (step, 0 * step) if i == 0 else (0 * step, step)
                 _, of_rates = self._difference(d, v, own, speed, *pair)
-                for c in range(s):
-                    j = 2 * self.owner[c] + axis
-                    rates_by[i][:, c, j] = of_rates[:, c] / (2 * step[j])
+                for row in range(s):
+                    j = int(2 * self.owner[row] + axis)
+                    rates_by[i][:, row, j] = of_rates[:, row] / (2 * step[j])
         return Along(_plane(force), by_d, by_v, by_own, rates, *rates_by)
 
     def _difference(self, d, v, own, speed, d_step=0.0, v_step=0.0, own_step=0.0):

@@ -39,8 +39,8 @@ class PeriodicError(QuantityError):
 @dataclass(frozen=True)
 class Task:
     """What is asked for: the parameter over [low, high], `speed` [rad/s] where it is another one,
-    constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are, values
-    at which runs in time seed further branches; is_whirl: of the machine
+    constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are,
+    values at which runs in time seed further branches; is_whirl: of the machine
     without unbalance, that which whirls by itself; begin: an orbit
     from which alone branches are followed, at the machine's own value of the parameter."""
 
@@ -50,8 +50,8 @@ class Task:
     speed: float = 0.0
     turns: int = 1
     loads: np.ndarray | None = None
-    accuracy: Accuracy = Accuracy()
-    steps: Steps = Steps(most=0.1)
+    accuracy: Accuracy = field(default_factory=Accuracy)
+    steps: Steps = field(default_factory=lambda: Steps(most=0.1))
     seeds: tuple[float, ...] = ()
     is_whirl: bool = False
     begin: Orbit | None = None
@@ -253,7 +253,8 @@ def _guesses(result: Response, machines, value: float):
 def follow(
     result: Response, problem: Problem, x: np.ndarray, value: float, direction: float, tell: Tell
 ) -> Branch:
-    """A branch from a solution on, one way (1, -1), or both (0); it is among the result's at once."""
+    """A branch from a solution on, one way (1, -1), or both (0); it is among the result's at
+    once."""
     task, branch = result.task, Branch()
     result.branches.append(branch)
     label = f"branch {len(result.branches)}"

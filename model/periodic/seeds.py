@@ -21,8 +21,8 @@ _STAYS = 1e-2  # of an orbit: how far a run that stays on it may be
 
 
 class Stay(NamedTuple):
-    """Of an orbit taken into time: turns that were run, how far the machine is from it at the end, as
-    a share of the orbit's size, and whether that is little."""
+    """Of an orbit taken into time: turns that were run, how far the machine is from it at the end,
+    as a share of the orbit's size, and whether that is little."""
 
     turns: int
     distance: float

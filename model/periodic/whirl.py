@@ -1,7 +1,8 @@
 """Where whirl by itself may begin: circles against the spin that roll along a wall.
 
-A journal of radius R that rolls without sliding whirls backward with omega = R Omega / r on a circle
-of radius r; of such circles along one wall, those are tried that the linear part nearly balances.
+A journal of radius R that rolls without sliding whirls backward with omega = R Omega / r on a
+circle of radius r; of such circles along one wall, those are tried that the linear part nearly
+balances.
 """
 
 from __future__ import annotations

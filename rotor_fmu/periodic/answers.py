@@ -42,8 +42,8 @@ QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_pha
 
 
 class Curve(NamedTuple):
-    """A quantity along the branches, n points: value of the parameter, the quantity [m, rad], whether
-    the motion is stable, and the number of the branch, each of shape (n,)."""
+    """A quantity along the branches, n points: value of the parameter, the quantity [m, rad],
+    whether the motion is stable, and the number of the branch, each of shape (n,)."""
 
     parameter: np.ndarray
     value: np.ndarray
@@ -157,9 +157,9 @@ class ResponseResult:
             raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 
     def dataframe(self) -> Any:
-        """A row a point: branch, parameter, whether it is stable, the largest multiplier's size, how
-        many harmonics, and the quantities of every probe (pandas)."""
-        import pandas as pd
+        """A row a point: branch, parameter, whether it is stable, the largest multiplier's size,
+        how many harmonics, and the quantities of every probe (pandas)."""
+        import pandas as pd  # type: ignore[import-untyped,unused-ignore]
 
         rows = []
         for i, branch in enumerate(self.branches, 1):
@@ -269,8 +269,8 @@ def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
 
 
 def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | None:
-    """Complex forces on the ports of loads by their names, `disc[2].fy` [N]; `InputError` for a name
-    that is none."""
+    """Complex forces on the ports of loads by their names, `disc[2].fy` [N]; `InputError` for a
+    name that is none."""
     if not loads:
         return None
     known = {
@@ -283,9 +283,8 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
     for name, value in loads.items():
         if name not in known:
             near = get_close_matches(name, known, 1, 0.0)
-            raise InputError(
-                f"loads: {name!r} is no force on a port; the nearest is {near[0] if near else 'none'}"
-            )
+            nearest = near[0] if near else "none"
+            raise InputError(f"loads: {name!r} is no force on a port; the nearest is {nearest}")
         if not math.isfinite(value):
             raise InputError(f"loads: {name} = {value}: must be finite")
         place, factor = known[name]
@@ -315,11 +314,11 @@ def answer(
     speed: FROM and TO [rad/s], or, with `over`, the one speed; over: a name of `machine.parameters`
     with FROM and TO; parameters: other values of the machine's; loads: constant forces on ports,
     such as `disc[2].fy` [N]; period: revolutions in a period; harmonics: at most, share: what the
-    highest may be of the motion; stability: whether Floquet multipliers are computed; step: longest
-    step along the curve, in clearances and shares of the range; seeds: values of the parameter where
-    runs in time look for further branches; whirl: of the machine without its unbalance, the backward
-    whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or `points`,
-    from which alone branches are followed. Raises `InputError` for what cannot be.
+    highest may be of the motion; stability: whether Floquet multipliers are computed; step: the
+    longest along the curve, in clearances and shares of the range; seeds: values of the parameter
+    where runs in time look for further branches; whirl: of the machine without its unbalance, the
+    backward whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or
+    `points`, from which alone branches are followed. Raises `InputError` for what cannot be.
     """
     rotor = _rotor(machine)
     if parameters:

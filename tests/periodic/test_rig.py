@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 import pytest
-
-import rotor_fmu as rf
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
+
+import rotor_fmu as rf
 
 TURNS, SAMPLES = 150, 200
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
-
-import rotor_fmu as rf
 from rotor_fmu.model.periodic.condensed import Condensed
 from rotor_fmu.model.periodic.fourier import basis
+
+import rotor_fmu as rf
 
 from .machines import OMEGA, jeffcott
 

@@ -1,0 +1,72 @@
+"""The equations' Jacobian is their derivative, laws with states of their own included."""
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+
+from ..parts.machines import bearings, rigid
+from .machines import OMEGA
+
+CONTACT = """
+node = 2
+journal_radius = 0.05
+clearance = 1e-3
+mu = 0.2
+k = 4e4
+c = 10.0
+delta_c = 1e-4
+v_s = 0.5
+"""
+MORE = "[[unbalance]]\nnode = 2\namount = 0.5e-3\n[[sensor]]\nnode = 2\nname = 'disc'\n"
+KINDS = {
+    "contact": f"[[contact]]{CONTACT}",
+    "sticking": f"[[contact]]{CONTACT}k_t = 2e4\nc_t = 50.0\n",
+    "race": f"[[touchdown_bearing]]{CONTACT}race_inertia = 1e-3\nrace_damping = 1e-3\n",
+    "worn": f"[[contact]]{CONTACT}wear = 2e-4\n",
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("is_autonomous", [False, True])
+def test_the_jacobian_is_the_derivative(kind, is_autonomous):
+    from rotor_fmu.model.periodic.balance import Parameter, Problem
+    from rotor_fmu.model.periodic.condensed import Condensed
+
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS[kind] + MORE, gravity=9.81)
+    machine = Condensed(rf.parse(text).rotor)
+    problem = Problem(
+        lambda value: machine,
+        Parameter("speed", 100.0),
+        120.0,
+        4,
+        is_autonomous=is_autonomous,
+        omega=90.0,
+        own_scale=np.array([50.0, 1e-3])[-machine.laws.states :] if machine.laws.states else None,
+    )
+    random = np.random.default_rng(7)
+    x = 0.2 * random.standard_normal(problem.size)
+    x[problem.b], x[2 * problem.b + 1] = 1.6, 1.6
+    if is_autonomous:
+        x[-1] = 1.0
+        problem.fix_phase(x)
+    residual, jacobian, by_speed = problem.evaluate(x, 120.0)
+    assert residual == pytest.approx(problem.residual(x, 120.0), rel=1e-12, abs=1e-12)
+    size = 1e-7
+    for i in range(problem.size):
+        step = size * np.eye(problem.size)[i]
+        seen = (problem.residual(x + step, 120.0) - problem.residual(x - step, 120.0)) / (2 * size)
+        assert np.abs(seen - jacobian[:, i]).max() <= 1e-3 * np.abs(jacobian).max()
+    seen = problem.residual(x, 120.0 + 1e-4) - problem.residual(x, 120.0 - 1e-4)
+    assert np.abs(100 * seen / 2e-4 - by_speed).max() <= 1e-3 * np.abs(by_speed).max()
+
+
+def test_a_race_turns_as_fast_as_friction_and_drag_let_it():
+    """Over a turn friction's torque is what the drag takes."""
+    text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS["race"] + MORE)
+    found = rf.response(rf.parse(text), speed=(70.0, 140.0))
+    points = found.at(120.0)
+    rubbing = max(points, key=lambda p: found.amplitude(p, "disc"))
+    assert found.amplitude(rubbing, "disc") > 1e-3
+    assert found.check(rubbing, 100).stays == rubbing.is_stable
+    assert 0 < rubbing.orbit.own[0, 0] < 120.0
