@@ -17,16 +17,16 @@ Connection = tuple[str, str]
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two FMUs: what it tells the other, and what is recorded of it besides."""
+    """One of the two FMUs: what it gives to the other, and what is recorded of it besides."""
 
     member: Member
-    tells: Sequence[Connection]
+    connections: Sequence[Connection]
     recorded: Sequence[str]
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of all that is read of it at a communication point."""
-        return (*(output for output, _ in self.tells), *self.recorded)
+        return (*(output for output, _ in self.connections), *self.recorded)
 
 
 class Point(NamedTuple):
@@ -44,23 +44,23 @@ def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
     sides = (one, other)
     read = [side.member.references(*side.outputs) for side in sides]
     inputs = [
-        hearer.member.references(*(name for _, name in teller.tells))
-        for teller, hearer in ((one, other), (other, one))
+        receiver.member.references(*(name for _, name in sender.connections))
+        for sender, receiver in ((one, other), (other, one))
     ]
 
-    def look(t: float) -> Point:
+    def outputs(t: float) -> Point:
         return Point(t, one.member.get(read[0]), other.member.get(read[1]))
 
     for side in sides:
         side.member.begin()
-    point = look(0.0)
+    point = outputs(0.0)
     yield point
     for n in range(round(stop / step)):
-        other.member.set(inputs[0], point.one[: len(one.tells)])
-        one.member.set(inputs[1], point.other[: len(other.tells)])
+        other.member.set(inputs[0], point.one[: len(one.connections)])
+        one.member.set(inputs[1], point.other[: len(other.connections)])
         for side in sides:
             side.member.step(n * step, step)
-        point = look((n + 1) * step)
+        point = outputs((n + 1) * step)
         yield point
 
 
@@ -85,8 +85,8 @@ def columns(
 ) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
     """Communication points as times, shape (n,) [s], and as what was read of either FMU, by name,
     shape (n,)."""
-    told = [
+    recorded = [
         dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
         for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))
     ]
-    return np.array([point.t for point in seen]), told[0], told[1]
+    return np.array([point.t for point in seen]), recorded[0], recorded[1]

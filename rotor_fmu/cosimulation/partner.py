@@ -1,11 +1,10 @@
-"""FMUs of the examples that the rotor is coupled with: each made from one script, which lists its
-variables in `VARIABLES`."""
+"""FMUs that the rotor is coupled with: each made from one script, which lists its variables."""
 
 from __future__ import annotations
 
-import runpy
 import shutil
 import tempfile
+from collections.abc import Sequence
 from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
@@ -18,8 +17,8 @@ from ..fmi.variables import Variable
 from . import slave
 
 
-def example_folder(name: str) -> Path:
-    """Folder of an example that is installed."""
+def example_folder(name: str = "") -> Path:
+    """Folder of an installed example; without a name that of all examples."""
     return Path(str(files("rotor_fmu.examples") / name))
 
 
@@ -29,22 +28,21 @@ def lay_out(folder: Path, out: Path) -> None:
     systems = [
         file for file in folder.iterdir() if file.suffix in (".xml", ".ssd", ".json", ".toml")
     ]
-    for file in (*systems, *folder.glob("with_*.py"), *folder.parent.glob("with_*.py")):
+    for file in (*systems, *folder.glob("with_*.py"), *example_folder().glob("with_*.py")):
         shutil.copyfile(file, out / file.name)
 
 
-def partner_table(source: Path) -> tuple[Variable, ...]:
-    """Variables of a partner's FMU, as its source lists them."""
+def listed_variables(table: Sequence[slave.Listed]) -> tuple[Variable, ...]:
+    """Variables of a partner's FMU from its table `VARIABLES`."""
     return tuple(
         Variable(name, "Real", causality, text, unit, start, low=low)
-        for name, causality, unit, start, low, text in runpy.run_path(str(source))["VARIABLES"]
+        for name, causality, unit, start, low, text in table
     )
 
 
-def build_partner(source: Path, target: Path) -> Path:
-    """Build the FMU `target` of a partner's source and return its path; equal sources, equal bytes.
-
-    Raises `OSError` if its folder cannot be written.
+def build_partner(source: Path, table: tuple[Variable, ...], target: Path) -> Path:
+    """Build the FMU `target` of a partner's source and return its path; equal sources give equal
+    bytes. Raises `OSError` if its folder cannot be written.
     """
     text = source.read_text(encoding="utf-8")
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -57,5 +55,4 @@ def build_partner(source: Path, target: Path) -> Path:
         for name, module in beside.items():
             shutil.copyfile(str(module.__file__), folder / name)
         wrap(script, [folder / name for name in beside], folder / "raw.fmu")
-        table = partner_table(source)
         return repack(folder / "raw.fmu", target, lambda root: complete(root, table, RELEASED))

@@ -1,6 +1,6 @@
-"""What the examples' FMUs share: a slave whose variables are all Real and stand in one table.
+"""What partners' FMUs share: a slave whose variables are all Real and stand in one table.
 
-It lies beside an example's script in its FMU. Standard library and pythonfmu only.
+It lies beside the partner's script in its FMU. Standard library and pythonfmu only.
 """
 
 import functools
