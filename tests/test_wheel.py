@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from rotor_fmu.about import __version__
-
-from .checkout import ROOT, lay_out
+from tools.checkout import ROOT, lay_out
 
 
 def folders(root, name):

@@ -1,4 +1,4 @@
-"""docs/machine.md: everything that a machine file may say."""
+"""docs/reference/machine.md: everything that a machine file may say."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def known_machines() -> Iterator[tolerances.Row]:
 
 
 def main(machines: int = MACHINES, processes: int = 2) -> None:
-    """Judge everything, keep the rows where `docs/integrators.md` finds them, print its table."""
+    """Judge everything, keep the rows for `docs/explanation/integrators.md`, print its table."""
     found = [*known_machines()]
     with ProcessPoolExecutor(processes) as pool:
         for rows in pool.map(of_a_machine, range(machines)):

@@ -1,13 +1,14 @@
-"""Wrong versions of this project that its tests must see: `python -m tests.mutants [WORD]`.
+"""Wrong versions of this project that its tests must see: `python -m tools.mutants [WORD]`.
 
-Each is applied to a copy of the project, where the test named is run; a mutant that it passes is
-told, and the exit status says whether there was one. WORD: those alone that have it in file, text
-or test.
+Each is applied to a copy of the project, where the test named is run. A mutant that passes its test
+is reported as unseen, one whose file or test has changed as outdated, and the exit status is 1 if
+there is one of either. WORD: only mutants that have it in file, text or test.
 """
 
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,7 +16,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from tests.checkout import lay_out
+from tools.checkout import lay_out
 
 _VALID, _PAGES = "tests/fmu/test_validity.py::test_", "tests/fmu/test_documents.py::test_"
 _DEPEND = f"{_VALID}outputs_depend_on_the_inputs_that_reach_them_within_an_instant"
@@ -108,12 +109,25 @@ def copied(folder: Path) -> None:
         (folder / "rotor_fmu" / name).symlink_to(folder / name)
 
 
+def is_current(mutant: Mutant, folder: Path) -> bool:
+    """Whether what a mutant replaces stands once in its file, and its test is there."""
+    file, test = folder / mutant.file, folder / mutant.test.partition("::")[0]
+    if not file.is_file() or file.read_text(encoding="utf-8").count(mutant.old) != 1:
+        return False
+    return test.exists() and mutant.test.partition("::")[2] in test_names(test)
+
+
+def test_names(path: Path) -> set[str]:
+    """Names of the test functions in a file, and the empty one, which stands for all."""
+    if path.is_dir():
+        return {""}
+    return {"", *re.findall(r"^def (test_\w+)", path.read_text(encoding="utf-8"), re.M)}
+
+
 def is_seen(mutant: Mutant, folder: Path) -> bool:
     """Whether a test fails in the copy `folder` with the mutant in it, which is taken out again."""
     file = folder / mutant.file
     text = file.read_text(encoding="utf-8")
-    if text.count(mutant.old) != 1:
-        sys.exit(f"{mutant.file}: {mutant.old!r} stands in it {text.count(mutant.old)} times")
     file.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
     try:
         return bool(failure([mutant.test], folder))
@@ -138,7 +152,7 @@ def failure(tests: Iterable[str], folder: Path) -> str:
 
 
 def main() -> int:
-    """Run the mutants; the number of those that no test sees."""
+    """Run the mutants; the number of those that no test sees or that cannot be made any more."""
     word = sys.argv[1] if len(sys.argv) > 1 else ""
     chosen = [m for m in MUTANTS if word in m.file or word in m.old or word in m.test]
     if not chosen:
@@ -147,15 +161,19 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_mutants_") as name:
         folder = Path(name)
         copied(folder)
-        if told := failure(sorted({mutant.test for mutant in chosen}), folder):
-            sys.exit(f"{told}\na test fails without a mutant")
+        outdated = [mutant for mutant in chosen if not is_current(mutant, folder)]
+        for mutant in outdated:
+            print(f"OUTDATED {mutant.file}: {mutant.old!r}, {mutant.test}")
+        chosen = [mutant for mutant in chosen if mutant not in outdated]
+        if report := failure(sorted({mutant.test for mutant in chosen}), folder):
+            sys.exit(f"{report}\na test fails without a mutant")
         for mutant in chosen:
             seen = is_seen(mutant, folder)
             unseen += not seen
-            told = "seen  " if seen else "UNSEEN"
-            print(f"{told} {mutant.file}: {mutant.old!r} -> {mutant.new!r}", flush=True)
-    print(f"{len(chosen)} mutants, {unseen} unseen")
-    return unseen
+            verdict = "seen  " if seen else "UNSEEN"
+            print(f"{verdict} {mutant.file}: {mutant.old!r} -> {mutant.new!r}", flush=True)
+    print(f"{len(chosen)} mutants, {unseen} unseen, {len(outdated)} outdated")
+    return unseen + len(outdated)
 
 
 if __name__ == "__main__":
