@@ -13,9 +13,9 @@ from rotor_fmu.cli import COMMANDS
 
 HEAD = """# Commands
 
-Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` says the same. Input that
-cannot be is refused in one line, with status 2. Status 1 is a run that failed, 130 one that Ctrl-C
-stopped; neither leaves anything unfinished.
+Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` says the same. Input
+that cannot be is refused in one line, with status 2. Status 1 is a run that failed, 130 one that
+Ctrl-C stopped; neither leaves anything unfinished.
 
 Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to the
 motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4 ms),
