@@ -17,11 +17,14 @@ ROOT = Path(__file__).parents[2]
 _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
 SECTIONS = {
     "Tutorials": [f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS],
-    "How to": ["docs/how_to/*.md"],
+    "How to": [f"docs/how_to/{name}.md" for name in ("studies", "native", "couple_an_fmu")],
     "Examples": ["examples/*/README.md"],
     "Reference": ["docs/reference/*.md"],
     "Explanation": ["docs/explanation/*.md"],
-    "Working on it": ["CONTRIBUTING.md", "ARCHITECTURE.md", "docs/decisions/*.md"],
+    "Working on it": [
+        *("CONTRIBUTING.md", "ARCHITECTURE.md", "docs/how_to/add_*.md"),
+        *("docs/how_to/debug_a_kernel.md", "docs/decisions/*.md"),
+    ],
 }
 _SHOWN = (".png", ".gif", ".svg", ".csv.gz", ".html")
 
