@@ -56,13 +56,13 @@ test-all: $(VENV)/made-test $(VENV)/core
 
 # all tests as on other processors, and on loaded cores: hours; stopped with Ctrl-C it goes on from there
 test-processors: $(VENV)/made-test $(VENV)/core
-	$(BIN)/python -m tests.processors
+	$(BIN)/python -m tools.processors
 
 # the documentation as a site that works from disk: build/site/index.html
 docs: $(VENV)/made-test
 	$(BIN)/python docs/site/build.py
 
-# the pages that are made from the code: commands, machine files, variables, integrators
+# what is made from the code: pages of commands, machine files, variables, integrators; the packages' picture
 pages: $(VENV)/made
 	$(BIN)/python -m docs.site.made
 
@@ -80,7 +80,7 @@ types: $(VENV)/made-test
 
 # wrong versions of description, documents, FMU and ledger that the tests must see
 mutants: $(VENV)/made-test $(VENV)/core
-	$(BIN)/python -m tests.mutants
+	$(BIN)/python -m tools.mutants
 
 # lines of Python that the tests run; kernels are machine code and not among them
 coverage: $(VENV)/made-test $(VENV)/core
@@ -101,7 +101,7 @@ bench: $(VENV)/core
 dist: $(VENV)/made-test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build twine
 	$(BIN)/rotor-fmu core
-	$(BIN)/python tests/release.py "$(HOME_URL)"
+	$(BIN)/python tools/release.py "$(HOME_URL)"
 
 clean:
 	rm -rf $(VENV) model/library out build dist *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu

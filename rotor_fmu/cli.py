@@ -20,8 +20,6 @@ COMMANDS = {
     _RUNS: {
         "run-down": "runs.command:run_down",
         "study": "studies.command:study",
-        "drive-train": "drive_train.command:drive_train",
-        "magnetic-bearing": "magnetic_bearing.command:magnetic_bearing",
         "plot": "look.command:plot",
         "report": "look.command:report",
     },
