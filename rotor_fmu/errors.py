@@ -5,7 +5,9 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import typer
 
@@ -83,6 +85,17 @@ def _unreachable(error: OSError) -> str:
 def _end(message: str, status: int) -> None:
     print(f"rotor-fmu: {message}", file=sys.stderr)
     sys.exit(status)
+
+
+def optional(module: str, extra: str, what: str) -> Any:
+    """A module that an extra of this package brings; `InputError` where it is not installed."""
+    try:
+        return import_module(module)
+    except ImportError:
+        package = module.partition(".")[0]
+        raise InputError(
+            f"{what}: {package} is not installed: pip install 'rotor-fmu[{extra}]'"
+        ) from None
 
 
 def writable_folder(path: Path) -> Path:

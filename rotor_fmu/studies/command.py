@@ -18,7 +18,7 @@ from rich.progress import Progress as Bar
 from rich.progress import TextColumn
 from rich.table import Table
 
-from ..errors import InputError, writable_folder
+from ..errors import InputError, optional, writable_folder
 from ..telling import tells
 from .conduct import Progress, conduct
 from .engines import Where, engine
@@ -76,12 +76,8 @@ def study(
 
 
 def _need_extra() -> None:
-    try:
-        import pyarrow
-        import xarray
-    except ImportError:
-        raise InputError("study: needs pip install rotor-fmu[study]") from None
-    del pyarrow, xarray
+    for module in ("filelock", "pyarrow", "SALib", "xarray"):
+        optional(module, "study", "study")
 
 
 def _where(jobs: int | None, scheduler: str, cluster: str) -> Where:

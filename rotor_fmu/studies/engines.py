@@ -18,7 +18,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ..errors import InputError
+from ..errors import InputError, optional
 from .study import FAILED, Model, Result
 
 TIME_OUT = 10.0  # within which a scheduler must answer [s]
@@ -139,19 +139,16 @@ def _environment(changes: Mapping[str, str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _dask(where: Where) -> Iterator[Engine]:
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise InputError("--scheduler, --cluster: need pip install rotor-fmu[cluster]") from None
+    dask = optional("distributed", "cluster", "--scheduler, --cluster")
     with contextlib.ExitStack() as stack:
         address: Any = where.scheduler
         if where.cluster:
             stack.enter_context(_environment(_ONE_THREAD))
             address = stack.enter_context(
-                LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
+                dask.LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
             )
         try:
-            client = stack.enter_context(Client(address, timeout=TIME_OUT))
+            client = stack.enter_context(dask.Client(address, timeout=TIME_OUT))
         except (OSError, ValueError, TypeError) as error:
             raise InputError(
                 f"--scheduler {where.scheduler}: no scheduler answers within {TIME_OUT:g} s"

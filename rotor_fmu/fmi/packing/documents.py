@@ -16,7 +16,6 @@ from ...model.machine.toml import rig
 from ..description import summary
 from ..variables import Variable
 from .archive import xml_bytes
-from .machine_picture import machine_picture
 from .related_files import related_files
 from .variable_table import rows
 
@@ -62,6 +61,8 @@ def documents(
     rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int
 ) -> dict[str, bytes]:
     """Files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
+    from .machine_picture import machine_picture  # with matplotlib, which no run needs
+
     picture = machine_picture(rotor)
     related = related_files(rotor, name)
     pages = files(__package__).joinpath("pages")

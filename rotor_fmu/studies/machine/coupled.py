@@ -11,7 +11,6 @@ import math
 import os
 import shutil
 import tempfile
-import time
 import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -22,11 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...errors import InputError, RunFailed
+from ...errors import InputError, RunFailed, optional
 from ...fmi.packing.python_fmu import package_name
-from ...model.kernels.process_lock import ProcessLock
-from ...model.kernels.sealed_folder import make_private
-from ...model.kernels.user_cache import user_cache
+from ...model.kernels.cache import private_folder, user_cache
 from ...runs.recording import Recording
 from ..study import FAILED, Result
 from .driving import Drive
@@ -48,7 +45,6 @@ _OF_THE_DRIVE = {
     "w_start": "from",
 }
 _KEPT_MACHINES = 8  # whose FMUs are kept
-_WAIT = 0.1  # between two looks whether another process has built them [s]
 
 
 @dataclass(frozen=True)
@@ -171,15 +167,10 @@ def fmus(toml: str) -> tuple[Path, Path]:
     kept = user_cache() / "coupled"
     home = kept / key
     for folder in (user_cache(), kept, home):
-        make_private(folder)
-    lock = ProcessLock(home / "lock")
-    while not lock.take():
-        time.sleep(_WAIT)
-    try:
+        private_folder(folder)
+    with optional("filelock", "study", "study").FileLock(home / "lock"):
         built = _extracted(build_drive_train(home)), _extracted(fmu_in(home, toml))
         os.utime(home)
-    finally:
-        lock.release()
     by_age = sorted(kept.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_MACHINES:]:
         shutil.rmtree(old, ignore_errors=True)
