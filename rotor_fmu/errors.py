@@ -7,11 +7,12 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
-from typing import Any
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from .model.refusal import Refusal
+
+if TYPE_CHECKING:
+    import typer
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -42,6 +43,8 @@ class RunFailed(RuntimeError):
 
 def run(app: Callable[..., int | None]) -> None:
     """Run a typer application; end the process with a status and, if it failed, one line."""
+    import typer  # which takes longer than the first step of a run
+
     try:
         status = app(standalone_mode=False) or 0
     except typer.Exit as error:

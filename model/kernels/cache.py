@@ -1,4 +1,4 @@
-"""The folder of this user where what can be made again is kept: libraries, code that numba compiled."""
+"""The user's folder for what can be made again: libraries, and code that numba compiled."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def user_cache() -> Path:
         return Path(chosen).absolute()
     from platformdirs import user_cache_path
 
-    folder = user_cache_path("rotor-fmu", appauthor=False)
-    if not folder.is_absolute():
-        raise FileNotFoundError("this user has no home folder")
-    return folder
+    try:
+        return user_cache_path("rotor-fmu", appauthor=False)
+    except RuntimeError as error:
+        raise FileNotFoundError("this user has no home folder") from error
 
 
 def private_folder(folder: Path) -> Path:

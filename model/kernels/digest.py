@@ -1,8 +1,9 @@
 """Digests of kernels: what a library was made of, by which it is found.
 
-A digest follows the syntax trees, without docstrings, of a module and of all modules of `model` that
-importing it leads to. Comments, docstrings and layout change nothing. To parse them takes a quarter
-of a second, so a record beside a library says which digest the files had as they were then.
+A digest follows the syntax trees, without docstrings, of a module and of all modules of `model`
+that importing it leads to. Comments, docstrings and layout change nothing. To parse them
+takes a quarter of a second, so a record beside a library says which digest the files had as they
+were then.
 """
 
 from __future__ import annotations
@@ -25,6 +26,8 @@ _ENTRIES = _MODEL / "march" / "entries.py"
 CARRIED = _MODEL / "library"
 _RECORD = "kernels.digest"
 _DIGITS = 16
+# Imported by what compiles kernels, these say where code lies, not what it is.
+_NO_KERNELS = (Path(__file__), Path(__file__).with_name("cache.py"))
 
 
 def kernels_digest() -> str:
@@ -161,5 +164,5 @@ def _modules(name: str) -> Iterator[Path]:
             yield place / "__init__.py"
         place /= part
     for file in (place / "__init__.py", place.with_suffix(".py")):
-        if file.is_file():
+        if file.is_file() and file not in _NO_KERNELS:
             yield file

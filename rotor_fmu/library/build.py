@@ -138,7 +138,9 @@ def core_digest() -> str:
     """Sixteen characters that follow the sources of the library."""
     digest = hashlib.sha256()
     for file in sorted(C_SOURCES.glob("*.[ch]")):
-        digest.update(file.name.encode() + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+        digest.update(
+            file.name.encode() + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0"
+        )
     return syntax_digest([*_emitted_sources(), Path(__file__), _TABLE], digest.hexdigest())
 
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import base64
 import io
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Any
-
-import typer
 
 from ..about import __version__
 from ..errors import InputError, optional
@@ -33,7 +32,7 @@ def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -
     try:
         page = runs_page([Recorded(recording, path.parent.resolve().name)], [summary])
     except InputError as error:
-        typer.echo(f"warning: {path.name} is not written: {error}", err=True)
+        print(f"warning: {path.name} is not written: {error}", file=sys.stderr)
     else:
         write_text(page, path)
 
