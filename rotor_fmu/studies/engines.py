@@ -19,13 +19,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..errors import InputError, optional
+from ..threads import ONE_THREAD
 from .study import FAILED, Model, Result
 
 TIME_OUT = 10.0  # within which a scheduler must answer [s]
 # before numpy is loaded: one thread a process, and the same bits in each
-_ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
 Chunk = list[tuple[int, dict[str, float]]]
 _warmed: set[str] = set()
 
@@ -96,7 +94,7 @@ def engine(where: Where) -> Iterator[Engine]:
         with _dask(where) as found:
             yield found
         return
-    with _environment(_ONE_THREAD):
+    with _environment(ONE_THREAD):
         executor = ProcessPoolExecutor(
             where.jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker
         )
@@ -143,7 +141,7 @@ def _dask(where: Where) -> Iterator[Engine]:
     with contextlib.ExitStack() as stack:
         address: Any = where.scheduler
         if where.cluster:
-            stack.enter_context(_environment(_ONE_THREAD))
+            stack.enter_context(_environment(ONE_THREAD))
             address = stack.enter_context(
                 dask.LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
             )
