@@ -15,7 +15,6 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -126,6 +125,8 @@ _TOOLS = {"kernels": "numba", "build": "ziglang"}
 
 def _emitted() -> str:
     """Sixteen characters that follow what the kernels' IR is made of, and by which compilers."""
+    from importlib.metadata import version  # which takes as long as a first step
+
     return syntax_digest(_emitted_sources(), f"{version('numba')} {version('llvmlite')}")
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from importlib.metadata import distribution
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -106,6 +105,8 @@ def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: boo
 
 def _licence(of: str) -> bytes:
     """The licence of an installed distribution."""
+    from importlib.metadata import distribution
+
     found = next(
         file for file in distribution(of).files or () if file.name.upper().startswith("LICEN")
     )
