@@ -44,7 +44,8 @@ _EMITTED_TOGETHER = (
 )
 # Of the C library of the oldest Linux that an FMU runs on.
 _GLIBC = (2, 17)
-_FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+# C23 would take functions of a newer C library in the place of the old ones (strtol).
+_FLAGS = ("-std=c17", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 
 
 class CoreError(RunFailed):
