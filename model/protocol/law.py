@@ -112,7 +112,7 @@ def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
                 return function(laws[code][interface.row], *arguments)
             return rest(laws, interface, *arguments)
 
-    return compiled(call, to_keep=False)
+    return compiled(call, to_cache=False)
 
 
 def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kernel:
@@ -133,4 +133,4 @@ def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kern
     def call_with_tables(laws, interface, *arguments):
         return call(laws, interface, laws[last], *arguments)
 
-    return compiled(call_with_tables, to_keep=False)
+    return compiled(call_with_tables, to_cache=False)

@@ -23,7 +23,7 @@ def _storing(law: Law) -> Callable:
         for i in range(count):
             out[places[i]] += energies[i]
 
-    return compiled(add, to_keep=False)
+    return compiled(add, to_cache=False)
 
 
 def _dissipating(law: Law) -> Callable:
@@ -37,7 +37,7 @@ def _dissipating(law: Law) -> Callable:
             out[places[i]] += scratch[i]
         return torque
 
-    return compiled(add, to_keep=False)
+    return compiled(add, to_cache=False)
 
 
 law_force = dispatcher([law.force for law in LAWS])

@@ -33,7 +33,7 @@ def build_fmu(
     Python, of FMI 2 or 3; platforms: whose libraries it carries, by default all, or, of the FMU in
     Python, those of linux64 and win64 that are there; reduction: component modes kept of the shaft,
     0 for all of it. Raises `InputError`, and `CoreError` where a library is missing and cannot be
-    made (`pip install "rotor-fmu[native]"`).
+    made (`pip install "rotor-fmu[build]"`).
 
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:

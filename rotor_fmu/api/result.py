@@ -8,13 +8,12 @@ import html
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, optional
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..report.places import Recorded
@@ -151,7 +150,7 @@ class Result:
         >>> table.index.name, table.attrs["units"]["disc[1].x"]
         ('t', 'm')
         """
-        pd = _imported("pandas")
+        pd = optional("pandas", "study", "dataframe")
         table = pd.DataFrame(dict(self.recording.columns), pd.Index(self.t, name="t"))
         table.attrs["units"] = {"t": "s", **self.units}
         return table
@@ -164,7 +163,7 @@ class Result:
         >>> data["disc[1].x"].attrs["units"], data.attrs["machine"]
         ('m', 'zigulic2003')
         """
-        xr = _imported("xarray")
+        xr = optional("xarray", "study", "dataset")
         variables = {
             name: ("t", column, {"units": self.units[name]})
             for name, column in self.recording.columns.items()
@@ -292,14 +291,6 @@ class Result:
             return ""
         image = base64.b64encode(png(motion(self.recording, ""))).decode()
         return f'<img src="data:image/png;base64,{image}" alt="displacement over time">'
-
-
-def _imported(library: str) -> Any:
-    """A library that a table is made with; `InputError` where it is not installed."""
-    try:
-        return import_module(library)
-    except ImportError:
-        raise InputError(f"{library} is not installed: pip install 'rotor-fmu[study]'") from None
 
 
 def read_run(folder: Path | str) -> Result:

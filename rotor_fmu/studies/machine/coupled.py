@@ -11,7 +11,6 @@ import math
 import os
 import shutil
 import tempfile
-import time
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -23,11 +22,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...errors import InputError, RunFailed
+from ...errors import InputError, RunFailed, optional
 from ...fmi.packing.python_fmu import package_name
-from ...model.kernels.process_lock import ProcessLock
-from ...model.kernels.sealed_folder import make_private
-from ...model.kernels.user_cache import user_cache
+from ...model.kernels.cache import private_folder, user_cache
 from ...model.spelling import Message
 from ...runs.recording import Recording
 from ...status import FAILED, messages_and_codes, status_of
@@ -54,7 +51,6 @@ _OF_THE_DRIVE = {
     "w_start": "from",
 }
 _KEPT_MACHINES = 8  # whose FMUs are kept
-_WAIT = 0.1  # between two looks whether another process has built them [s]
 
 
 @lru_cache
@@ -178,15 +174,10 @@ def fmus(toml: str) -> tuple[Path, Path]:
     kept = user_cache() / "coupled"
     home = kept / key
     for folder in (user_cache(), kept, home):
-        make_private(folder)
-    lock = ProcessLock(home / "lock")
-    while not lock.take():
-        time.sleep(_WAIT)
-    try:
+        private_folder(folder)
+    with optional("filelock", "study", "study").FileLock(home / "lock"):
         built = _extracted(drive_train().build(home)), _extracted(fmu_in(home, toml))
         os.utime(home)
-    finally:
-        lock.release()
     by_age = sorted(kept.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_MACHINES:]:
         shutil.rmtree(old, ignore_errors=True)
