@@ -92,12 +92,12 @@ MUTANTS = (
     Mutant(f"{_PACKING}/variable_table.py", 'number != "1"', 'number == "1"', _README),
     Mutant(f"{_PACKING}/related_files.py", "rotor != rig() or ", "", _RESULT),
     # the ledger
-    Mutant(_ENERGY, "out[1] = external", "out[1] = -external", _LEDGER),
-    Mutant(_ENERGY, "    out[3] = housing\n", "    out[3] = 0.0\n", _LEDGER),
+    Mutant(_ENERGY, "out[FLOW.external] = external", "out[FLOW.external] = -external", _LEDGER),
+    Mutant(_ENERGY, "    out[FLOW.housing] = housing\n", "    out[FLOW.housing] = 0.0\n", _LEDGER),
     Mutant(_ENERGY, "kinetic -= 0.5 * spin.omega", "kinetic += 0.5 * spin.omega", _LEDGER),
     Mutant(_ENERGY, "gravity -= m_x * g.real", "gravity += m_x * g.real", _LEDGER),
     Mutant(_ENERGY, "elastic += 0.5 * (housing.kx", "elastic += 0.4 * (housing.kx", _LEDGER),
-    Mutant(_OBSERVE, "residual -= flows[0] + flows[1]", "residual -= flows[0]", _LEDGER),
+    Mutant(_OBSERVE, "flows[FLOW.drive] + flows[FLOW.external]", "flows[FLOW.drive]", _LEDGER),
     Mutant(_OBSERVE, "LAW_LOSSES[i] for i in losses", "LAW_LOSSES[-i] for i in losses", _LEDGER),
 )  # fmt: skip
 

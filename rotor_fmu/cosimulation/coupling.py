@@ -26,7 +26,8 @@ PARTNER, ROTOR = "partner", "rotor"
 class CoupledRun:
     """A coupled run at its communication points.
 
-    Attributes:
+    Attributes
+    ----------
         t: Communication points [s], shape (n,).
         partner: Recorded variables of the partner by name, shape (n,) each.
         rotor: Recorded variables of the rotor by name, shape (n,) each.
@@ -109,10 +110,12 @@ class Coupling:
             of_partner: Variables to record beside those that are exchanged.
             of_rotor: The same of the rotor.
 
-        Yields:
+        Yields
+        ------
             The partner and the rotor, as `cosimulation.master` takes them.
 
-        Raises:
+        Raises
+        ------
             RunFailed: A call of one of the FMUs failed.
         """
         messages: list[Message] = []
@@ -156,7 +159,8 @@ class Coupling:
             of_rotor: See `open`.
             progress: Called with the time at each communication point; what it raises ends the run.
 
-        Raises:
+        Raises
+        ------
             RunFailed: A call of one of the FMUs failed.
         """
         with self.open(
