@@ -6,30 +6,36 @@ BIN := $(VENV)/Scripts
 else
 BIN := $(VENV)/bin
 endif
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 
 .PHONY: run-down reproduce survey reference test test-native test-all test-processors docs pages dist lint types coverage mutants bench clean
 
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[native]"
+	$(INSTALL) --editable ".[report]"
 	touch $(VENV)/made
 
 # what the papers need beside what running needs
 $(VENV)/made-papers: $(VENV)/made
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[papers,native]"
+	$(INSTALL) --editable ".[papers]"
 	touch $(VENV)/made-papers
 
 # what testing needs beside what running needs
 $(VENV)/made-test: $(VENV)/made
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[test,lint,coverage,docs,native]"
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps cofmupy==1.0.0
+	$(INSTALL) --editable ".[test,lint,coverage,docs,build]"
+	$(INSTALL) --no-deps cofmupy==1.0.0
 	touch $(VENV)/made-test
 
-# the solver as machine code, a minute after a change of it
+# the solver as machine code, made anew after a change of it; what makes it is installed where there is
+# none, and the linker zig where a C compiler cannot do what it does
 KERNELS := $(wildcard model/*.py model/*/*.py rotor_fmu/library/*.py rotor_fmu/fmi/machine_table.py rotor_fmu/fmi/c/*)
 $(VENV)/core: $(VENV)/made $(KERNELS)
-	$(BIN)/rotor-fmu core --platform here || echo "no FMU can be built, and runs compile the solver"
+	extra=$$($(BIN)/python -c "from rotor_fmu.library.build import missing_here as m; print(m())"); \
+		test -z "$$extra" || $(INSTALL) --editable ".[$$extra]"
+	$(BIN)/rotor-fmu core --platform here \
+		|| { $(INSTALL) --editable ".[build]" && $(BIN)/rotor-fmu core --platform here; } \
+		|| echo "no FMU can be built, and runs are slow"
 	touch $(VENV)/core
 
 run-down: $(VENV)/core
@@ -56,13 +62,13 @@ test-all: $(VENV)/made-test $(VENV)/core
 
 # all tests as on other processors, and on loaded cores: hours; stopped with Ctrl-C it goes on from there
 test-processors: $(VENV)/made-test $(VENV)/core
-	$(BIN)/python -m tests.processors
+	$(BIN)/python -m tools.processors
 
 # the documentation as a site that works from disk: build/site/index.html
 docs: $(VENV)/made-test
 	$(BIN)/python docs/site/build.py
 
-# the pages that are made from the code: commands, machine files, variables, integrators
+# what is made from the code: pages of commands, machine files, variables, integrators; the packages' picture
 pages: $(VENV)/made
 	$(BIN)/python -m docs.site.made
 
@@ -80,7 +86,7 @@ types: $(VENV)/made-test
 
 # wrong versions of description, documents, FMU and ledger that the tests must see
 mutants: $(VENV)/made-test $(VENV)/core
-	$(BIN)/python -m tests.mutants
+	$(BIN)/python -m tools.mutants
 
 # lines of Python that the tests run; kernels are machine code and not among them
 coverage: $(VENV)/made-test $(VENV)/core
@@ -89,19 +95,19 @@ coverage: $(VENV)/made-test $(VENV)/core
 # what a run costs beside other programs; stopped with Ctrl-C it goes on from there
 bench: $(VENV)/core
 	for peers in scikit-sundae exudyn "ross-rotordynamics plotly<7"; do \
-		$(BIN)/python -m pip install --quiet --disable-pip-version-check $$peers \
+		$(INSTALL) $$peers \
 			|| echo "$$peers: cannot be installed; the report will say so"; \
 	done
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[study,cluster]"
+	$(INSTALL) --editable ".[study,cluster]"
 	$(BIN)/python -m benchmarks
 	$(BIN)/python -m benchmarks.throughput
 
 # source archive and wheel, which holds the solver for all platforms, in dist/, checked, installed and
 # used; HOME_URL=address of the files for an index page's pictures
 dist: $(VENV)/made-test
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check build twine
+	$(INSTALL) build twine
 	$(BIN)/rotor-fmu core
-	$(BIN)/python tests/release.py "$(HOME_URL)"
+	$(BIN)/python tools/release.py "$(HOME_URL)"
 
 clean:
 	rm -rf $(VENV) model/library out build dist *.egg-info .pytest_cache .ruff_cache RotorBearing.fmu RotorBearingFree.fmu

@@ -48,7 +48,7 @@ def _watched(steps, h, structure, control, motion, memory, work):
     return doubtful
 
 
-watched = compiled(_watched, to_keep=False)
+watched = compiled(_watched, to_cache=False)
 
 
 def run_down(settings: Settings) -> Simulation:

@@ -1,7 +1,7 @@
 """Tables of a benchmark's results, as a page of Markdown, with its pictures.
 
 python -m benchmarks.report FOLDER --docs writes them anew from kept results, and puts the tables
-that docs/performance.md shows into it.
+that docs/explanation/performance.md shows into it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .goals import goals
 from .pictures import draw
 from .store import Store, median
 
-PAGE = Path(__file__).parent.parent / "docs" / "performance.md"
+PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "performance.md"
 _TITLES = {
     "run-down": "The run-down",
     "beginning": "Its first 0.2 s, for programs too slow for the whole",
@@ -59,7 +59,9 @@ def filled_page(store: Store, text: str) -> str:
             pattern, lambda m, part=part: f"{m[1]}\n{part}\n\n{m[2]}", text, flags=re.S
         )
         if count != 1:
-            raise ValueError(f"docs/performance.md: {count} places for {name!r}, must be one")
+            raise ValueError(
+                f"docs/explanation/performance.md: {count} places for {name!r}, must be one"
+            )
     return text
 
 
@@ -219,7 +221,7 @@ app = typer.Typer(add_completion=False)
 def main(
     folder: Annotated[Path, typer.Argument(help="Folder of a benchmark's results.")],
     docs: Annotated[
-        bool, typer.Option("--docs", help="Put them into docs/performance.md.")
+        bool, typer.Option("--docs", help="Put them into docs/explanation/performance.md.")
     ] = False,
 ) -> None:
     """Write table and pictures anew from kept results."""

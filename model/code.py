@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .kernels import library
-from .kernels.code_cache import say_once
+from .kernels.cache import warn_once
 from .kernels.compiled import IS_COMPILED, IS_SWITCHED_OFF, has_to_compile, plain
 from .march import entries
 
@@ -63,7 +63,7 @@ def _has_numba() -> bool:
     try:
         import_module(".kernels.dispatching", __package__)
     except ImportError as error:
-        say_once("numba", f"numba cannot be imported: {error}")
+        warn_once("numba", f"numba cannot be imported: {error}")
         return False
     return True
 

@@ -14,6 +14,7 @@ from .march.control import CONTROLLED, FIXED
 from .settings.resolver import radius_at_infinity
 from .spelling import TOLD, spell
 from .stability.matrices import OPEN
+from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 
@@ -87,10 +88,11 @@ def grows_at_rest(root: complex) -> str:
 @compiled
 def _tell_whirl(whirl, told, at):
     """Six numbers about a row of `survey.found`."""
-    told[at] = -1.0 - whirl[3] if whirl[3] < 0.0 else whirl[3] + 2.0
-    told[at + 1] = whirl[2]
-    told[at + 2], told[at + 3] = whirl[1] / _TWO_PI, whirl[1]
-    told[at + 4], told[at + 5] = whirl[0], whirl[4]
+    case, omega = whirl[WHIRL.case], whirl[WHIRL.omega]
+    told[at] = -1.0 - case if case < 0.0 else case + 2.0
+    told[at + 1] = whirl[WHIRL.is_backward]
+    told[at + 2], told[at + 3] = omega / _TWO_PI, omega
+    told[at + 4], told[at + 5] = whirl[WHIRL.growth], whirl[WHIRL.speed]
 
 
 @compiled
@@ -99,8 +101,10 @@ def unstable(run, told):
     contacts open."""
     survey = run.survey
     for i in range(survey.counted[0]):
-        if survey.found[i, 3] == OPEN and survey.found[i, 4] == run.memory.record[0].surveyed_at:
-            _tell_whirl(survey.found[i], told, 0)
+        whirl = survey.found[i]
+        is_present = whirl[WHIRL.speed] == run.memory.record[0].surveyed_at
+        if whirl[WHIRL.case] == OPEN and is_present:
+            _tell_whirl(whirl, told, 0)
             return say.UNSTABLE
     return say.GOOD
 
@@ -116,7 +120,7 @@ def hidden(run, told):
     longest = math.inf
     for i in range(survey.counted[0]):
         whirl = survey.found[i]
-        root = complex(whirl[0], whirl[1])
+        root = complex(whirl[WHIRL.growth], whirl[WHIRL.omega])
         seen = seen_growth(numbers, h, root)
         if not seen < HIDDEN * root.real:
             continue
@@ -158,13 +162,13 @@ def _whirled_apart(run, told):
     is_backward = (rate < 0.0) == (speed >= 0.0)
     is_any = True
     for i in range(survey.counted[0]):
-        is_any = is_any and (survey.found[i, 2] == 1.0) != is_backward
+        is_any = is_any and (survey.found[i, WHIRL.is_backward] == 1.0) != is_backward
     nearest = math.inf
     for i in range(survey.counted[0]):
         whirl = survey.found[i]
-        ratio = whirl[1] / max(abs(rate), 1e-9)
+        ratio = whirl[WHIRL.omega] / max(abs(rate), 1e-9)
         ratio = max(ratio, 1.0 / ratio)
-        is_alike = is_any or (whirl[2] == 1.0) == is_backward
+        is_alike = is_any or (whirl[WHIRL.is_backward] == 1.0) == is_backward
         if is_alike and (nearest == math.inf or ratio < nearest):
             nearest = ratio
             _tell_whirl(whirl, told, 5)

@@ -7,7 +7,8 @@ TOML, checks, records for the kernels, the FMU's variables, documents) is made f
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import namedtuple
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
@@ -91,6 +92,14 @@ def switch(text: str, default: Any = MISSING, *, is_parameter: bool = False) -> 
     """A field of a data class that is true or false."""
     told = Quantity("1", text, ANY, is_parameter, is_switch=True)
     return field(default=default, metadata={"quantity": told})
+
+
+def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> Any:
+    """A named tuple of the place of each entry, by its name: kernels fill arrays by it, as in
+    `out[places(OUTPUTS).x]`. first: place of the first; width: places that an entry takes."""
+    names = [entry if isinstance(entry, str) else entry.name for entry in entries]
+    kind = namedtuple("Places", names)  # type: ignore[misc]
+    return kind(*range(first, first + width * len(names), width))
 
 
 def quantities(kind: Any) -> Mapping[str, Quantity]:

@@ -8,13 +8,10 @@
 The names of `__all__` are stable; each is imported where it is used first.
 """
 
-import os as _os
-from pathlib import Path as _Path
 from typing import TYPE_CHECKING as _TYPE_CHECKING
 from typing import Any as _Any
 
 from .about import __version__
-from .model.kernels.user_cache import keep_in as _keep_in
 
 if _TYPE_CHECKING:
     from .api import *  # noqa: F403
@@ -34,9 +31,6 @@ __all__ = [
     "simulate",
     "simulate_fmu",
 ]
-
-if _os.environ.get("ROTOR_FMU_CACHE"):
-    _keep_in(_Path(_os.environ["ROTOR_FMU_CACHE"]))
 
 
 def __getattr__(name: str) -> _Any:

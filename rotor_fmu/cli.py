@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import os
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,6 +13,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from .about import __version__
 from .errors import run
+from .threads import ONE_THREAD
 
 _PACKAGE = Path(__file__).parent
 # command: module of this package and the function, or group of commands, in it
@@ -20,8 +22,6 @@ COMMANDS = {
     _RUNS: {
         "run-down": "runs.command:run_down",
         "study": "studies.command:study",
-        "drive-train": "drive_train.command:drive_train",
-        "magnetic-bearing": "magnetic_bearing.command:magnetic_bearing",
         "plot": "look.command:plot",
         "report": "look.command:report",
     },
@@ -93,6 +93,8 @@ app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=
 
 def main() -> None:
     """Entry point of the command `rotor-fmu`."""
+    for name, count in ONE_THREAD.items():  # read when NumPy is imported
+        os.environ.setdefault(name, count)
     run(app)
 
 

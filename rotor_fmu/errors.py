@@ -5,11 +5,14 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
-
-import typer
+from typing import TYPE_CHECKING, Any
 
 from .model.refusal import Refusal
+
+if TYPE_CHECKING:
+    import typer
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
@@ -40,6 +43,8 @@ class RunFailed(RuntimeError):
 
 def run(app: Callable[..., int | None]) -> None:
     """Run a typer application; end the process with a status and, if it failed, one line."""
+    import typer  # which takes longer than the first step of a run
+
     try:
         status = app(standalone_mode=False) or 0
     except typer.Exit as error:
@@ -83,6 +88,17 @@ def _unreachable(error: OSError) -> str:
 def _end(message: str, status: int) -> None:
     print(f"rotor-fmu: {message}", file=sys.stderr)
     sys.exit(status)
+
+
+def optional(module: str, extra: str, what: str) -> Any:
+    """A module that an extra of this package brings; `InputError` where it is not installed."""
+    try:
+        return import_module(module)
+    except ImportError:
+        package = module.partition(".")[0]
+        raise InputError(
+            f"{what}: {package} is not installed: pip install 'rotor-fmu[{extra}]'"
+        ) from None
 
 
 def writable_folder(path: Path) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -29,12 +30,21 @@ class PlainFigure(Figure):
 
 def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
     """A figure with one pair of axes, without the global state of pyplot; size in inches."""
+    figure, axes = new_panels(width, height, 1, 1)
+    return figure, axes[0]
+
+
+def new_panels(
+    width: float, height: float, rows: int, columns: int = 1, share_x: bool = False
+) -> tuple[Figure, np.ndarray]:
+    """A figure with several pairs of axes, shape (rows x columns,); size in inches."""
     figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.add_subplot()
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=share_x).ravel()
+    for each in axes:
+        each.spines[["top", "right"]].set_visible(False)
+        each.grid(color="#dddddd", linewidth=0.6)
+        each.set_axisbelow(True)
     return figure, axes
 
 

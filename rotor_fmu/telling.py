@@ -13,19 +13,8 @@ from numbers import Integral
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
-import typer
-
 from .errors import RunFailed
 from .status import FAILED
-
-_OPTIONS = {
-    "as_json": Annotated[
-        bool, typer.Option("--json", help="Print the summary as JSON to standard output.")
-    ],
-    "is_quiet": Annotated[
-        bool, typer.Option("--quiet", help="Print nothing but errors, and what --json asks for.")
-    ],
-}
 
 
 def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
@@ -42,19 +31,34 @@ def tells(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
                 stack.enter_context(redirect_stderr(io.StringIO()))
             figures = command(**options)
         if as_json:
-            typer.echo(json_text(figures), nl=False)
+            print(json_text(figures), end="")
         status = str(figures.get("status", ""))
         if status.startswith(FAILED):
             raise RunFailed(f"the run stopped before its end: {status.removeprefix(FAILED)}")
 
-    hints = get_type_hints(command, include_extras=True) | _OPTIONS
+    options = _options()
+    hints = get_type_hints(command, include_extras=True) | options
     own = inspect.signature(command).parameters.values()
-    added = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=False) for n in _OPTIONS]
+    added = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=False) for n in options]
     told.__annotations__ = hints
     told.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
         [parameter.replace(annotation=hints[parameter.name]) for parameter in (*own, *added)]
     )
     return told
+
+
+def _options() -> dict[str, Any]:
+    import typer  # which no run in Python needs
+
+    return {
+        "as_json": Annotated[
+            bool, typer.Option("--json", help="Print the summary as JSON to standard output.")
+        ],
+        "is_quiet": Annotated[
+            bool,
+            typer.Option("--quiet", help="Print nothing but errors, and what --json asks for."),
+        ],
+    }
 
 
 def json_text(figures: Mapping[str, Any]) -> str:

@@ -14,7 +14,7 @@ from rotor_fmu.model.march.tape import recordable
 import rotor_fmu as rf
 
 MODULES = ("api.machine", "api.simulate", "api.fmus", "api.result", "errors")
-PAGE = Path(__file__).parents[1] / "docs" / "api.md"
+PAGE = Path(__file__).parents[1] / "docs" / "reference" / "api.md"
 RIG = rf.load()
 
 

@@ -123,9 +123,7 @@ def test_a_stopped_race_goes_on_where_it_was(tmp_path, monkeypatch):
 
 
 def test_the_tables_of_the_page_are_those_of_the_newest_results():
-    results = sorted(
-        (PAGE.parent.parent / "benchmarks" / "results").glob("????-??-??/results.json")
-    )
+    results = sorted((PAGE.parents[2] / "benchmarks" / "results").glob("????-??-??/results.json"))
     assert json.loads(results[-1].read_text(encoding="utf-8"))["about"]["kind"] == "full"
     page = PAGE.read_text(encoding="utf-8")
     assert filled_page(Store.read(results[-1].parent), page) == page

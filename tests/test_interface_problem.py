@@ -8,7 +8,9 @@ from rotor_fmu.model.kernels.compiled import plain
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.march.block import LAYOUT, new_block
 from rotor_fmu.model.parts.clearance_contact import contact_force
+from rotor_fmu.model.protocol.law import Kinematics, Weights
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
+from rotor_fmu.model.step.excitation import spin_of
 from rotor_fmu.model.step.interface_problem import TOLERANCE, solve_dense, solve_interfaces
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.dense import clearance_contacts
@@ -29,8 +31,8 @@ def new_problem():
 
 def solved(problem, omega, b_d, b_v, solve=INTERPRETED):
     """Whether it was solved, and the iterations."""
-    s = STRUCTURE
-    return solve(problem, s.laws, s.interfaces, omega, omega, b_d, b_v, 0.0)
+    s, spin = STRUCTURE, spin_of(omega, 0.0, 0.0)
+    return solve(problem, s.laws, s.interfaces, spin, Weights(b_d, b_v, 0.0))
 
 
 def step_flexibility(scheme, h, omega):
@@ -70,7 +72,7 @@ def out_of_balance(problem, omega, b_d, b_v):
     """w - w_free - W F(w), as displacements in units of the clearance."""
     forces = np.array(
         [
-            plain(contact_force)(bearing, d, d_dot, omega)[0]
+            plain(contact_force)(bearing, Kinematics(d, d_dot, omega, omega)).force
             for bearing, d, d_dot in zip(
                 BEARINGS,
                 problem.d0 + b_d * problem.w,

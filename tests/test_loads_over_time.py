@@ -13,7 +13,7 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from scipy.signal import lsim
 
 import rotor_fmu as rf
-from rotor_fmu.coupled.member import Member
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.signals import Driver, Signals
 

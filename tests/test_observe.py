@@ -8,6 +8,7 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.march.observe import observed
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
+from rotor_fmu.model.protocol.law import Kinematics
 from rotor_fmu.model.quantities import ALL, NOTHING, SPEED
 from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
@@ -55,13 +56,15 @@ def test_contact_forces_are_those_of_the_law():
         q, v = sim.motion.q, sim.motion.v
         for j, bearing in enumerate(clearance_contacts(sim.structure)):
             d, d_dot = q[bearing.dof] - q[bearing.end], v[bearing.dof] - v[bearing.end]
-            force, normal, delta, *_ = contact_force(bearing, d, d_dot, sim.read("w"))
+            omega = sim.read("w")
+            contact = contact_force(bearing, Kinematics(d, d_dot, omega, omega))
+            force, normal = contact.force, contact.normal
             name = f"bearing[{j + 1}]"
             friction = math.sqrt(max(0.0, abs(force) ** 2 - normal**2))
             assert sim.read(f"{name}.fn") == pytest.approx(normal)
             assert abs(sim.read(f"{name}.ft")) == pytest.approx(friction, rel=1e-6, abs=1e-9)
             assert sim.read(f"{name}.contact") == (normal > 0)
-            touched.append(delta > 0)
+            touched.append(contact.penetration > 0)
     assert any(touched)
     assert not all(touched)
 

@@ -12,9 +12,9 @@ import sys
 
 import pytest
 
-from .checkout import ROOT, lay_out
+from tools.checkout import ROOT, lay_out
 
-PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/*.md"), *ROOT.glob("examples/*/README.md")])
+PAGES = sorted([ROOT / "README.md", *ROOT.glob("docs/*/*.md"), *ROOT.glob("examples/*/README.md")])
 RUN = {"sh": ["sh", "-e", "-c"], "python": ["python", "-c"]}
 # the tests are not run by the tests
 NOT_HERE = re.compile(r"^make test.*$", re.MULTILINE)

@@ -12,13 +12,13 @@ ROOT = Path(__file__).parents[1]
 
 def test_the_pages_made_from_the_code_say_what_it_says_now():
     made = runpy.run_path(str(ROOT / "docs" / "site" / "made.py"))["made"]()
-    assert len(made) == 4
+    assert len(made) == 5
     for page, text in made.items():
         assert page.read_text(encoding="utf-8") == text, f"{page.name}: make pages"
 
 
 def test_the_hosts_page_names_test_files_that_exist():
-    page = (ROOT / "docs" / "hosts.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "hosts.md").read_text(encoding="utf-8")
     named = set(re.findall(r"(?:tests|benchmarks)/[a-z_/]+\.(?:py|c)", page))
     assert len(named) >= 5
     for file in named:
@@ -29,10 +29,10 @@ def test_the_hosts_page_names_test_files_that_exist():
     "page",
     [
         "README.md",
-        "docs/impact.md",
-        "docs/integrators.md",
-        "docs/performance.md",
-        "docs/reproduction.md",
+        "docs/explanation/impact.md",
+        "docs/explanation/integrators.md",
+        "docs/explanation/performance.md",
+        "docs/explanation/reproduction.md",
     ],
 )
 def test_what_is_linked_is_there(page):

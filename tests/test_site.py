@@ -9,7 +9,9 @@ import pytest
 
 SITE = runpy.run_path(str(Path(__file__).parents[1] / "docs" / "site" / "build.py"))
 ROOT = Path(__file__).parents[1]
-NAMED = re.compile(r"(?<![\w/.-])(?:model|rotor_fmu|tests|benchmarks|examples|docs)/[\w/.]*\w")
+NAMED = re.compile(
+    r"(?<![\w/.-])(?:model|rotor_fmu|tests|tools|papers|benchmarks|examples|docs)/[\w/.]*\w"
+)
 MADE = {"model/library"}  # by commands
 
 
@@ -39,7 +41,10 @@ def test_a_link_to_nothing_is_an_error(tmp_path, capfd):
 
 
 def test_every_page_of_the_project_is_in_the_site():
-    globs = ("CONTRIBUTING.md", "docs/*.md", "docs/notebooks/*.ipynb", "examples/*/README.md")
+    globs = (
+        *("ARCHITECTURE.md", "CONTRIBUTING.md", "examples/*/README.md"),
+        *("docs/*.md", "docs/*/*.md", "docs/*/*.ipynb"),
+    )
     written = {path for glob in globs for path in ROOT.glob(glob)}
     assert written == set(SITE["pages"]())
 
@@ -52,3 +57,10 @@ def test_every_page_of_the_project_is_in_the_site():
 def test_the_files_that_a_page_names_are_there(page):
     named = set(NAMED.findall(page.read_text(encoding="utf-8"))) - MADE
     assert not {name for name in named if not (ROOT / name).exists()}
+
+
+def test_the_glossary_says_each_word_once_in_their_order():
+    page = (ROOT / "docs" / "reference" / "glossary.md").read_text(encoding="utf-8")
+    words = re.findall(r"^\| ([^|]+?) \|", page, re.MULTILINE)[2:]
+    assert len(words) > 40
+    assert words == sorted(set(words), key=str.lower)

@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from rotor_fmu.about import __version__
-
-from .checkout import ROOT, lay_out
+from tools.checkout import ROOT, lay_out
 
 
 def folders(root, name):
@@ -34,7 +33,7 @@ def wheel_file(tmp_path_factory):
     """The wheel, built of what belongs to the project."""
     folder = tmp_path_factory.mktemp("wheel")
     source = folder / "source"
-    lay_out(source, but=("docs/", "tests/"))
+    lay_out(source, but=("docs/", "tests/", "tools/"))
     shutil.copytree(ROOT / "model" / "library", source / "model" / "library")
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
     done = subprocess.run(

@@ -1,7 +1,8 @@
 """Make the site: python docs/site/build.py [FOLDER]; default: build/site.
 
-README, CONTRIBUTING, docs/ and the examples' pages are copied into a tree as the repository's, so
-that their links hold; Sphinx makes HTML of it. A warning, such as a link to nothing, is an error.
+README, ARCHITECTURE, CONTRIBUTING, docs/ and the examples' pages are copied into a tree as the
+repository's, so that their links hold; Sphinx makes HTML of it. A warning, such as a link to
+nothing, is an error.
 """
 
 from __future__ import annotations
@@ -13,21 +14,17 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
+_TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
 SECTIONS = {
-    "To look things up": ["docs/commands.md", "docs/api.md"],
-    "Notebooks": [
-        *("docs/notebooks/run_down.ipynb", "docs/notebooks/own_machine.ipynb"),
-        *("docs/notebooks/coupling.ipynb", "docs/notebooks/study.ipynb"),
+    "Tutorials": [f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS],
+    "How to": [f"docs/how_to/{name}.md" for name in ("studies", "native", "couple_an_fmu")],
+    "Examples": ["examples/*/README.md"],
+    "Reference": ["docs/reference/*.md"],
+    "Explanation": ["docs/explanation/*.md"],
+    "Working on it": [
+        *("CONTRIBUTING.md", "ARCHITECTURE.md", "docs/how_to/add_*.md"),
+        *("docs/how_to/debug_a_kernel.md", "docs/decisions/*.md"),
     ],
-    "The FMU": ["docs/hosts.md", "docs/native.md", "docs/variables.md"],
-    "Results": ["docs/signals.md"],
-    "Machines": ["docs/machine.md", "examples/*/README.md"],
-    "Many runs": ["docs/studies.md", "docs/response.md"],
-    "What to trust": [
-        *("docs/truth.md", "docs/integrators.md", "docs/reproduction.md", "docs/impact.md"),
-        "docs/performance.md",
-    ],
-    "Working on it": ["CONTRIBUTING.md"],
 }
 _SHOWN = (".png", ".gif", ".svg", ".csv.gz", ".html")
 

@@ -13,16 +13,16 @@ from rotor_fmu.cli import COMMANDS
 
 HEAD = """# Commands
 
-Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` says the same. What
-cannot be is told in one line, and the status is 2; 1 is a run that failed, 130 one that Ctrl-C
-stopped, after which nothing unfinished is left.
+Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` says the same. Input
+that cannot be is refused in one line, with status 2. Status 1 is a run that failed, 130 one that
+Ctrl-C stopped; neither leaves anything unfinished.
 
 Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to the
 motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4 ms),
 `paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms). `--set
 solver.tolerance=1e-4`, or `--preset robust --set solver.h=1e-4`, and the like change a preset;
 `solver.reduction=4` keeps four component modes of the shaft, which pays where it has many elements.
-Too few for the speed are said, with the modes that they move.
+A warning names the modes that too few of them would move.
 """
 
 

@@ -1,4 +1,4 @@
-"""Write the pages of the documentation that are made from the code: `make pages`."""
+"""Write the pages and the picture that are made from the code: `make pages`."""
 
 from __future__ import annotations
 
@@ -13,22 +13,24 @@ from papers.integrators.survey.page import PAGE, page_text
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.variable_table import markdown
 from rotor_fmu.machine_file.page import page as machine_page
+from tools.architecture import PICTURE, picture
 
 DOCS = Path(__file__).parents[1]
 
 
 def made() -> dict[Path, str]:
-    """The text of each page as the code makes it now."""
+    """The text of each file as the code makes it now."""
     commands = runpy.run_path(str(Path(__file__).with_name("commands.py")))
-    variables = DOCS / "variables.md"
+    variables = DOCS / "reference" / "variables.md"
     head, bar, _ = variables.read_text(encoding="utf-8").partition("| variable |")
     if not bar:
         raise ValueError(f"{variables}: has no table")
     return {
-        DOCS / "commands.md": commands["page"](),
-        DOCS / "machine.md": machine_page() + "\n",
+        DOCS / "reference" / "commands.md": commands["page"](),
+        DOCS / "reference" / "machine.md": machine_page() + "\n",
         variables: head + markdown(interface(rig())),
         DOCS / PAGE: page_text(Findings(read_table(DOCS / "data" / "integrators.csv.gz"))),
+        PICTURE: picture(),
     }
 
 

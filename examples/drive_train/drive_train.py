@@ -21,7 +21,7 @@ from pythonfmu import DefaultExperiment
 try:
     from rotor_fmu_slave import BEGUN, Listed, TableSlave, hold  # beside it in the FMU
 except ImportError:
-    from rotor_fmu.coupled.slave import BEGUN, Listed, TableSlave, hold  # in the source
+    from rotor_fmu.cosimulation.slave import BEGUN, Listed, TableSlave, hold  # in the source
 
 hold(globals())  # pythonfmu's wrapper drops a reference to them with each instance
 
@@ -54,6 +54,13 @@ VARIABLES: tuple[Listed, ...] = (
     ("load_before", "local", "N.m", None, None, "load at the last instant but one"),
     ("step_before", "local", "s", None, None, "length of the last communication step"),
     BEGUN,
+)
+# (output, input): what a master passes on at each communication point; INITIAL before, in turn
+CONNECTIONS = (("partner.w", "rotor.speed"), ("rotor.tau_load", "partner.tau_load"))
+INITIAL = (
+    ("rotor.J", "partner.J_rotor"),
+    ("partner.w_start", "rotor.speed"),
+    ("rotor.tau_load", "partner.tau_load"),
 )
 # What is integrated, in this order.
 STATES = ("phi_motor", "w_motor", "phi", "w", "integral", "work_motor", "work_out", "loss")

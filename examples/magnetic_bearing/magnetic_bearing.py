@@ -21,7 +21,13 @@ from pythonfmu import DefaultExperiment
 try:
     from rotor_fmu_slave import BEGUN, Listed, Refused, TableSlave, hold  # beside it in the FMU
 except ImportError:
-    from rotor_fmu.coupled.slave import BEGUN, Listed, Refused, TableSlave, hold  # in the source
+    from rotor_fmu.cosimulation.slave import (  # in the source
+        BEGUN,
+        Listed,
+        Refused,
+        TableSlave,
+        hold,
+    )
 
 hold(globals())  # pythonfmu's wrapper drops a reference to them with each instance
 
@@ -74,6 +80,17 @@ VARIABLES: tuple[Listed, ...] = (
     ("work", "output", "J", None, None, "work of the magnets on the rotor, up to the last sample"),
     ("w_ref", "local", "rad/s", None, None, "reference of the speed controller"),
     BEGUN,
+)
+# What a master passes on at every communication point, and before the first: (output, input)
+INITIAL = (
+    *((f"rotor.{side}_sensor.{axis}", f"partner.{side}_{axis}") for side, axis in AXES),
+    *((f"rotor.{side}_magnet.{axis}", f"partner.{side}_d{axis}") for side, axis in AXES),
+    ("rotor.w", "partner.w"),
+)
+CONNECTIONS = (
+    *INITIAL,
+    *((f"partner.{side}_f{axis}", f"rotor.{side}_magnet.f{axis}") for side, axis in AXES),
+    ("partner.tau", "rotor.tau_drive"),
 )
 
 

@@ -61,11 +61,11 @@ def bifurcation(data: xarray.Dataset, varied: str, path: Path) -> None:
         hz = chosen["run.speed"].values / (2 * math.pi)
         points = 1e6 * chosen.y.values
         axes.plot(np.repeat(hz, points.shape[1]), points.ravel(), ".", color=BLUE, ms=2.0, mew=0)
-        axes.set_ylabel("Disc 3, $y$ at\nthe mark [µm]")
+        axes.set_ylabel("Disc 3, y at\nthe mark [µm]")
         axes.set_title(f"{varied} {1e6 * value:.0f} µm", loc="left", fontsize=9)
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(color="#dddddd", linewidth=0.6)
-    rows[-1].set_xlabel("Rotational speed $n$ [Hz]")
+    rows[-1].set_xlabel("Rotational speed n [Hz]")
     save(figure, path)
 
 
@@ -76,7 +76,7 @@ def full_spectrum(data: xarray.Dataset, varied: str, value: float, path: Path) -
     hz, orders = chosen["run.speed"].values / (2 * math.pi), chosen["spectrum order"].values
     shown = np.maximum(1e6 * chosen.spectrum.values, 1e-2)
     mesh = axes.pcolormesh(orders, hz, shown, norm=LogNorm(1e-1, 500), cmap="cividis")
-    axes.set(xlabel="Order of the speed, backward below 0 [-]", ylabel="Rotational speed $n$ [Hz]")
+    axes.set(xlabel="Order of the speed, backward below 0 [-]", ylabel="Rotational speed n [Hz]")
     axes.set_title(f"{varied} {1e6 * value:.0f} µm", loc="left", fontsize=9)
     axes.grid(visible=False)
     figure.colorbar(mesh, label="Amplitude [µm]", extend="min")
@@ -153,9 +153,9 @@ def dry_whip(data: xarray.Dataset, path: Path) -> None:
     speeds = np.linspace(1.01, v.max(), 400)
     axes.plot(speeds, rolling_friction(speeds), color=ORANGE, label="friction that rolling needs")
     least = 2 * ZETA * math.sqrt(1 + BETA) / BETA
-    axes.axhline(least, color=BLUE, ls="--", label=f"$\\mu_c$ = {least:.4f}")
+    axes.axhline(least, color=BLUE, ls="--", label=f"µ_c = {least:.4f}")
     axes.set(
-        xlabel="Surface speed / (clearance x natural frequency), $V$ [-]",
+        xlabel="Surface speed / (clearance x natural frequency), V [-]",
         ylabel="Coefficient of friction [-]",
         ylim=(mu.min() - 0.002, mu.max() + 0.002),
     )

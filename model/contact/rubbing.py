@@ -19,6 +19,7 @@ what it would be if it stuck is known, and is mapped back onto the cone where it
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from ..kernels.compiled import called, compiled
 from ..kernels.functions import exponential, modulus
@@ -50,26 +51,34 @@ def _largest_friction(part, v_t):
     return part.mu + rise, -2.0 * x / part.v_stribeck * rise
 
 
+class Friction(NamedTuple):
+    """Friction at a wall: its coefficient mu_t [1], signed, with its derivative by the sliding
+    speed [s/m]; the derivative of the friction force by the normal force [1]; the elongation z of
+    the tangential spring [m]."""
+
+    coefficient: float
+    by_sliding: float
+    by_normal: float
+    elongation: float
+
+
 @compiled
 def rub(part, n, v_t, b, free):
-    """Friction under a normal force n [N] at a sliding speed [m/s], z = free + b z'; b = 0 at an
-    instant.
-
-    Returns mu_t [1], its derivative by v_t [s/m], that of the friction force by n [1], and z [m].
-    """
+    """`Friction` under a normal force n [N] at a sliding speed [m/s], z = free + b z'; b = 0 at an
+    instant."""
     if part.k_t == 0.0:
         mu_t, slope = friction(part, v_t)
-        return mu_t, slope, mu_t, free
+        return Friction(mu_t, slope, mu_t, free)
     stiffness = part.k_t * b + part.c_t
     if n <= 0.0:
-        return 0.0, 0.0, 0.0, part.c_t * free / stiffness
+        return Friction(0.0, 0.0, 0.0, part.c_t * free / stiffness)
     stuck = part.k_t * free + stiffness * v_t
     mu, falls = _largest_friction(part, v_t)
     if abs(stuck) <= mu * n:
-        return stuck / n, stiffness / n, 0.0, free + b * v_t
+        return Friction(stuck / n, stiffness / n, 0.0, free + b * v_t)
     sense = 1.0 if stuck > 0.0 else -1.0
     slid = (sense * mu * n * b + part.c_t * free) / stiffness
-    return sense * mu, sense * falls, sense * mu, slid
+    return Friction(sense * mu, sense * falls, sense * mu, slid)
 
 
 @compiled
@@ -94,65 +103,73 @@ def outward(gradient):
     return steep, gradient * (1.0 / steep)
 
 
-@compiled
-def rubbing_force(part, d, d_dot, surface, z):
-    """Contact with a surface past which the journal's own moves with the speed `surface` [m/s] if
-    its centre rests; z: elongation of the tangential spring [m].
+class Rubbing(NamedTuple):
+    """A contact at an instant: complex force on the journal [N]; its normal force and friction
+    force [N]; the damping's share in n [N]; penetration [m], its rate and the sliding speed
+    [m/s]."""
 
-    Returns the complex force on the journal [N], the normal force, the friction force, the
-    damping's share in n [N], the penetration [m], its rate and the sliding speed [m/s].
-    """
-    delta, rate, n, n_k, _, _, e, local, gradient, _, _ = touch(part, d, d_dot)
-    if delta <= 0.0:
-        return 0.0j, 0.0, 0.0, 0.0, delta, 0.0, 0.0
-    steep, normal = outward(gradient)
-    v_t = (normal.conjugate() * local).imag + surface
-    if n <= 0.0:
-        return 0.0j, 0.0, 0.0, -n_k, delta, rate, v_t
-    pressure = n * steep
-    mu_t, _, _, _ = rub(part, pressure, v_t, 0.0, z)
-    force = -complex(pressure, mu_t * pressure) * normal * e
-    return force, pressure, mu_t * pressure, n - n_k, delta, rate, v_t
+    force: complex
+    normal: float
+    friction: float
+    damping: float
+    penetration: float
+    rate: float
+    sliding: float
+
+
+@compiled
+def rubbing(part, kinematics, surface, z):
+    """`Rubbing` on a surface past which the journal's own moves with the speed `surface` [m/s] if
+    its centre rests; z: elongation of the tangential spring [m]."""
+    at = touch(part, kinematics)
+    if at.penetration <= 0.0:
+        return Rubbing(0.0j, 0.0, 0.0, 0.0, at.penetration, 0.0, 0.0)
+    steep, normal = outward(at.gradient)
+    v_t = (normal.conjugate() * at.velocity).imag + surface
+    if at.normal <= 0.0:
+        return Rubbing(0.0j, 0.0, 0.0, -at.elastic, at.penetration, at.rate, v_t)
+    pressure = at.normal * steep
+    braking = rub(part, pressure, v_t, 0.0, z).coefficient * pressure
+    force = -complex(pressure, braking) * normal * at.direction
+    damping = at.normal - at.elastic
+    return Rubbing(force, pressure, braking, damping, at.penetration, at.rate, v_t)
 
 
 @called
-def _column(z, z_v, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, by_n, give):
-    """dF in the frame along e by a displacement z and a velocity z_v."""
-    steep, normal = outward(gradient)
-    d_gradient = complex(h * z.imag, h * z.real + h_b * z.imag)
-    d_rate = (d_gradient.conjugate() * local + gradient.conjugate() * z_v).real
-    d_n = n_a * (gradient.conjugate() * z).real + c * d_rate
+def _column(at, rubs, give, z, z_v):
+    """dF in the frame along e by a displacement z and a velocity z_v; see `contact_tangent`."""
+    steep, normal = outward(at.gradient)
+    d_gradient = complex(at.skew * z.imag, at.skew * z.real + at.curvature * z.imag)
+    d_rate = (d_gradient.conjugate() * at.velocity + at.gradient.conjugate() * z_v).real
+    d_n = at.stiffness * (at.gradient.conjugate() * z).real + at.damping * d_rate
     d_steep = (normal.conjugate() * d_gradient).real
     d_normal = (d_gradient - normal * d_steep) * (1.0 / steep)
-    d_sliding = (d_normal.conjugate() * local + normal.conjugate() * z_v).imag
-    pressure = n * steep
-    d_pressure = d_n * steep + n * d_steep
-    d_friction = give * (by_n * d_pressure + pressure * by_v * d_sliding)
-    along = d_n * gradient + n * d_gradient
-    return -(along + 1j * (d_friction * normal + mu_t * pressure * d_normal))
+    d_sliding = (d_normal.conjugate() * at.velocity + normal.conjugate() * z_v).imag
+    pressure = at.normal * steep
+    d_pressure = d_n * steep + at.normal * d_steep
+    d_friction = give * (rubs.by_normal * d_pressure + pressure * rubs.by_sliding * d_sliding)
+    along = d_n * at.gradient + at.normal * d_gradient
+    return -(along + 1j * (d_friction * normal + rubs.coefficient * pressure * d_normal))
 
 
 @compiled
-def contact_tangent(e, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, by_n, give, by_d, by_v_dot):
-    """The pair p, q of a contact that `touch` describes, with the friction that `rub` does; give:
-    what the surface that is rubbed leaves of a change of the friction force [1]."""
-    if gradient.imag != 0.0:
-        by_a = _column(
-            by_d + 0j, by_v_dot + 0j, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, by_n, give
-        )
-        by_b = _column(
-            1j * by_d, 1j * by_v_dot, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, by_n, give
-        )
+def contact_tangent(at, rubs, give, weights):
+    """The pair p, q of a contact, at: its `Touch`, rubs: its `Friction`; give: what the surface
+    that is rubbed leaves of a change of the friction force [1]; weights: see `protocol.law`."""
+    e, by_d, by_v = at.direction, weights.displacement, weights.velocity
+    if at.gradient.imag != 0.0:
+        by_a = _column(at, rubs, give, by_d + 0j, by_v + 0j)
+        by_b = _column(at, rubs, give, 1j * by_d, 1j * by_v)
         return 0.5 * (by_a - 1j * by_b), 0.5 * (by_a + 1j * by_b) * e * e
     # round: n by a displacement along e and along i e
-    w_n = local.real
-    n_b = c * local.imag * h_b
-    given = give * by_n
-    slope = give * n * by_v
-    t_aa = by_d * -n_a + by_v_dot * -c
-    t_ab = by_d * (mu_t * n * h_b - n_b)
-    t_ba = by_d * (-given * n_a) + by_v_dot * (-given * c)
-    t_bb = by_d * (-given * n_b + slope * w_n * h_b - n * h_b) + by_v_dot * -slope
+    n, bend = at.normal, at.curvature
+    n_b = at.damping * at.velocity.imag * bend
+    given = give * rubs.by_normal
+    slope = give * n * rubs.by_sliding
+    t_aa = by_d * -at.stiffness + by_v * -at.damping
+    t_ab = by_d * (rubs.coefficient * n * bend - n_b)
+    t_ba = by_d * (-given * at.stiffness) + by_v * (-given * at.damping)
+    t_bb = by_d * (-given * n_b + slope * at.velocity.real * bend - n * bend) + by_v * -slope
     # rotated back: e (T (conj(e) z)), a real 2x2 matrix written as p z + q conj(z)
     p = 0.5 * complex(t_aa + t_bb, t_ba - t_ab)
     q = 0.5 * complex(t_aa - t_bb, t_ba + t_ab)
@@ -160,15 +177,15 @@ def contact_tangent(e, local, n, n_a, c, gradient, h, h_b, mu_t, by_v, by_n, giv
 
 
 @compiled
-def rubbing_tangent(part, d, d_dot, surface, by_d, by_v, b, free):
+def rubbing_tangent(part, kinematics, weights, surface, b, free):
     """Force of a contact on the journal [N], its tangent p, q, and z [m]; see `rub`."""
-    delta, _, n, _, n_a, c, e, local, gradient, h, h_b = touch(part, d, d_dot)
-    if delta <= 0.0 or n <= 0.0:
-        return 0.0j, 0.0j, 0.0j, rub(part, 0.0, 0.0, b, free)[3]
-    steep, normal = outward(gradient)
-    v_t = (normal.conjugate() * local).imag + surface
-    mu_t, slope, by_n, z = rub(part, n * steep, v_t, b, free)
-    p, q = contact_tangent(
-        e, local, n, n_a, c, gradient, h, h_b, mu_t, slope, by_n, 1.0, by_d, by_v
-    )
-    return -complex(n * steep, mu_t * n * steep) * normal * e, p, q, z
+    at = touch(part, kinematics)
+    n = at.normal
+    if at.penetration <= 0.0 or n <= 0.0:
+        return 0.0j, 0.0j, 0.0j, rub(part, 0.0, 0.0, b, free).elongation
+    steep, normal = outward(at.gradient)
+    v_t = (normal.conjugate() * at.velocity).imag + surface
+    rubs = rub(part, n * steep, v_t, b, free)
+    p, q = contact_tangent(at, rubs, 1.0, weights)
+    force = -complex(n * steep, rubs.coefficient * n * steep) * normal * at.direction
+    return force, p, q, rubs.elongation

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..kernels.compiled import called, compiled
 from ..kernels.functions import angle, direction, modulus, power
@@ -95,31 +96,50 @@ def elastic(part, delta):
     return slope * delta, slope * part.exponent
 
 
-@compiled
-def touch(part, d, d_dot):
-    """Where the journal touches, in the frame along e.
+class Touch(NamedTuple):
+    """How a journal touches its wall, in the frame along e: penetration delta [m] and its rate
+    [m/s]; normal force n [N], 0 without contact, its elastic part, its derivatives by delta,
+    `stiffness` [N/m], and by the rate, `damping` [N.s/m]; direction: e; velocity: d' along e and
+    i e [m/s]; gradient: of delta, along e and i e [1]; its second derivatives, `skew` along e and
+    i e, `curvature` along i e twice [1/m]."""
 
-    Returns penetration delta and its rate [m], [m/s]; n [N], 0 without contact, its elastic part,
-    its derivative by delta and by the rate; e; d_dot along e and i e; the gradient of delta [1] and
-    the second derivatives h along e and i e, h_b along i e twice [1/m].
-    """
+    penetration: float
+    rate: float
+    normal: float
+    elastic: float
+    stiffness: float
+    damping: float
+    direction: complex
+    velocity: complex
+    gradient: complex
+    skew: float
+    curvature: float
+
+
+@compiled
+def touch(part, kinematics):
+    """`Touch` of a journal; all but the penetration is 0 where it does not touch."""
+    d = kinematics.displacement
     r = modulus(d)
     s, s_1, s_2 = _clearance_at(part, d)
     delta = r - s
     if delta <= 0.0:
-        return delta, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0
+        return Touch(delta, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0)
     e = d * (1.0 / r)
-    local = e.conjugate() * d_dot
+    velocity = e.conjugate() * kinematics.velocity
     gradient = complex(1.0, -s_1 / r)
-    rate = local.real + gradient.imag * local.imag
-    n_k, n_a = elastic(part, delta)
+    rate = velocity.real + gradient.imag * velocity.imag
+    n_k, stiffness = elastic(part, delta)
     share = min(1.0, delta / part.delta_c)
-    c = part.c * share
-    n = n_k + c * rate
+    damping = part.c * share
+    n = n_k + damping * rate
     if share < 1.0:
-        n_a += part.c / part.delta_c * rate
-    h, h_b = s_1 / (r * r), 1.0 / r - s_2 / (r * r)
-    return delta, rate, max(0.0, n), n_k, n_a, c, e, local, gradient, h, h_b
+        stiffness += part.c / part.delta_c * rate
+    skew, curvature = s_1 / (r * r), 1.0 / r - s_2 / (r * r)
+    return Touch(
+        *(delta, rate, max(0.0, n), n_k, stiffness, damping),
+        *(e, velocity, gradient, skew, curvature),
+    )
 
 
 @compiled

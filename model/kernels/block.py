@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
@@ -112,8 +111,9 @@ class Layout:
         return slice(begin(group), begin(names[last]) if last < len(names) else int(header[0]))
 
     def _made(self) -> Any:
-        numbas = import_module(".dispatching", __package__)
-        return numbas.dispatcher(self._view(numbas.array_at), options=OPTIONS)
+        from .dispatching import array_at, dispatcher
+
+        return dispatcher(self._view(array_at), options=OPTIONS)
 
     def _view(self, at: Callable[..., Any]) -> Callable[[Any], Any]:
         """The function that finds all groups in a block, from source that the table spells; at:

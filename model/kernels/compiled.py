@@ -11,7 +11,6 @@ import os
 from collections.abc import Callable
 from dis import get_instructions
 from functools import cached_property, update_wrapper
-from importlib import import_module
 from importlib.util import find_spec
 from types import CellType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -101,32 +100,34 @@ def _globals(code: CodeType) -> set[str]:
 
 
 def has_to_compile(function: Any) -> bool:
-    """Whether the first call of a `compiled` function compiles it, no earlier process having kept
-    its code."""
+    """Whether the first call of a `compiled` function compiles it, no code of it being cached."""
     if not IS_COMPILED or function.overloads:
         return False
-    is_kept: Callable[..., bool] = import_module(".kept_overloads", __package__).is_kept
-    return not is_kept(function)
+    from .dispatching import is_cached
+
+    return not is_cached(function.py_func)
 
 
-def _kernel(function: Callable[..., Any], to_keep: bool, **options: Any) -> Callable[..., Any]:
+def _kernel(function: Callable[..., Any], to_cache: bool, **options: Any) -> Callable[..., Any]:
     if not IS_COMPILED:
         return function
 
     def make() -> Any:
-        numbas = import_module(".dispatching", __package__)
-        return numbas.dispatcher(function, to_keep, {**OPTIONS, **options})
+        from .dispatching import dispatcher
+
+        return dispatcher(function, to_cache, {**OPTIONS, **options})
 
     return Kernel(function, make)
 
 
-def compiled(function: Callable[..., Any], to_keep: bool = True) -> Callable[..., Any]:
-    """Compile `function` with numba, kept on disk if `to_keep`, or return it as it is without
-    numba. What is made anew in every process (a closure) is kept in the code of its callers alone.
+def compiled(function: Callable[..., Any], to_cache: bool = True) -> Callable[..., Any]:
+    """Compile `function` with numba, its code cached on disk if `to_cache`, or return it as it is
+    without numba. What is made anew in every process (a closure) is cached in the code of its
+    callers alone.
 
     The arithmetic is IEEE in both cases (no fast-math), so the numbers are the same.
     """
-    return _kernel(function, to_keep)
+    return _kernel(function, to_cache)
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -3,29 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numba
 from numba.core import cgutils, types
 from numba.extending import intrinsic, typeof_impl
 
+from .cache import private_folder, user_cache, warn_once
 from .compiled import Kernel
-from .kept_overloads import keep
+from .digest import kernels_digest
 
 _HAS_NRT = hasattr(numba.core.cpu.CPUTargetOptions, "_nrt")
 # Options of every kernel of a process that compiles them for another use than calling them.
 EXTRA: dict[str, bool] = {}
+CACHES = True
 
 
 def dispatcher(
-    function: Callable[..., Any], to_keep: bool = False, options: Mapping[str, Any] = {}
+    function: Callable[..., Any], to_cache: bool = False, options: Mapping[str, Any] = {}
 ) -> Any:
-    """What `numba.njit` makes of a function, its code kept on disk if `to_keep`."""
+    """What `numba.njit` makes of a function, its code cached on disk if `to_cache`."""
     without_counts = {"_nrt": False} if _HAS_NRT else {}
     made = numba.njit(**{**options, **without_counts, **EXTRA})(function)
-    if to_keep:
-        keep(made)
+    folder = cache_folder() if to_cache and CACHES else None
+    if folder:
+        usual, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
+        try:
+            made.enable_caching()
+        except RuntimeError:
+            pass  # of a function that was typed in, which has no file
+        finally:
+            numba.config.CACHE_DIR = usual
     return made
+
+
+@cache
+def cache_folder() -> Path | None:
+    """Where numba caches the code of these kernels: its own check, a file's time, knows nothing of
+    the kernels that a kernel calls. None, which is logged, where there can be no such folder."""
+    try:
+        kernels = private_folder(user_cache()) / "numba"
+        return private_folder(private_folder(kernels) / kernels_digest())
+    except (OSError, ImportError) as error:
+        warn_once("cache", f"compiled code is not cached for the next process: {error}")
+        return None
+
+
+def is_cached(function: Callable[..., Any]) -> bool:
+    """Whether code of a function is cached, of whatever signature."""
+    folder = cache_folder()
+    name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+    return folder is not None and any(folder.rglob(f"{name}-*.nbc"))
 
 
 @typeof_impl.register(Kernel)

@@ -4,7 +4,7 @@ A file counts only if its name says that it was made of exactly these kernels an
 
     linux64.CORE.KERNELS.CHECKSUM.so
 
-CORE follows all that the library is made of, KERNELS what `code_cache.kernels_content` does.
+CORE follows all that the library is made of, KERNELS the kernels of a run (`digest`).
 """
 
 from __future__ import annotations
@@ -13,16 +13,12 @@ import ctypes
 import hashlib
 import platform
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from .code_cache import kernels_content, say_once
-from .sealed_folder import check_folder
-from .user_cache import user_cache
+from .cache import warn_once
+from .digest import folders, kernels_digest
 
-# Beside the kernels: what a wheel or an FMU carries, or was made in a source tree.
-CARRIED = Path(__file__).parents[1] / "library"
 _MACHINES = {"x86_64": "x86_64", "AMD64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 # By the system and the processor, as in FMI 2.0 where it has a name.
 _PLATFORMS = {
@@ -45,33 +41,17 @@ def here() -> str | None:
 def file_name(name: str, core: str, suffix: str, content: bytes) -> str:
     """What the library of a platform is called that has this content."""
     checksum = hashlib.sha256(content).hexdigest()[:_DIGITS]
-    return f"{name}.{core}.{kernels_content()}.{checksum}{suffix}"
-
-
-def made_here() -> Path:
-    """The folder in the user's cache for libraries. Raises `OSError` where there is none."""
-    return user_cache() / "native"
+    return f"{name}.{core}.{kernels_digest()}.{checksum}{suffix}"
 
 
 def find(name: str, core: str = "*") -> Path | None:
     """The library of a platform that was made of these kernels, if there is one; core: and of what
     else."""
-    for folder in _folders():
-        for file in sorted(folder.glob(f"{name}.{core}.{kernels_content()}.*")):
+    for folder in folders():
+        for file in sorted(folder.glob(f"{name}.{core}.{kernels_digest()}.*")):
             if file.name == file_name(name, file.name.split(".")[1], file.suffix, _read(file)):
                 return file
     return None
-
-
-def _folders() -> Iterator[Path]:
-    yield CARRIED
-    try:
-        folder = made_here()
-        if folder.is_dir():
-            check_folder(folder)
-            yield folder
-    except OSError as error:
-        say_once("library", f"libraries of the solver are not looked for: {error}")
 
 
 def _read(file: Path) -> bytes:
@@ -96,6 +76,6 @@ def loaded() -> ctypes.CDLL | None:
         library.rotor_survey.argtypes = (block, real, ctypes.c_int64)
         library.rotor_look.argtypes = (block,)
     except (OSError, AttributeError) as error:
-        say_once("library", f"the library of the solver cannot be loaded: {error}")
+        warn_once("library", f"the library of the solver cannot be loaded: {error}")
         return None
     return library

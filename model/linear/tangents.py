@@ -8,7 +8,8 @@ import numpy as np
 
 from ..kernels.compiled import compiled, plain
 from ..parts import LAWS
-from ..step.laws import law_tangent
+from ..protocol.law import Weights
+from ..step.laws import at_rest, law_tangent
 from ..structure.structure import Structure
 
 
@@ -28,20 +29,10 @@ def _fill(laws, interfaces, d, speed, free, own, force, p, q):
         interface = interfaces[j]
         at = interface.own
         for i in range(2):
-            found = law_tangent(
-                laws,
-                interface,
-                d[j],
-                0.0j,
-                speed,
-                0.0,
-                1.0 - i,
-                1.0 * i,
-                0.0,
-                free[at:],
-                own[at:],
+            weights = Weights(1.0 - i, 1.0 * i, 0.0)
+            force[j], p[i, j], q[i, j] = law_tangent(
+                laws, interface, at_rest(d[j], speed), weights, free[at:], own[at:]
             )
-            force[j], p[i, j], q[i, j] = found
 
 
 def tangents(structure: Structure, d: np.ndarray, speed: float) -> Tangents:

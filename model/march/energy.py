@@ -10,11 +10,13 @@ from __future__ import annotations
 from ..kernels.band import form
 from ..kernels.compiled import compiled
 from ..parts.housing import masses
+from ..quantities import places
 from ..step.excitation import at_load, at_place, circulation, drive_torque, internal_torque
-from ..step.laws import add_energy, add_losses, relative
+from ..step.laws import add_energy, add_losses, kinematics, relative
 from ..structure.ledger import OWN_FLOWS, OWN_STORES
 
 _OWN_STORES, _OWN_FLOWS = len(OWN_STORES), len(OWN_FLOWS)
+_STORE, FLOW = places(OWN_STORES), places(OWN_FLOWS)
 
 
 @compiled
@@ -40,24 +42,22 @@ def powers(structure, spin, loads, motion, scratch, out):
         structural += internal * spin.omega + kappa * form(structure.K_shaft, v[:n], q[:n]).imag
     housing = 0.0
     for h in range(len(structure.housings)):
-        moving = v[n + h]
+        rate = v[n + h]
         damper = structure.housings[h]
-        housing += damper.cx * moving.real**2 + damper.cy * moving.imag**2
+        housing += damper.cx * rate.real**2 + damper.cy * rate.imag**2
     for i in range(_OWN_FLOWS, len(out)):
         out[i] = 0.0
     braking = 0.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        d, d_dot = relative(interface, q), relative(interface, v)
+        moving = kinematics(interface, spin, q, v)
         own = motion.own[interface.own :]
-        braking += add_losses(
-            structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own, scratch, out
-        )
+        braking += add_losses(structure.laws, interface, moving, own, scratch, out)
     torque = drive_torque(structure, loads, q, v, motion.v_dot, spin, braking)
-    out[0] = torque * spin.omega
-    out[1] = external
-    out[2] = structural
-    out[3] = housing
+    out[FLOW.drive] = torque * spin.omega
+    out[FLOW.external] = external
+    out[FLOW.structure] = structural
+    out[FLOW.housing] = housing
     return torque
 
 
@@ -104,9 +104,9 @@ def total_energy(structure, spin, motion, out):
         kinetic += 0.5 * (m_x * v.real * v.real + m_y * v.imag * v.imag)
         elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)
         gravity -= m_x * g.real * q.real + m_y * g.imag * q.imag
-    out[0] = kinetic
-    out[1] = elastic
-    out[2] = gravity
+    out[_STORE.kinetic] = kinetic
+    out[_STORE.elastic] = elastic
+    out[_STORE.gravity] = gravity
     for i in range(_OWN_STORES, len(out)):
         out[i] = 0.0
     for j in range(len(structure.interfaces)):

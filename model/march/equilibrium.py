@@ -14,11 +14,12 @@ import math
 from ..kernels.compiled import called, compiled, inlined
 from ..kernels.functions import angle, direction, modulus
 from ..parts.housing import masses
+from ..protocol.law import Weights
 from ..schemes.family import Scheme
 from ..step.excitation import falling, resting
 from ..step.fitting import unfitted
-from ..step.laws import law_tangent, relative
-from ..step.step import try_step
+from ..step.laws import at_rest, law_tangent, relative
+from ..step.step import DONE, NOT_FINITE, try_step
 
 HELD, NOT_HELD, NOT_FOUND, UNSTABLE, BEYOND, MOVED = 0, 1, 2, 3, 4, 5
 _ITERATIONS = 200
@@ -90,13 +91,8 @@ def _hump(structure, omega, motion, problem):
         _force, p, q = law_tangent(
             structure.laws,
             interface,
-            d,
-            0.0j,
-            omega,
-            0.0,
-            1.0,
-            0.0,
-            0.0,
+            at_rest(d, omega),
+            Weights(1.0, 0.0, 0.0),
             own,
             problem.own[interface.own :],
         )
@@ -143,7 +139,7 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
         done, _ = try_step(
             structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
         )
-        if done == 2:
+        if done == NOT_FINITE:
             break
         change = away = onward = 0.0
         for i in range(len(deflections)):
@@ -152,7 +148,7 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
             change = max(change, modulus(moved))
             away = max(away, modulus(trial.q[dof] - start[dof]))
             onward += (step[dof].conjugate() * moved).real
-        if tau > shortest and (done != 0 or onward < 0.0):
+        if tau > shortest and (done != DONE or onward < 0.0):
             tau = max(shortest, 0.25 * tau)
             continue
         for i in range(len(motion.q)):
@@ -213,11 +209,11 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
         done, _ = try_step(
             structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
         )
-        if done != 0:
+        if done != DONE:
             # past the bound again and again: nothing holds it
             falls += 1
             if falls > _FALLS:
-                status = NOT_HELD if done == 2 else NOT_FOUND
+                status = NOT_HELD if done == NOT_FINITE else NOT_FOUND
                 break
             radians /= _GROWTH
             continue
@@ -243,7 +239,7 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
             done, _ = try_step(
                 structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
             )
-            if done != 0:
+            if done != DONE:
                 break
             _take(motion, trial)
         drift = 0.0

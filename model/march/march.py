@@ -12,11 +12,11 @@ import math
 from ..kernels.compiled import compiled, inlined
 from ..kernels.functions import direction
 from ..step.fitting import fitted, pace_after, unfitted
-from ..step.step import accelerate, try_step
+from ..step.step import DONE, NOT_CONVERGED, NOT_FINITE, accelerate, try_step
 from .control import CONTROLLED, FIXED, shorter_length, step_error, wished_length
-from .energy import powers, total_energy
+from .energy import FLOW, powers, total_energy
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
-from .memory import move_loads, spin_at, spin_now, take_loads
+from .memory import PEAK, move_loads, spin_at, spin_now, take_loads
 from .tape import is_due, write
 from .watch import (
     open_window,
@@ -27,8 +27,9 @@ from .watch import (
     watch_work,
 )
 
-# UNFINISHED: after `max_iterations` of the interfaces' problem, a step counting for one at least.
-DONE, NOT_CONVERGED, NOT_FINITE, UNFINISHED = 0, 1, 2, 3
+# What becomes of an advance: as of a step, or UNFINISHED, after `max_iterations` of the interfaces'
+# problem, a step counting for one at least.
+UNFINISHED = 1 + max(DONE, NOT_CONVERGED, NOT_FINITE)
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
@@ -88,7 +89,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
         r.energy_at_start = after
         open_window(structure, memory)
     else:
-        memory.work[0] += after - before
+        memory.work[FLOW.drive] += after - before
     for i in range(len(motion.a)):
         motion.a[i] -= motion.v_dot[i]
     for i in range(len(motion.own)):
@@ -170,7 +171,7 @@ def _march(structure, scheme, control, t_end, motion, trial, memory, work, probl
     """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
     loads = memory.loads
-    memory.peaks[2, :, :] = 0.0
+    memory.peaks[PEAK.since_communication, :, :] = 0.0
     varies = control.mode != FIXED
     shortest = control.h_min * (1.0 + 1e-5)
     # of a machine that is unstable with its contacts open

@@ -7,6 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.compiled import compiled
+from ..quantities import places
 from ..step.excitation import spin_of
 
 RECORD = np.dtype(
@@ -79,6 +80,14 @@ RECORD = np.dtype(
 )
 
 
+# Places in `Memory.peaks`, `Memory.once` and `Memory.bounce`.
+PEAK = places(("this_revolution", "last_revolution", "since_communication"))
+AXIS = places(("x", "y", "squared_distance"))
+ONCE = places(("now", "integral", "mean"))
+SENSE = places(("forward", "backward"))
+BOUNCE = places(("cosine", "sine", "steps", "score"))
+
+
 class Memory(NamedTuple):
     """What a run remembers besides the motion; every array changes in place.
 
@@ -96,9 +105,9 @@ class Memory(NamedTuple):
     record: Annotated[np.recarray, RECORD, "1"]
     work: Annotated[np.ndarray, float, "flows"]
     power: Annotated[np.ndarray, float, "flows"]
-    peaks: Annotated[np.ndarray, float, "3", "3", "probes"]
-    once: Annotated[np.ndarray, complex, "3", "2", "probes"]
-    bounce: Annotated[np.ndarray, float, "interfaces", "4"]
+    peaks: Annotated[np.ndarray, float, str(len(PEAK)), str(len(AXIS)), "probes"]
+    once: Annotated[np.ndarray, complex, str(len(ONCE)), str(len(SENSE)), "probes"]
+    bounce: Annotated[np.ndarray, float, "interfaces", str(len(BOUNCE))]
     rest: Annotated[np.ndarray, complex, "probes"]
     center: Annotated[np.ndarray, complex, "n"]
     loads: Annotated[np.ndarray, complex, "loads"]

@@ -9,10 +9,10 @@ from typing import NamedTuple
 from ..kernels.compiled import compiled, inlined
 from ..kernels.functions import angle, modulus
 from ..machine.rotor import Name, Rotor, spelled
-from ..protocol.part import outputs_of
-from ..quantities import ALL, SPEED, Output
-from ..step.excitation import at_place, spin_of
-from ..step.laws import law_observe, relative
+from ..protocol.part import MOUNT_OUTPUTS, PROBE_OUTPUTS, VELOCITY_OUTPUTS, outputs_of
+from ..quantities import ALL, SPEED, Output, places
+from ..step.excitation import at_place
+from ..step.laws import kinematics, law_observe
 from ..structure.ledger import (
     INFLOWS,
     LAW_LOSSES,
@@ -22,7 +22,8 @@ from ..structure.ledger import (
     OWN_STORES,
     law_entries,
 )
-from .energy import total_energy
+from .energy import FLOW, total_energy
+from .memory import AXIS, ONCE, PEAK, SENSE, spin_now
 
 SHAFT = (
     Output("phi", "rad", "angle of rotation, integral of the speed", True, 100.0),
@@ -135,7 +136,9 @@ def _ledger(rotor: Rotor) -> list[Output]:
 
 # Places in `out` where the parts' outputs begin; and how many the solver has.
 _PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
-_OWN_STORES, _OWN_FLOWS = len(OWN_STORES), len(OWN_FLOWS)
+_OWN_STORES, _OWN_FLOWS, _INFLOWS = len(OWN_STORES), len(OWN_FLOWS), len(INFLOWS)
+_SHAFT, _SOLVER, _PROBE = places(SHAFT), places(SOLVER), places(PROBE_OUTPUTS)
+_VELOCITY, _MOUNT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS)
 
 
 @inlined
@@ -149,27 +152,42 @@ def observe(structure, motion, memory, work, out, has_energies):
     """Fill `out` in the order of `observed`, the energies, which cost most, on demand."""
     r = memory.record[0]
     inertia = structure.numbers[0].inertia
-    out[0] = r.theta
-    out[1] = r.omega
-    out[2] = r.alpha
-    out[3] = r.torque
-    out[4] = r.torque - inertia * r.alpha
-    out[5] = inertia
+    out[_SHAFT.phi] = r.theta
+    out[_SHAFT.w] = r.omega
+    out[_SHAFT.a] = r.alpha
+    out[_SHAFT.tau] = r.torque
+    out[_SHAFT.tau_load] = r.torque - inertia * r.alpha
+    out[_SHAFT.J] = inertia
     _observe_parts(structure, motion, memory, out[_PARTS_AT:])
-    at = energies_at(structure, out) - _SOLVERS
-    out[at] = r.h_last
-    out[at + 1] = r.steps
-    out[at + 2] = r.rejected
-    out[at + 3] = r.newton
-    out[at + 4] = max(r.error_largest, r.error_largest_before)
-    out[at + 5] = r.error_rms
-    out[at + 6] = r.h_smallest
-    out[at + 7] = r.h_largest
-    out[at + 8] = r.trapped
-    out[at + 9] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
-    out[at + 10] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
+    energies = energies_at(structure, out)
+    _observe_solver(r, out[energies - _SOLVERS : energies])
     if has_energies:
-        _observe_energies(structure, motion, memory, work, out[at + _SOLVERS :])
+        _observe_energies(structure, motion, memory, work, out[energies:])
+
+
+@inlined
+def _observe_solver(r, out):
+    out[_SOLVER.h_last] = r.h_last
+    out[_SOLVER.steps] = r.steps
+    out[_SOLVER.rejected] = r.rejected
+    out[_SOLVER.newton] = r.newton
+    out[_SOLVER.error] = max(r.error_largest, r.error_largest_before)
+    out[_SOLVER.error_rms] = r.error_rms
+    out[_SOLVER.h_min_used] = r.h_smallest
+    out[_SOLVER.h_max_used] = r.h_largest
+    out[_SOLVER.trapped] = r.trapped
+    out[_SOLVER.trapped_at] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
+    out[_SOLVER.overdamped_at] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
+
+
+@compiled
+def _largest(peaks, axis, i):
+    """Of a probe, over the revolutions and since the last communication point."""
+    return max(
+        peaks[PEAK.this_revolution, axis, i],
+        peaks[PEAK.last_revolution, axis, i],
+        peaks[PEAK.since_communication, axis, i],
+    )
 
 
 @inlined
@@ -177,47 +195,42 @@ def _observe_parts(structure, motion, memory, out):
     peaks, once = memory.peaks, memory.once
     n = structure.M.shape[0]
     for i in range(len(structure.probes)):
-        at = structure.probes[i].out
+        probe = out[structure.probes[i].out :]
         q = at_place(structure.probes[i], motion.q)
-        out[at] = q.real
-        out[at + 1] = q.imag
-        for axis in range(3):
-            largest = max(peaks[0, axis, i], peaks[1, axis, i], peaks[2, axis, i])
-            out[at + 2 + axis] = largest if axis < 2 else math.sqrt(largest)
-        forward, backward = once[2, 0, i], once[2, 1, i].conjugate()
-        components = (forward + backward, -1j * (forward - backward))
-        for axis in range(2):
-            out[at + 5 + axis] = modulus(components[axis])
-            out[at + 7 + axis] = angle(components[axis])
+        probe[_PROBE.x] = q.real
+        probe[_PROBE.y] = q.imag
+        probe[_PROBE.x_amp] = _largest(peaks, AXIS.x, i)
+        probe[_PROBE.y_amp] = _largest(peaks, AXIS.y, i)
+        probe[_PROBE.r_amp] = math.sqrt(_largest(peaks, AXIS.squared_distance, i))
+        forward = once[ONCE.mean, SENSE.forward, i]
+        backward = once[ONCE.mean, SENSE.backward, i].conjugate()
+        x, y = forward + backward, -1j * (forward - backward)
+        probe[_PROBE.x_1x] = modulus(x)
+        probe[_PROBE.y_1x] = modulus(y)
+        probe[_PROBE.x_1x_phase] = angle(x)
+        probe[_PROBE.y_1x_phase] = angle(y)
     for i in range(len(structure.velocities)):
         at = structure.velocities[i].out
         v = motion.v[structure.velocities[i].dof]
-        out[at] = v.real
-        out[at + 1] = v.imag
-    for h in range(len(structure.housings)):
-        at = structure.housings[h].out
-        out[at] = motion.q[n + h].real
-        out[at + 1] = motion.q[n + h].imag
-    omega = memory.record[0].omega
+        out[at + _VELOCITY.vx] = v.real
+        out[at + _VELOCITY.vy] = v.imag
+    for i in range(len(structure.housings)):
+        at = structure.housings[i].out
+        out[at + _MOUNT.housing_x] = motion.q[n + i].real
+        out[at + _MOUNT.housing_y] = motion.q[n + i].imag
+    spin = spin_now(memory.record)
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        law_observe(
-            structure.laws,
-            interface,
-            relative(interface, motion.q),
-            relative(interface, motion.v),
-            omega,
-            omega,
-            motion.own[interface.own :],
-            out[interface.out :],
-        )
+        moving = kinematics(interface, spin, motion.q, motion.v)
+        own = motion.own[interface.own :]
+        law_observe(structure.laws, interface, moving, own, out[interface.out :])
 
 
 @inlined
 def _observe_energies(structure, motion, memory, work, out):
-    r = memory.record[0]
-    now = spin_of(r.omega, r.alpha, r.theta)
-    residual = total_energy(structure, now, motion, work.stores) - r.energy_at_start
+    now = spin_now(memory.record)
+    residual = total_energy(structure, now, motion, work.stores)
+    residual -= memory.record[0].energy_at_start
     at = 0
     for i in range(_OWN_STORES):
         out[at + i] = work.stores[i]
@@ -232,7 +245,7 @@ def _observe_energies(structure, motion, memory, work, out):
     for i in range(len(structure.losses)):
         out[at + i] = flows[_OWN_FLOWS + structure.losses[i]]
     at += len(structure.losses)
-    residual -= flows[0] + flows[1]
-    for i in range(2, len(flows)):
+    residual -= flows[FLOW.drive] + flows[FLOW.external]
+    for i in range(_INFLOWS, len(flows)):
         residual += flows[i]
     out[at] = residual

@@ -101,8 +101,8 @@ def write(structure, motion, memory, work, tape, out):
         head.since = head.spacing
     head.since = min(head.since - head.spacing, head.spacing)
     low, has_energies = energies_at(structure, out), False
-    for channel in tape.channels:
-        has_energies = has_energies or low <= channel < len(out)
+    for i in range(len(tape.channels)):
+        has_energies = has_energies or low <= tape.channels[i] < len(out)
     observe(structure, motion, memory, work, out, has_energies)
     row = rows[head.written]
     row[0] = memory.record[0].t

@@ -13,7 +13,7 @@ from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
 from .control import CONTROLLED
 from .energy import total_energy
-from .memory import spin_now
+from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
 
 # A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
 # the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
@@ -55,8 +55,8 @@ def watch_revolution(structure, spin, motion, memory):
         r.turn = spin.theta
         r.swept = 0.0
         past = 0.0
-        peaks[:2, :, :] = 0.0
-        once[1:, :, :] = 0.0
+        peaks[: PEAK.since_communication, :, :] = 0.0
+        once[ONCE.integral :, :, :] = 0.0
     by_step = abs(past - r.swept)
     is_whole = abs(past) >= TURN
     before = (TURN - abs(r.swept)) / by_step if is_whole else 1.0
@@ -71,25 +71,25 @@ def watch_revolution(structure, spin, motion, memory):
     for i in range(len(structure.probes)):
         moved = at_place(structure.probes[i], motion.q) - memory.rest[i]
         turned = (moved * spin.direction.conjugate(), moved * spin.direction)
-        for way in range(2):
-            last, now = once[0, way, i], turned[way]
+        for way in range(len(SENSE)):
+            last, now = once[ONCE.now, way, i], turned[way]
             # at the end of the revolution, as if it were linear over the step
             end = last + before * (now - last)
-            once[1, way, i] += 0.5 * before * by_step * (last + end)
+            once[ONCE.integral, way, i] += 0.5 * before * by_step * (last + end)
             if is_whole:
                 # by the angle turned, so that a lag is negative whichever way the shaft turns
                 ahead = way if past > 0.0 else 1 - way
-                once[2, ahead, i] = once[1, way, i] * (1.0 / TURN)
-                once[1, way, i] = 0.5 * abs(r.swept) * (end + now)
-            once[0, way, i] = now
+                once[ONCE.mean, ahead, i] = once[ONCE.integral, way, i] * (1.0 / TURN)
+                once[ONCE.integral, way, i] = 0.5 * abs(r.swept) * (end + now)
+            once[ONCE.now, way, i] = now
         x, y = abs(moved.real), abs(moved.imag)
         size = (x, y, x * x + y * y)
-        for axis in range(3):
+        for axis in range(len(AXIS)):
             if is_whole:
-                peaks[1, axis, i] = peaks[0, axis, i]
-                peaks[0, axis, i] = 0.0
-            peaks[0, axis, i] = max(peaks[0, axis, i], size[axis])
-            peaks[2, axis, i] = max(peaks[2, axis, i], size[axis])
+                peaks[PEAK.last_revolution, axis, i] = peaks[PEAK.this_revolution, axis, i]
+                peaks[PEAK.this_revolution, axis, i] = 0.0
+            for span in (PEAK.this_revolution, PEAK.since_communication):
+                peaks[span, axis, i] = max(peaks[span, axis, i], size[axis])
 
 
 @compiled
@@ -129,18 +129,20 @@ def watch_bounces(structure, motion, memory):
     for j in range(len(interfaces)):
         if interfaces[j].has_wall == 0:
             continue
-        bounce[j, 2] += 1.0
-        bounce[j, 3] = max(0.0, bounce[j, 3] - 1.0)
+        bounce[j, BOUNCE.steps] += 1.0
+        bounce[j, BOUNCE.score] = max(0.0, bounce[j, BOUNCE.score] - 1.0)
         if motion.force[j] != 0.0:
             d = relative(interfaces[j], motion.q)
             e = d * (1.0 / modulus(d))
-            is_opposite = e.real * bounce[j, 0] + e.imag * bounce[j, 1] < -0.5
-            if is_opposite and bounce[j, 2] <= CROSSING_STEPS:
-                bounce[j, 3] = min(2.0 * TRAPPED_SCORE, bounce[j, 3] + CROSSING_SCORE)
-            bounce[j, 0] = e.real
-            bounce[j, 1] = e.imag
-            bounce[j, 2] = 0.0
-        if bounce[j, 3] >= TRAPPED_SCORE:
+            is_opposite = e.real * bounce[j, BOUNCE.cosine] + e.imag * bounce[j, BOUNCE.sine] < -0.5
+            if is_opposite and bounce[j, BOUNCE.steps] <= CROSSING_STEPS:
+                bounce[j, BOUNCE.score] = min(
+                    2.0 * TRAPPED_SCORE, bounce[j, BOUNCE.score] + CROSSING_SCORE
+                )
+            bounce[j, BOUNCE.cosine] = e.real
+            bounce[j, BOUNCE.sine] = e.imag
+            bounce[j, BOUNCE.steps] = 0.0
+        if bounce[j, BOUNCE.score] >= TRAPPED_SCORE:
             r.trapped += 1
             if math.isnan(r.trapped_at):
                 r.trapped_at = r.t

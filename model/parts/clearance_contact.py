@@ -8,74 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from ..contact.rubbing import rubbing_force, rubbing_tangent, stretched, stretching
+from ..contact.rubbing import rubbing, rubbing_tangent, stretched, stretching
 from ..contact.wall import ContactQuantities, compression, contact_angle, length, opening
 from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
-from ..quantities import SPEED, Output
-
-
-@compiled
-def contact_force(part, d, d_dot, spin):
-    """Contact of one bearing, `part` a record of `ContactQuantities`.
-
-    d [m], d_dot [m/s], spin [rad/s]. Returns the complex force on the journal [N], the normal
-    force n [N], the penetration delta [m], its rate [m/s] and the sliding speed v_t [m/s].
-    """
-    surface = part.journal_radius * spin
-    force, n, _, _, delta, rate, v_t = rubbing_force(part, d, d_dot, surface, 0.0)
-    return force, n, delta, rate, v_t
-
-
-@compiled
-def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
-    """See `protocol.law`."""
-    surface = part.journal_radius * spin
-    force, p, q, _ = rubbing_tangent(part, d, d_dot, surface, by_d, by_v, 0.0, 0.0)
-    return force, p, q
-
-
-@compiled
-def _force(part, tables, d, d_dot, speed, spin, own):
-    """See `protocol.law`."""
-    return contact_force(part, d, d_dot, spin)[0]
-
-
-@compiled
-def _energy(part, tables, d, own):
-    """See `protocol.law`."""
-    return (compression(part, d),)
-
-
-@compiled
-def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
-    """See `protocol.law`: contact damping, friction."""
-    surface = part.journal_radius * spin
-    _, _, rubbing, damping, _, rate, sliding = rubbing_force(part, d, d_dot, surface, 0.0)
-    out[0] = damping * rate
-    out[1] = rubbing * sliding
-    return part.journal_radius * rubbing
-
-
-@compiled
-def observe_contact(d, normal, rubbing, out):
-    """Fill out in the order of `OUTPUTS`."""
-    out[0] = contact_angle(d)
-    out[1] = normal
-    out[2] = rubbing
-    out[3] = d.real
-    out[4] = d.imag
-    out[5] = 1.0 if normal > 0.0 else 0.0
-
-
-@compiled
-def _observe(part, tables, d, d_dot, speed, spin, own, out):
-    """See `protocol.law`."""
-    surface = part.journal_radius * spin
-    _, normal, rubbing, _, _, _, _ = rubbing_force(part, d, d_dot, surface, 0.0)
-    observe_contact(d, normal, rubbing, out)
-
+from ..quantities import SPEED, Output, places
 
 OUTPUTS = (
     Output("psi", "rad", "contact angle, 0 to the right, 3 pi / 2 at the bottom", True, 1.0),
@@ -90,6 +28,62 @@ LOSSES = (
     Output("contact", "J", "dissipated by the contacts' damping", nominal=0.1),
     Output("friction", "J", "dissipated by friction", nominal=100.0),
 )
+_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+
+
+@compiled
+def contact_force(part, kinematics):
+    """`Rubbing` of one contact whose journal does not stick, `part` a record of
+    `ContactQuantities`."""
+    return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, 0.0)
+
+
+@compiled
+def _tangent(part, tables, kinematics, weights, free, own):
+    """See `protocol.law`."""
+    surface = part.journal_radius * kinematics.sliding_speed
+    force, p, q, _ = rubbing_tangent(part, kinematics, weights, surface, 0.0, 0.0)
+    return force, p, q
+
+
+@compiled
+def _force(part, tables, kinematics, own):
+    """See `protocol.law`."""
+    return contact_force(part, kinematics).force
+
+
+@compiled
+def _energy(part, tables, displacement, own):
+    """See `protocol.law`."""
+    return (compression(part, displacement),)
+
+
+@compiled
+def _dissipate(part, tables, kinematics, own, out):
+    """See `protocol.law`: contact damping, friction."""
+    contact = contact_force(part, kinematics)
+    out[_LOSS.contact] = contact.damping * contact.rate
+    out[_LOSS.friction] = contact.friction * contact.sliding
+    return part.journal_radius * contact.friction
+
+
+@compiled
+def observe_contact(displacement, contact, out):
+    """Fill in `OUTPUTS` of a contact, a `Rubbing`."""
+    out[_OUT.psi] = contact_angle(displacement)
+    out[_OUT.fn] = contact.normal
+    out[_OUT.ft] = contact.friction
+    out[_OUT.x] = displacement.real
+    out[_OUT.y] = displacement.imag
+    out[_OUT.contact] = 1.0 if contact.normal > 0.0 else 0.0
+
+
+@compiled
+def _observe(part, tables, kinematics, own, out):
+    """See `protocol.law`."""
+    observe_contact(kinematics.displacement, contact_force(part, kinematics), out)
+
+
 CLEARANCE_CONTACT = Law(
     name="clearance_contact",
     kind=ContactQuantities,
@@ -108,49 +102,52 @@ CLEARANCE_CONTACT = Law(
 
 
 @called
-def _sticking_tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
+def _sticking_tangent(part, tables, kinematics, weights, free, own):
     """See `protocol.law`."""
-    surface = part.journal_radius * spin
-    force, p, q, z = rubbing_tangent(part, d, d_dot, surface, by_d, by_v, by_own, free[0])
+    surface = part.journal_radius * kinematics.sliding_speed
+    force, p, q, z = rubbing_tangent(part, kinematics, weights, surface, weights.rate, free[0])
     own[0] = z
     return force, p, q
 
 
-@called
-def _sticking_force(part, tables, d, d_dot, speed, spin, own):
-    """See `protocol.law`."""
-    return rubbing_force(part, d, d_dot, part.journal_radius * spin, own[0])[0]
+@compiled
+def _sticking(part, kinematics, own):
+    """`Rubbing` of a contact whose journal may stick."""
+    return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, own[0])
 
 
 @called
-def _sticking_rates(part, tables, d, d_dot, speed, spin, own, out):
+def _sticking_force(part, tables, kinematics, own):
     """See `protocol.law`."""
-    rubbing = rubbing_force(part, d, d_dot, part.journal_radius * spin, own[0])[2]
-    out[0] = stretching(part, rubbing, own[0])
+    return _sticking(part, kinematics, own).force
+
+
+@called
+def _sticking_rates(part, tables, kinematics, own, out):
+    """See `protocol.law`."""
+    out[0] = stretching(part, _sticking(part, kinematics, own).friction, own[0])
 
 
 @compiled
-def _sticking_energy(part, tables, d, own):
+def _sticking_energy(part, tables, displacement, own):
     """See `protocol.law`."""
-    return (compression(part, d) + stretched(part, own[0]),)
+    return (compression(part, displacement) + stretched(part, own[0]),)
 
 
 @called
-def _sticking_dissipate(part, tables, d, d_dot, speed, spin, own, out):
+def _sticking_dissipate(part, tables, kinematics, own, out):
     """See `protocol.law`: contact damping, friction less what its spring takes."""
-    surface = part.journal_radius * spin
-    _, _, rubbing, damping, _, rate, sliding = rubbing_force(part, d, d_dot, surface, own[0])
-    out[0] = damping * rate
-    out[1] = rubbing * sliding - part.k_t * own[0] * stretching(part, rubbing, own[0])
-    return part.journal_radius * rubbing
+    contact = _sticking(part, kinematics, own)
+    spring = part.k_t * own[0] * stretching(part, contact.friction, own[0])
+    out[_LOSS.contact] = contact.damping * contact.rate
+    out[_LOSS.friction] = contact.friction * contact.sliding - spring
+    return part.journal_radius * contact.friction
 
 
 @called
-def _sticking_observe(part, tables, d, d_dot, speed, spin, own, out):
+def _sticking_observe(part, tables, kinematics, own, out):
     """See `protocol.law`."""
-    surface = part.journal_radius * spin
-    _, normal, rubbing, _, _, _, _ = rubbing_force(part, d, d_dot, surface, own[0])
-    observe_contact(d, normal, rubbing, out)
+    observe_contact(kinematics.displacement, _sticking(part, kinematics, own), out)
 
 
 STICKING_CONTACT = replace(

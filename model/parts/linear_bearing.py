@@ -25,9 +25,16 @@ import numpy as np
 from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
 from ..protocol.part import GROUND, Element, Interface, Part, Shape
-from ..quantities import ANY, SPEED, Output, QuantityError, check_all, quantities, quantity
-
-_COLUMNS = 1 + 4 * 8  # of a row: speed, and the cubics of the interval that begins there
+from ..quantities import (
+    ANY,
+    SPEED,
+    Output,
+    QuantityError,
+    check_all,
+    places,
+    quantities,
+    quantity,
+)
 
 
 def _stiffness(direction: str, default: Any = ...) -> Any:
@@ -57,6 +64,11 @@ class Coefficients:
     cyy: float | tuple[float, ...] = _damping("vertical")
 
 
+# A row of a table: its speed, and the cubics of the interval that begins there, each four numbers.
+_COLUMNS = 1 + 4 * len(quantities(Coefficients))
+_CUBICS = places(quantities(Coefficients), 1, 4)
+
+
 @compiled
 def _cubic(tables, at, s):
     """A cubic of s, highest power first."""
@@ -80,56 +92,79 @@ def coefficients(part, tables, speed):
             else:
                 left = half
         s = max(0.0, speed - tables[at])
-        kxx += _cubic(tables, at + 1, s)
-        kxy += _cubic(tables, at + 5, s)
-        kyx += _cubic(tables, at + 9, s)
-        kyy += _cubic(tables, at + 13, s)
-        cxx += _cubic(tables, at + 17, s)
-        cxy += _cubic(tables, at + 21, s)
-        cyx += _cubic(tables, at + 25, s)
-        cyy += _cubic(tables, at + 29, s)
+        kxx += _cubic(tables, at + _CUBICS.kxx, s)
+        kxy += _cubic(tables, at + _CUBICS.kxy, s)
+        kyx += _cubic(tables, at + _CUBICS.kyx, s)
+        kyy += _cubic(tables, at + _CUBICS.kyy, s)
+        cxx += _cubic(tables, at + _CUBICS.cxx, s)
+        cxy += _cubic(tables, at + _CUBICS.cxy, s)
+        cyx += _cubic(tables, at + _CUBICS.cyx, s)
+        cyy += _cubic(tables, at + _CUBICS.cyy, s)
     k, l = 0.5 * complex(kxx + kyy, kyx - kxy), 0.5 * complex(kxx - kyy, kyx + kxy)  # noqa: E741
     return k, l, 0.5 * complex(cxx + cyy, cyx - cxy), 0.5 * complex(cxx - cyy, cyx + cxy)
 
 
+OUTPUTS = (
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+)
+LOSSES = (
+    Output("bearings", "J", "dissipated by the damping of linear bearings", nominal=1.0),
+    Output(
+        "circulation",
+        "J",
+        "taken by cross coupling of linear bearings and by their stiffness as it follows the "
+        "speed; negative where it feeds the whirl",
+        nominal=1.0,
+    ),
+)
+_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+
+
 @compiled
-def _force(part, tables, d, d_dot, speed, spin, own):
+def _force(part, tables, kinematics, own):
     """See `protocol.law`."""
-    k, l, c, e = coefficients(part, tables, speed)  # noqa: E741
+    d, d_dot = kinematics.displacement, kinematics.velocity
+    k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     return -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
 
 
 @compiled
-def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
+def _tangent(part, tables, kinematics, weights, free, own):
     """See `protocol.law`."""
-    k, l, c, e = coefficients(part, tables, speed)  # noqa: E741
+    d, d_dot = kinematics.displacement, kinematics.velocity
+    by_d, by_v = weights.displacement, weights.velocity
+    k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     force = -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
     return force, -(by_d * k + by_v * c), -(by_d * l + by_v * e)
 
 
 @compiled
-def _energy(part, tables, d, own):
+def _energy(part, tables, displacement, own):
     """See `protocol.law`."""
+    d = displacement
     k, l, _, _ = coefficients(part, tables, 0.0)  # noqa: E741
     return (0.5 * ((k.real * d + l * d.conjugate()) * d.conjugate()).real,)
 
 
 @compiled
-def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
+def _dissipate(part, tables, kinematics, own, out):
     """See `protocol.law`: damping, circulation."""
-    k, l, c, e = coefficients(part, tables, speed)  # noqa: E741
+    d, d_dot = kinematics.displacement, kinematics.velocity
+    k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     k0, l0, _, _ = coefficients(part, tables, 0.0)
-    out[0] = ((c * d_dot + e * d_dot.conjugate()) * d_dot.conjugate()).real
-    out[1] = (((k - k0.real) * d + (l - l0) * d.conjugate()) * d_dot.conjugate()).real
+    out[_LOSS.bearings] = ((c * d_dot + e * d_dot.conjugate()) * d_dot.conjugate()).real
+    circulating = (k - k0.real) * d + (l - l0) * d.conjugate()
+    out[_LOSS.circulation] = (circulating * d_dot.conjugate()).real
     return 0.0
 
 
 @compiled
-def _observe(part, tables, d, d_dot, speed, spin, own, out):
-    """See `protocol.law`, in the order of `OUTPUTS`."""
-    force = _force(part, tables, d, d_dot, speed, spin, own)
-    out[0] = force.real
-    out[1] = force.imag
+def _observe(part, tables, kinematics, own, out):
+    """See `protocol.law`."""
+    force = _force(part, tables, kinematics, own)
+    out[_OUT.fx] = force.real
+    out[_OUT.fy] = force.imag
 
 
 def _table(part: LinearBearing) -> np.ndarray:
@@ -137,11 +172,11 @@ def _table(part: LinearBearing) -> np.ndarray:
     speeds = np.array(part.speed, dtype=float)
     rows = np.zeros((len(speeds), _COLUMNS))
     rows[:, 0] = speeds
-    for j, name in enumerate(quantities(Coefficients)):
+    for name, first in zip(_CUBICS._fields, _CUBICS, strict=True):
         values = getattr(part, name)
         if isinstance(values, tuple):
-            rows[:-1, 1 + 4 * j : 5 + 4 * j] = _cubics(speeds, values).c.T
-            rows[-1, 4 + 4 * j] = values[-1]
+            rows[:-1, first : first + 4] = _cubics(speeds, values).c.T
+            rows[-1, first + 3] = values[-1]
     return rows
 
 
@@ -152,10 +187,6 @@ def _cubics(speeds: Any, values: Sequence[float]) -> Any:
     return PchipInterpolator(speeds, values)
 
 
-OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
-)
 LINEAR_BEARING = Law(
     name="linear_bearing",
     kind=Coefficients,
@@ -166,16 +197,7 @@ LINEAR_BEARING = Law(
     observe=_observe,
     outputs=OUTPUTS,
     stores=(Output("bearings", "J", "elastic energy of linear bearings and seals", nominal=0.01),),
-    losses=(
-        Output("bearings", "J", "dissipated by the damping of linear bearings", nominal=1.0),
-        Output(
-            "circulation",
-            "J",
-            "taken by cross coupling of linear bearings and by their stiffness as it follows the "
-            "speed; negative where it feeds the whirl",
-            nominal=1.0,
-        ),
-    ),
+    losses=LOSSES,
     table=_table,
     stiffness=lambda part: float(np.trace(part.matrices(0.0)[0])) / 2,
 )

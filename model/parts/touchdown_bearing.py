@@ -20,12 +20,14 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..contact.rubbing import contact_tangent, rub, rubbing_force, stretched, stretching
+from ..contact.rubbing import contact_tangent, rub, rubbing, stretched, stretching
 from ..contact.wall import ContactQuantities, compression, length, opening, touch
 from ..kernels.compiled import called, compiled
 from ..protocol.law import Law
-from ..quantities import NOT_NEGATIVE, SPEED, Output, quantity
-from .clearance_contact import LOSSES, OUTPUTS, STORES, ClearanceContact, observe_contact
+from ..quantities import NOT_NEGATIVE, SPEED, Output, places, quantity
+from .clearance_contact import LOSSES as CONTACT_LOSSES
+from .clearance_contact import OUTPUTS as CONTACT_OUTPUTS
+from .clearance_contact import STORES, ClearanceContact, observe_contact
 
 _ITERATIONS = 100
 _ROUNDING = 1e-14
@@ -80,14 +82,14 @@ def _race_speed(part, pressure, sliding, b, free, guess, free_z):
     low, high = (free - largest) * held, (free + largest) * held
     w = min(high, max(low, guess))
     for _ in range(_ITERATIONS):
-        mu_t, slope, _, _ = rub(part, pressure, sliding - radius * w, b, free_z)
+        rubs = rub(part, pressure, sliding - radius * w, b, free_z)
         drag, drag_slope = _drag(part, w)
-        excess = w - free - per * (radius * mu_t * pressure - drag)
+        excess = w - free - per * (radius * rubs.coefficient * pressure - drag)
         if excess > 0.0:
             high = w
         else:
             low = w
-        steepness = 1.0 + per * (radius * radius * slope * pressure + drag_slope)
+        steepness = 1.0 + per * (radius * radius * rubs.by_sliding * pressure + drag_slope)
         if abs(excess) <= _ROUNDING * (abs(free) + largest):
             break
         w = w - excess / steepness if steepness > 0.0 else low
@@ -96,74 +98,93 @@ def _race_speed(part, pressure, sliding, b, free, guess, free_z):
     return w
 
 
-@called
-def _force(part, tables, d, d_dot, speed, spin, own):
-    """See `protocol.law`."""
-    surface = part.journal_radius * spin - _radius(part) * own[0]
-    return rubbing_force(part, d, d_dot, surface, own[1])[0]
-
-
-@called
-def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
-    """See `protocol.law`."""
-    delta, _, n, _, n_a, c, e, local, gradient, h, h_b = touch(part, d, d_dot)
-    if delta <= 0.0 or n <= 0.0:
-        own[0] = _race_speed(part, 0.0, 0.0, by_own, free[0], own[0], free[1])
-        own[1] = rub(part, 0.0, 0.0, by_own, free[1])[3]
-        return 0.0j, 0.0j, 0.0j
-    steep = math.sqrt(1.0 + gradient.imag * gradient.imag)
-    normal = gradient * (1.0 / steep)
-    pressure = n * steep
-    sliding = (normal.conjugate() * local).imag + part.journal_radius * spin
-    w = _race_speed(part, pressure, sliding, by_own, free[0], own[0], free[1])
-    radius = _radius(part)
-    mu_t, slope, by_n, z = rub(part, pressure, sliding - radius * w, by_own, free[1])
-    own[0], own[1] = w, z
-    # the race follows a change dT of the friction by dw = b / J R dT / (1 + b / J drag')
-    per = by_own / part.race_inertia
-    follows = radius * per / (1.0 + per * _drag(part, w)[1])
-    give = 1.0 / max(1e-3, 1.0 + pressure * slope * radius * follows)
-    p, q = contact_tangent(
-        e, local, n, n_a, c, gradient, h, h_b, mu_t, slope, by_n, give, by_d, by_v
-    )
-    return -complex(pressure, mu_t * pressure) * normal * e, p, q
-
-
-@called
-def _rates(part, tables, d, d_dot, speed, spin, own, out):
-    """See `protocol.law`."""
-    surface = part.journal_radius * spin - _radius(part) * own[0]
-    rubbing = rubbing_force(part, d, d_dot, surface, own[1])[2]
-    out[0] = (_radius(part) * rubbing - _drag(part, own[0])[0]) / part.race_inertia
-    out[1] = stretching(part, rubbing, own[1])
+OUTPUTS = (
+    *CONTACT_OUTPUTS,
+    Output("race", "rad/s", "speed of the race", True, 100.0),
+    Output("sliding", "m/s", "sliding speed while in contact", nominal=1.0, reached_by=SPEED),
+)
+LOSSES = (
+    *CONTACT_LOSSES,
+    Output("drag", "J", "dissipated by the races' drag", nominal=1.0),
+)
+_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+_STATE = places(("race", "elongation"))
 
 
 @compiled
-def _energy(part, tables, d, own):
-    """See `protocol.law`: contact, race."""
-    elastic = compression(part, d) + stretched(part, own[1])
-    return elastic, 0.5 * part.race_inertia * own[0] * own[0]
+def _rubbing(part, kinematics, own):
+    """`Rubbing` of the journal on the race."""
+    surface = part.journal_radius * kinematics.sliding_speed - _radius(part) * own[_STATE.race]
+    return rubbing(part, kinematics, surface, own[_STATE.elongation])
 
 
 @called
-def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
-    """See `protocol.law`: contact damping, friction, drag."""
-    surface = part.journal_radius * spin - _radius(part) * own[0]
-    _, _, rubbing, damping, _, rate, sliding = rubbing_force(part, d, d_dot, surface, own[1])
-    out[0] = damping * rate
-    out[1] = rubbing * sliding - part.k_t * own[1] * stretching(part, rubbing, own[1])
-    out[2] = _drag(part, own[0])[0] * own[0]
-    return part.journal_radius * rubbing
-
-
-@called
-def _observe(part, tables, d, d_dot, speed, spin, own, out):
+def _force(part, tables, kinematics, own):
     """See `protocol.law`."""
-    surface = part.journal_radius * spin - _radius(part) * own[0]
-    _, normal, rubbing, _, _, _, sliding = rubbing_force(part, d, d_dot, surface, own[1])
-    observe_contact(d, normal, rubbing, out)
-    out[6] = own[0]
-    out[7] = sliding
+    return _rubbing(part, kinematics, own).force
+
+
+@called
+def _tangent(part, tables, kinematics, weights, free, own):
+    """See `protocol.law`."""
+    at, b = touch(part, kinematics), weights.rate
+    free_w, free_z, guess = free[_STATE.race], free[_STATE.elongation], own[_STATE.race]
+    if at.penetration <= 0.0 or at.normal <= 0.0:
+        own[_STATE.race] = _race_speed(part, 0.0, 0.0, b, free_w, guess, free_z)
+        own[_STATE.elongation] = rub(part, 0.0, 0.0, b, free_z).elongation
+        return 0.0j, 0.0j, 0.0j
+    steep = math.sqrt(1.0 + at.gradient.imag * at.gradient.imag)
+    normal = at.gradient * (1.0 / steep)
+    pressure = at.normal * steep
+    surface = part.journal_radius * kinematics.sliding_speed
+    sliding = (normal.conjugate() * at.velocity).imag + surface
+    w = _race_speed(part, pressure, sliding, b, free_w, guess, free_z)
+    radius = _radius(part)
+    rubs = rub(part, pressure, sliding - radius * w, b, free_z)
+    own[_STATE.race], own[_STATE.elongation] = w, rubs.elongation
+    # the race follows a change dT of the friction by dw = b / J R dT / (1 + b / J drag')
+    per = b / part.race_inertia
+    follows = radius * per / (1.0 + per * _drag(part, w)[1])
+    give = 1.0 / max(1e-3, 1.0 + pressure * rubs.by_sliding * radius * follows)
+    p, q = contact_tangent(at, rubs, give, weights)
+    return -complex(pressure, rubs.coefficient * pressure) * normal * at.direction, p, q
+
+
+@called
+def _rates(part, tables, kinematics, own, out):
+    """See `protocol.law`."""
+    friction = _rubbing(part, kinematics, own).friction
+    drag = _drag(part, own[_STATE.race])[0]
+    out[_STATE.race] = (_radius(part) * friction - drag) / part.race_inertia
+    out[_STATE.elongation] = stretching(part, friction, own[_STATE.elongation])
+
+
+@compiled
+def _energy(part, tables, displacement, own):
+    """See `protocol.law`: contact, race."""
+    elastic = compression(part, displacement) + stretched(part, own[_STATE.elongation])
+    return elastic, 0.5 * part.race_inertia * own[_STATE.race] * own[_STATE.race]
+
+
+@called
+def _dissipate(part, tables, kinematics, own, out):
+    """See `protocol.law`: contact damping, friction, drag."""
+    contact = _rubbing(part, kinematics, own)
+    w, z = own[_STATE.race], own[_STATE.elongation]
+    spring = part.k_t * z * stretching(part, contact.friction, z)
+    out[_LOSS.contact] = contact.damping * contact.rate
+    out[_LOSS.friction] = contact.friction * contact.sliding - spring
+    out[_LOSS.drag] = _drag(part, w)[0] * w
+    return part.journal_radius * contact.friction
+
+
+@called
+def _observe(part, tables, kinematics, own, out):
+    """See `protocol.law`."""
+    contact = _rubbing(part, kinematics, own)
+    observe_contact(kinematics.displacement, contact, out)
+    out[_OUT.race] = own[_STATE.race]
+    out[_OUT.sliding] = contact.sliding
 
 
 TOUCHDOWN_BEARING = Law(
@@ -177,14 +198,10 @@ TOUCHDOWN_BEARING = Law(
     length=length,
     rates=_rates,
     observe=_observe,
-    outputs=(
-        *OUTPUTS,
-        Output("race", "rad/s", "speed of the race", True, 100.0),
-        Output("sliding", "m/s", "sliding speed while in contact", nominal=1.0, reached_by=SPEED),
-    ),
+    outputs=OUTPUTS,
     stores=(*STORES, Output("races", "J", "kinetic energy of the races", nominal=1.0)),
-    losses=(*LOSSES, Output("drag", "J", "dissipated by the races' drag", nominal=1.0)),
-    states=(0.0, 0.0),
+    losses=LOSSES,
+    states=tuple(0.0 for _ in _STATE),
     has_wall=True,
     turns=True,
 )

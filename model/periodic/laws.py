@@ -13,6 +13,7 @@ from ..code import Code, chosen
 from ..kernels.compiled import IS_COMPILED, compiled, plain
 from ..parts import LAWS
 from ..parts.linear_bearing import LINEAR_BEARING
+from ..protocol.law import Kinematics, Weights
 from ..step.laws import law_opening, law_rates, law_tangent
 from ..structure.structure import Structure
 
@@ -52,18 +53,14 @@ def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
                 found = law_tangent(
                     laws,
                     interface,
-                    d[j, t],
-                    v[j, t],
-                    speed,
-                    speed,
-                    1.0 - i,
-                    1.0 * i,
-                    0.0,
+                    Kinematics(d[j, t], v[j, t], speed, speed),
+                    Weights(1.0 - i, 1.0 * i, 0.0),
                     own[t, at:],
                     scratch[t, at:],
                 )
                 force[j, t], p[i, j, t], q[i, j, t] = found
-            law_rates(laws, interface, d[j, t], v[j, t], speed, speed, own[t, at:], rates[t, at:])
+            motion = Kinematics(d[j, t], v[j, t], speed, speed)
+            law_rates(laws, interface, motion, own[t, at:], rates[t, at:])
 
 
 @compiled

@@ -1,39 +1,38 @@
 """A force law between a node and a housing, and the calls of a machine's laws in compiled code.
 
-With the node's displacement relative to the housing d = u + i v [m] and its velocity d', a law is a
-handful of compiled functions of a record `part` with the quantities of the part, by their names:
+A law is a handful of compiled functions of a record `part` with the quantities of the part, by
+their names, and of the node's `Kinematics` relative to the housing:
 
-    force(part, tables, d, d_dot, speed, spin, own)                                 -> F
-    tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own)     -> F, p, q
-    energy(part, tables, d, own)                                                    -> energies
-    dissipate(part, tables, d, d_dot, speed, spin, own, out)                        -> torque
-    rates(part, tables, d, d_dot, speed, spin, own, out)
-    observe(part, tables, d, d_dot, speed, spin, own, out)
-    opening(part, d)                                                                -> distance
-    length(part)                                                                    -> scale
+    force(part, tables, kinematics, own)                        -> F
+    tangent(part, tables, kinematics, weights, free, own)       -> F, p, q
+    energy(part, tables, displacement, own)                     -> energies
+    dissipate(part, tables, kinematics, own, out)               -> torque
+    rates(part, tables, kinematics, own, out)
+    observe(part, tables, kinematics, own, out)
+    opening(part, displacement)                                 -> distance
+    length(part)                                                -> scale
 
-F: complex force on the node [N], the housing gets -F. speed: the machine's [rad/s], on which
-coefficients may depend; spin: at which the surfaces slide [rad/s], 0 where equilibrium is sought,
-which has no friction. tangent: dF for by_d dF/dd + by_v dF/dd', as the pair of the real-linear map
-z -> p z + q conj(z). energy: a tuple of what is stored [J], in the order of `Law.stores`.
-dissipate: fills `out` with the powers dissipated [W], in the order of `Law.losses`; returns the
-torque that brakes the rotor [N.m]. opening: how far d is from where the force begins [m], negative
-where it acts. length: displacement that matters [m], 0 for that of the machine; of a law with a
-wall the wall's radius.
+F: complex force on the node [N], the housing gets -F. tangent: the change of F for `Weights` of its
+derivatives, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of what is
+stored [J], in the order of `Law.stores`. dissipate: fills `out` with the powers dissipated [W] at
+the `places` of `Law.losses`; returns the torque that brakes the rotor [N.m]. observe: fills `out`
+at the places of `Law.outputs`. opening: how far the displacement is from where the force begins
+[m], negative where it acts. length: displacement that matters [m], 0 for that of the machine; of a
+law with a wall the wall's radius.
 
 tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
 with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
 
 A law may have states of its own, `own`, shape (len(Law.states),): rates fills in their rates. Over
-a step they are implicit, own = free + by_own * rate: `tangent` finds them, fills `own`, and lets
-them take part in p and q.
+a step they are implicit, own = free + weights.rate * rate: `tangent` finds them, fills `own`, and
+lets them take part in p and q.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,6 +42,27 @@ from ..quantities import Output, quantities
 _Kernel = Callable[..., Any]
 
 
+class Kinematics(NamedTuple):
+    """How a node moves relative to its housing or to ground: displacement u + i v [m] and velocity
+    [m/s]; speed: of the machine [rad/s], on which coefficients may depend; sliding_speed: at which
+    the journal's surface turns past what it rubs on [rad/s], 0 where equilibrium is sought, which
+    has no friction."""
+
+    displacement: complex
+    velocity: complex
+    speed: float
+    sliding_speed: float
+
+
+class Weights(NamedTuple):
+    """Of a tangent: dF = displacement dF/dd + velocity dF/dd', of an unknown of which d and d' are
+    linear functions; rate: own = free + rate * rates, of a law's states [s]."""
+
+    displacement: float
+    velocity: float
+    rate: float
+
+
 @compiled
 def no_length(part):
     """The length of a law without one of its own."""
@@ -50,27 +70,47 @@ def no_length(part):
 
 
 @compiled
-def always_acts(part, d):
+def always_acts(part, displacement):
     """The opening of a law without a wall."""
     return -1.0
 
 
 @compiled
-def no_rates(part, tables, d, d_dot, speed, spin, own, out):
+def no_rates(part, tables, kinematics, own, out):
     """The rates of a law without states."""
     return
 
 
 @dataclass(frozen=True)
 class Law:
-    """A law: its compiled functions, and what it keeps in the ledger.
+    """A force law: its compiled functions, and the entries that it adds to outputs and ledger.
 
-    name: of its records; kind: the data class whose quantities the records hold; stores: names and
-    texts of the energies that it stores; losses: of what it dissipates; states: start values of its
-    own states; has_wall: whether the force begins at a wall, the circle of radius `length` about
-    the housing; turns: whether friction turns that wall, which then slips for a while only; table:
-    the table of a part, shape (rows, columns), where the law takes one; stiffness: by which a part
-    holds its node at rest [N/m], where the law holds it softly.
+    Parameters
+    ----------
+    name : str
+        Name of its records.
+    kind : type
+        Data class whose quantities the records hold.
+    force, tangent, energy, dissipate, observe : callable
+        Compiled functions, see the module.
+    outputs : tuple of Output
+        Outputs, at whose `places` `observe` fills.
+    stores : tuple of Output
+        Energies that it stores [J], in the order in which `energy` returns them.
+    losses : tuple of Output
+        Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
+    opening, length, rates : callable
+        Compiled functions of a law with a wall, with a length of its own, with states.
+    states : tuple of float
+        Values of its states at the start.
+    has_wall : bool
+        Whether the force begins at a wall, the circle of radius `length` about the housing.
+    turns : bool
+        Whether friction turns that wall, which then slips for a while only.
+    table : callable, optional
+        The table of a part, shape (rows, columns), where the law takes one.
+    stiffness : callable, optional
+        Stiffness by which a part holds its node at rest [N/m], where the law holds it softly.
     """
 
     name: str
@@ -94,7 +134,13 @@ class Law:
 
     @property
     def dtype(self) -> np.dtype:
-        """Of a record: the quantities of the part, by their names, and where its table lies."""
+        """Type of a record: the quantities of the part, by their names, and where its table lies.
+
+        Returns
+        -------
+        numpy.dtype
+            The type.
+        """
         places = [("table", "i8"), ("rows", "i8")] if self.table else []
         return np.dtype([*((name, "f8") for name in quantities(self.kind)), *places])
 
@@ -112,15 +158,25 @@ def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
                 return function(laws[code][interface.row], *arguments)
             return rest(laws, interface, *arguments)
 
-    return compiled(call, to_keep=False)
+    return compiled(call, to_cache=False)
 
 
 def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kernel:
-    """One compiled function `call(laws, interface, ...)` of a function a law.
+    """Return one compiled function `call(laws, interface, ...)` of a function a law.
 
-    laws: the records of each law, in the order of `functions`, and last the tables; interface: a
-    record whose `law` is the place in that order and whose `row` is that of the law's record;
-    takes_tables: whether the functions take the tables behind the record.
+    Parameters
+    ----------
+    functions : sequence of callable
+        A compiled function of each law.
+    takes_tables : bool
+        Whether the functions take the tables behind the record.
+
+    Returns
+    -------
+    callable
+        The function. laws: the records of each law, in the order of `functions`, and last the
+        tables; interface: a record whose `law` is the place in that order and whose `row` is that
+        of the law's record.
     """
     *others, lowest = range(len(functions))
     call = _link(lowest, functions[lowest], None)
@@ -133,4 +189,4 @@ def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kern
     def call_with_tables(laws, interface, *arguments):
         return call(laws, interface, laws[last], *arguments)
 
-    return compiled(call_with_tables, to_keep=False)
+    return compiled(call_with_tables, to_cache=False)

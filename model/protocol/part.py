@@ -137,7 +137,18 @@ MOUNT_OUTPUTS = (
 
 
 def outputs_of(element: Element) -> tuple[Output, ...]:
-    """What is observed of an element."""
+    """Return the outputs of an element.
+
+    Parameters
+    ----------
+    element : Element
+        An element of a part.
+
+    Returns
+    -------
+    tuple of Output
+        Its outputs, in the order in which they are observed.
+    """
     if isinstance(element, Probe):
         return PROBE_OUTPUTS
     if isinstance(element, Velocity):
@@ -151,8 +162,16 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
 class Part(ABC):
     """A part of a machine. Subclasses declare their quantities as fields.
 
-    KIND: its table in a machine file and its name in the FMU; TEXT: what it is, in a line;
-    IS_SINGLE: whether a machine has one at most; LAWS: that its interfaces may have.
+    Attributes
+    ----------
+    KIND : str
+        Its table in a machine file and its name in the FMU.
+    TEXT : str
+        What it is, in a line.
+    IS_SINGLE : bool
+        Whether a machine has one at most.
+    LAWS : tuple of Law
+        Laws that its interfaces may have.
     """
 
     KIND: ClassVar[str]
@@ -162,20 +181,55 @@ class Part(ABC):
 
     @abstractmethod
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """What the part called `where` puts into the machine; density: of the machine's material
-        [kg/m3]."""
+        """Yield the elements that the part puts into the machine.
+
+        Parameters
+        ----------
+        where : str
+            Name of the part, for messages.
+        density : float
+            Density of the machine's material [kg/m3].
+
+        Yields
+        ------
+        Element
+            Bodies, springs, unbalances, ports, probes, mounts, interfaces.
+        """
 
     @property
     def label(self) -> str:
-        """The name that a user gave the part, or ""."""
+        """Name that a user gave the part.
+
+        Returns
+        -------
+        str
+            The name, or "".
+        """
         return ""
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError` for quantities that the part called `where` cannot have."""
+        """Check the quantities of the part.
+
+        Parameters
+        ----------
+        where : str
+            Name of the part, for messages.
+
+        Raises
+        ------
+        QuantityError
+            If the part cannot have a quantity; the message names it, its value and what is allowed.
+        """
         check_all(where, self)
 
     def outline(self) -> Iterator[Shape]:
-        """How the part is drawn, z measured from its node."""
+        """Yield the blocks by which the part is drawn.
+
+        Yields
+        ------
+        Shape
+            A block, its z measured from the part's node [m].
+        """
         yield from ()
 
 

@@ -171,7 +171,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     # Paper A's run: Figs 3 to 6.
     "paper": {"method": "generalized-alpha", "alpha_f": 0.1, "alpha_m": 0.08, "h": 0.004},
     # Paper A's run with variable step: Figs 11 to 15. It gives no limits; with these the run-down
-    # takes some 8000 steps at the accuracy of the fixed step (docs/reproduction.md).
+    # takes some 8000 steps at the accuracy of the fixed step (docs/explanation/reproduction.md).
     "paper-adaptive": {
         "method": "generalized-alpha",
         "alpha_f": 0.1,

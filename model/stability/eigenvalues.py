@@ -105,9 +105,11 @@ def _first_of_sweep(a, first, last, x, y, w):
 
 
 @compiled
-def _sweep(a, first, last, x, y, w):
-    """One double step of QR on rows first .. last."""
-    begin, p, q, r = _first_of_sweep(a, first, last, x, y, w)
+def _sweep(a, first, last, corner, before, product):
+    """One double step of QR on rows first .. last, its shifts from the two last diagonal elements
+    and the product beside them."""
+    begin, p, q, r = _first_of_sweep(a, first, last, corner, before, product)
+    size = 0.0
     for i in range(begin + 2, last + 1):
         a[i, i - 2] = 0.0
         if i > begin + 2:
@@ -117,15 +119,15 @@ def _sweep(a, first, last, x, y, w):
         if k > begin:
             p, q = a[k, k - 1], a[k + 1, k - 1]
             r = a[k + 2, k - 1] if is_three else 0.0
-            x = abs(p) + abs(q) + abs(r)
-            if x == 0.0:
+            size = abs(p) + abs(q) + abs(r)
+            if size == 0.0:
                 continue
-            p, q, r = p / x, q / x, r / x
+            p, q, r = p / size, q / size, r / size
         s = math.sqrt(p * p + q * q + r * r)
         if p < 0.0:
             s = -s
         if k > begin:
-            a[k, k - 1] = -s * x
+            a[k, k - 1] = -s * size
         elif first < begin:
             a[k, k - 1] = -a[k, k - 1]
         p += s

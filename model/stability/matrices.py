@@ -8,6 +8,7 @@ from ..kernels.band import add_product, solve
 from ..kernels.compiled import compiled
 from ..kernels.functions import inverse
 from ..parts.housing import masses
+from ..protocol.law import Kinematics, Weights
 from ..step.laws import law_opening, law_tangent, relative
 
 # Which interfaces with a wall are closed: none, all, or the one of this number.
@@ -52,13 +53,8 @@ def take_tangents(run, omega):
             _force, p, q = law_tangent(
                 structure.laws,
                 interface,
-                d,
-                0.0j,
-                omega,
-                sliding,
-                by_d,
-                1.0 - by_d,
-                0.0,
+                Kinematics(d, 0.0j, omega, sliding),
+                Weights(by_d, 1.0 - by_d, 0.0),
                 run.motion.own[interface.own :],
                 problem.own[interface.own :],
             )
@@ -151,11 +147,11 @@ def take_machine(run, speed, case):
             A[size + i, size + half + k] = -speed * survey.G[i, k]
             A[size + half + i, size + k] = speed * survey.G[i, k]
     for h in range(len(structure.housings)):
-        housing, i = structure.housings[h], coarse + h
-        A[size + i, i] -= housing.kx
-        A[size + half + i, half + i] -= housing.ky
-        A[size + i, size + i] -= housing.cx
-        A[size + half + i, size + half + i] -= housing.cy
+        housing, x, y = structure.housings[h], coarse + h, half + coarse + h
+        A[size + x, x] -= housing.kx
+        A[size + y, y] -= housing.ky
+        A[size + x, size + x] -= housing.cx
+        A[size + y, size + y] -= housing.cy
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].has_wall == 0 or is_closed(structure.interfaces, j, case):
             _add_force(survey, j, 0, survey.p_d[j], survey.q_d[j])

@@ -8,12 +8,15 @@ import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
 from ..kernels.compiled import plain
+from ..quantities import places
 from ..structure.reduction import component_modes
 from ..structure.structure import Structure
 
 MOST_DOFS = 60  # of the shaft; a longer one is reduced first
 MOST_WHIRLS = 64  # that are kept, of those that grow fastest
 _MODES = 12
+# Places in a row of `Survey.found`: Re and Im of the root, and what goes with it.
+WHIRL = places(("growth", "omega", "is_backward", "case", "speed"))
 
 
 class Survey(NamedTuple):
@@ -49,7 +52,7 @@ class Survey(NamedTuple):
     along: Annotated[np.ndarray, float, "n"]
     product: Annotated[np.ndarray, float, "n"]
     column: Annotated[np.ndarray, float, "coarse"]
-    found: Annotated[np.ndarray, float, str(MOST_WHIRLS), "5"]
+    found: Annotated[np.ndarray, float, str(MOST_WHIRLS), str(len(WHIRL))]
     counted: Annotated[np.ndarray, np.int64, "1"]
     rest: Annotated[np.ndarray, complex, "1"]
 

@@ -28,7 +28,7 @@ from .matrices import (
     take_tangents,
     take_vector,
 )
-from .memory import MOST_WHIRLS, Survey
+from .memory import MOST_WHIRLS, WHIRL, Survey
 from .resolution import is_stable, resolving_step
 
 # Less than this share of a growth left by the integrator is called hidden; what a step that
@@ -252,17 +252,17 @@ def _keep(survey, root, is_backward, case, speed):
     """Put a whirl among those found, the fastest first."""
     found = survey.found
     at = survey.counted[0]
-    while at > 0 and found[at - 1, 0] < root.real:
+    while at > 0 and found[at - 1, WHIRL.growth] < root.real:
         at -= 1
     if at == MOST_WHIRLS:
         return
     survey.counted[0] = min(survey.counted[0] + 1, MOST_WHIRLS)
     for row in range(survey.counted[0] - 1, at, -1):
-        for k in range(5):
+        for k in range(len(WHIRL)):
             found[row, k] = found[row - 1, k]
-    found[at, 0], found[at, 1] = root.real, root.imag
-    found[at, 2] = 1.0 if is_backward else 0.0
-    found[at, 3], found[at, 4] = case, speed
+    found[at, WHIRL.growth], found[at, WHIRL.omega] = root.real, root.imag
+    found[at, WHIRL.is_backward] = 1.0 if is_backward else 0.0
+    found[at, WHIRL.case], found[at, WHIRL.speed] = case, speed
 
 
 @compiled

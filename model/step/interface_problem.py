@@ -16,6 +16,7 @@ import numpy as np
 
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
+from ..protocol.law import Kinematics
 from .laws import law_opening, law_tangent
 
 EXPECTED, OPEN, WALL = 0, 1, 2
@@ -86,10 +87,10 @@ def solve_dense(a, x):
 
 
 @compiled
-def _linearize(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
+def _linearize(problem, laws, interfaces, spin, weights):
     """Forces and tangents at problem.w, Newton's correction of w; False if its matrix is
     singular."""
-    m = len(interfaces)
+    m, b_d, b_v = len(interfaces), weights.displacement, weights.velocity
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
     is_open = True
     for j in range(m):
@@ -111,10 +112,9 @@ def _linearize(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
         interface = interfaces[j]
         d = problem.d0[j] + b_d * problem.w[j]
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
+        kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding)
         free, own = problem.free[interface.own :], problem.own[interface.own :]
-        force, p, q = law_tangent(
-            laws, interface, d, d_dot, speed, spin, b_d, b_v, b_own, free, own
-        )
+        force, p, q = law_tangent(laws, interface, kinematics, weights, free, own)
         if force == 0.0 and p == 0.0 and q == 0.0:
             continue
         problem.force[j] = force
@@ -149,19 +149,19 @@ def _start(problem, laws, interfaces, place, b_d):
 
 
 @compiled
-def solve_interfaces(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
+def solve_interfaces(problem, laws, interfaces, spin, weights):
     """Solve for problem.w, problem.force and problem.own; returns (converged, iterations).
 
-    interfaces: records, shape (m,); speed: of the machine, spin: of surfaces that slide [rad/s].
+    interfaces: records, shape (m,); weights: b_d, b_v and b_own.
     Plain Newton from where it slid before cycles between open and closed in some coarse steps;
     `ATTEMPTS` lists what is then done. `iterations` counts those of all attempts.
     """
-    iterations = 0
+    iterations, b_d = 0, weights.displacement
     for place, relax, limit in ATTEMPTS:
         _start(problem, laws, interfaces, place, b_d)
         for _ in range(limit):
             iterations += 1
-            if not _linearize(problem, laws, interfaces, speed, spin, b_d, b_v, b_own):
+            if not _linearize(problem, laws, interfaces, spin, weights):
                 break
             is_converged = True
             for j in range(len(interfaces)):

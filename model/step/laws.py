@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from ..kernels.compiled import compiled
 from ..parts import LAWS
-from ..protocol.law import Law, dispatcher
+from ..protocol.law import Kinematics, Law, dispatcher
 from ..structure.ledger import FLOWS, STORES
 
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
@@ -18,12 +18,12 @@ def _storing(law: Law) -> Callable:
     energy, count = law.energy, len(law.stores)
     places = tuple(STORES.index(store.name) for store in law.stores)
 
-    def add(part, tables, d, own, out):
-        energies = energy(part, tables, d, own)
+    def add(part, tables, displacement, own, out):
+        energies = energy(part, tables, displacement, own)
         for i in range(count):
             out[places[i]] += energies[i]
 
-    return compiled(add, to_keep=False)
+    return compiled(add, to_cache=False)
 
 
 def _dissipating(law: Law) -> Callable:
@@ -31,13 +31,13 @@ def _dissipating(law: Law) -> Callable:
     dissipate, count = law.dissipate, len(law.losses)
     places = tuple(FLOWS.index(loss.name) for loss in law.losses)
 
-    def add(part, tables, d, d_dot, speed, spin, own, scratch, out):
-        torque = dissipate(part, tables, d, d_dot, speed, spin, own, scratch)
+    def add(part, tables, kinematics, own, scratch, out):
+        torque = dissipate(part, tables, kinematics, own, scratch)
         for i in range(count):
             out[places[i]] += scratch[i]
         return torque
 
-    return compiled(add, to_keep=False)
+    return compiled(add, to_cache=False)
 
 
 law_force = dispatcher([law.force for law in LAWS])
@@ -53,3 +53,15 @@ add_losses = dispatcher([_dissipating(law) for law in LAWS])
 def relative(interface, z):
     """Of a node relative to its housing or to ground, z of shape (size,)."""
     return z[interface.dof] - z[interface.end]
+
+
+@compiled
+def kinematics(interface, spin, q, v):
+    """`Kinematics` of an interface, q, v of shape (size,)."""
+    return Kinematics(relative(interface, q), relative(interface, v), spin.omega, spin.sliding)
+
+
+@compiled
+def at_rest(displacement, speed):
+    """`Kinematics` of an interface whose node rests and whose surfaces do not slide."""
+    return Kinematics(displacement, 0.0j, speed, 0.0)

@@ -16,10 +16,13 @@ from ..kernels.band import add_product, factorize, solve
 from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
 from ..parts.housing import masses
+from ..protocol.law import Weights
 from .excitation import add_applied, circulation, falling
 from .interface_problem import solve_interfaces
-from .laws import law_force, law_rates, relative
+from .laws import kinematics, law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
+
+DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2  # what becomes of a step
 
 
 class Motion(NamedTuple):
@@ -100,23 +103,20 @@ def accelerate(structure, spin, damping, loads, motion, work):
     add_applied(structure, spin, loads, f)
     _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
     g = falling(structure, loads)
-    for h in range(len(structure.housings)):
-        housing = structure.housings[h]
-        q, v = motion.q[n + h], damping * motion.v[n + h]
-        motion.v_dot[n + h] = -_housing_forces(housing, g, q, v)
+    for j in range(len(structure.housings)):
+        q, v = motion.q[n + j], damping * motion.v[n + j]
+        motion.v_dot[n + j] = -_housing_forces(structure.housings[j], g, q, v)
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        d = relative(interface, motion.q)
-        d_dot = relative(interface, motion.v)
-        own = motion.own[interface.own :]
-        force = law_force(structure.laws, interface, d, d_dot, spin.omega, spin.sliding, own)
+        moving = kinematics(interface, spin, motion.q, motion.v)
+        force = law_force(structure.laws, interface, moving, motion.own[interface.own :])
         motion.force[j] = force
         f[interface.dof] += force
         motion.v_dot[interface.end] -= force
     _fill_rates(structure, spin, motion)
-    for h in range(len(structure.housings)):
-        m_x, m_y = masses(structure.housings[h])
-        motion.v_dot[n + h] = by_axis(1.0 / m_x, 1.0 / m_y, motion.v_dot[n + h])
+    for j in range(len(structure.housings)):
+        m_x, m_y = masses(structure.housings[j])
+        motion.v_dot[n + j] = by_axis(1.0 / m_x, 1.0 / m_y, motion.v_dot[n + j])
     motion.v_dot[n + len(structure.housings)] = 0.0
     solve(structure.M_factors, f)
 
@@ -130,10 +130,7 @@ def _fill_rates(structure, spin, motion):
             law_rates(
                 structure.laws,
                 interface,
-                relative(interface, motion.q),
-                relative(interface, motion.v),
-                spin.omega,
-                spin.sliding,
+                kinematics(interface, spin, motion.q, motion.v),
                 motion.own[interface.own :],
                 motion.own_rate[interface.own :],
             )
@@ -208,14 +205,14 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
     g = falling(structure, loads)
-    for h in range(len(structure.housings)):
-        housing = structure.housings[h]
-        at = n + h
+    for j in range(len(structure.housings)):
+        housing = structure.housings[j]
+        at = n + j
         v = fit.damping * new.v[at]
         force = _housing_forces(housing, g, new.q[at], v)
         m_x, m_y = masses(housing)
         force += by_axis(m_x / share, m_y / share, am * old.a[at] - af * old.v_dot[at])
-        new.a[at] = -by_axis(work.housing[h, 0], work.housing[h, 1], force)
+        new.a[at] = -by_axis(work.housing[j, 0], work.housing[j, 1], force)
     new.a[n + len(structure.housings)] = 0.0
 
 
@@ -255,8 +252,8 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     """One step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
 
-    Returns (status, Newton iterations): 0 done, 1 the interfaces did not converge, 2 not finite or
-    past the bound. Whatever the status, `old` is untouched.
+    Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces or `NOT_FINITE` or past the bound,
+    and the Newton iterations. Whatever the status, `old` is untouched.
     """
     n = structure.M.shape[0]
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
@@ -271,17 +268,17 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         problem.w_free[j] = relative(interfaces[j], new.a)
         is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
     if not is_finite:
-        return 2, 0
-    b_d, b_v = scheme.beta * h * h, scheme.gamma * h
+        return NOT_FINITE, 0
     b_own = _predict_own(scheme, h, old, problem.free)
+    weights_of_laws = Weights(scheme.beta * h * h, scheme.gamma * h, b_own)
     for i in range(len(problem.own)):
         problem.own[i] = problem.free[i]
-    _expect(problem, interfaces, old, b_d)
+    _expect(problem, interfaces, old, weights_of_laws.displacement)
     is_converged, iterations = solve_interfaces(
-        problem, structure.laws, interfaces, spin.omega, spin.sliding, b_d, b_v, b_own
+        problem, structure.laws, interfaces, spin, weights_of_laws
     )
     if not is_converged:
-        return 1, iterations
+        return NOT_CONVERGED, iterations
 
     for j in range(len(interfaces)):
         force = problem.force[j]
@@ -295,11 +292,11 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
         if not _is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
-            return 2, iterations
+            return NOT_FINITE, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.own) > 0:
         for i in range(len(problem.own)):
             new.own[i] = problem.own[i]
         _fill_rates(structure, spin, new)
         balance_back(scheme, old.own_a, old.own_rate, new.own_rate, new.own_a)
-    return 0, iterations
+    return DONE, iterations

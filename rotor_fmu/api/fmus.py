@@ -29,12 +29,38 @@ def build_fmu(
 ) -> Path:
     """Build a machine's FMU in a folder and return its path.
 
-    is_free: a torque drives the rotor instead of its speed; is_native: the FMU that needs no
-    Python, of FMI 2 or 3; platforms: whose libraries it carries, by default all, or, of the FMU in
-    Python, those of linux64 and win64 that are there; reduction: component modes kept of the shaft,
-    0 for all of it. Raises `InputError`, and `CoreError` where a library is missing and cannot be
-    made (`pip install "rotor-fmu[native]"`).
+    Parameters
+    ----------
+    machine : Machine
+        The machine, as `load` or `parse` returns it.
+    folder : Path or str
+        Where the FMU is written; it is made if need be.
+    is_free : bool
+        Whether a torque drives the rotor [N.m] instead of its speed [rad/s].
+    is_native : bool
+        Whether to build the FMU that needs no Python.
+    fmi : int
+        Version of FMI: 2, or, of the native FMU, 3.
+    platforms : sequence of str, optional
+        Platforms whose libraries the FMU carries. By default all, or, of the FMU in Python, those
+        of linux64 and win64 that are there.
+    reduction : int
+        Component modes to keep of the shaft; 0 keeps the whole shaft.
 
+    Returns
+    -------
+    Path
+        The FMU.
+
+    Raises
+    ------
+    InputError
+        If an argument is not among those allowed.
+    CoreError
+        If a library is missing and cannot be made (`pip install "rotor-fmu[build]"`).
+
+    Examples
+    --------
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     rf.build_fmu(rf.load(), folder).name
@@ -69,13 +95,35 @@ def simulate_fmu(
     parameters: Mapping[str, float | str] | None = None,
     step: float | None = None,
 ) -> Result:
-    """Drive an FMU that `build_fmu` made, through FMPy; arguments and result are those of
-    `simulate`, but what is recorded are the outputs at the communication points, `step` [s] apart.
+    """Drive an FMU that `build_fmu` made, through FMPy.
 
-    With the same step the numbers are the same, unless loads vary or the speed bends: an FMU holds
-    its loads, and goes on with its speed, from one communication point to the next. Raises
-    `InputError` for another file, or for an FMU that a torque drives.
+    With the same step the numbers are those of `simulate`, unless loads vary or the speed bends: an
+    FMU holds its loads, and continues its speed, from one communication point to the next.
 
+    Parameters
+    ----------
+    fmu : Path or str
+        The FMU, driven by a speed.
+    speed, loads, stop, preset, tolerance, parameters, step
+        As in `simulate`.
+
+    Returns
+    -------
+    Result
+        The outputs at the communication points, `step` [s] apart.
+
+    Raises
+    ------
+    InputError
+        If the file is no FMU of a machine, or a torque drives it, or an argument cannot be.
+
+    Warns
+    -----
+    RotorWarning
+        If something makes the run doubtful, or it fails.
+
+    Examples
+    --------
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     fmu = rf.build_fmu(rf.load(), folder)

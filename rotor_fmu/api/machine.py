@@ -25,10 +25,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine, as `load` and `parse` make it; a notebook shows its picture.
+    """A machine, as `load` and `parse` return it; a notebook shows its picture.
 
-    rotor: its shaft and parts; toml: its file, from which FMUs are built.
+    Attributes
+    ----------
+    rotor : Rotor
+        Shaft and parts.
+    toml : str
+        The text of its file, from which FMUs are built.
 
+    Examples
+    --------
     >>> import rotor_fmu as rf
     >>> rig = rf.load()
     >>> rig
@@ -40,13 +47,26 @@ class Machine:
 
     @property
     def name(self) -> str:
-        """What the file calls it."""
+        """Name of the machine in its file.
+
+        Returns
+        -------
+        str
+            The name.
+        """
         return self.rotor.name
 
     @property
     def units(self) -> dict[str, str]:
-        """What a run can record, in the order of its names, with the unit of each.
+        """Signals that a run can record, with the unit of each.
 
+        Returns
+        -------
+        dict of str to str
+            Unit by name, in the order of the signals.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> rf.load().units["disc[3].x"]
         'm'
@@ -55,8 +75,15 @@ class Machine:
 
     @property
     def parameters(self) -> dict[str, float]:
-        """What `simulate` can change, and its value in the file, SI.
+        """Parameters that `simulate` can change, with their values in the file.
 
+        Returns
+        -------
+        dict of str to float
+            Value by name, in SI units.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> rf.load().parameters["bearing[1].clearance"]
         5e-05
@@ -64,8 +91,29 @@ class Machine:
         return {str(name): value for name, _, value in self.rotor.parameters()}
 
     def modes(self, speed: float = 0.0, **options: Any) -> Modes:
-        """Natural frequencies, damping and shapes at a speed [rad/s] (`model.linear.modes`).
+        """Natural frequencies, damping and shapes at a speed.
 
+        Parameters
+        ----------
+        speed : float
+            Speed of rotation [rad/s].
+        count : int
+            Number of modes, the lowest ones.
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+
+        Returns
+        -------
+        Modes
+            Eigenvalues [1/s] and shapes, with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If the speed is not finite, or `contacts` is another word.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> found = rf.load().modes(contacts="pinned")
         >>> [f"{omega:.0f} rad/s" for omega in found.natural[:2]]
@@ -76,8 +124,29 @@ class Machine:
         return modes(self.rotor, speed, **options)
 
     def campbell(self, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
-        """Frequencies over speeds [rad/s], critical speeds and the threshold of stability
-        (`model.linear.campbell`)."""
+        """Frequencies over speeds, critical speeds and the threshold of stability.
+
+        Parameters
+        ----------
+        speeds : sequence of float
+            At least two ascending speeds of rotation [rad/s].
+        count : int
+            Number of modes, the lowest ones.
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+        harmonic : float
+            Multiple of the speed that excites, for critical speeds [1].
+
+        Returns
+        -------
+        Campbell
+            Eigenvalues [1/s], critical speeds and threshold [rad/s], with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If the speeds do not ascend, or `contacts` is another word.
+        """
         from ..linear.answers import campbell
 
         return campbell(self.rotor, speeds, **options)
@@ -85,20 +154,66 @@ class Machine:
     def unbalance_response(
         self, speeds: Sequence[float] | np.ndarray, **options: Any
     ) -> UnbalanceResponse:
-        """Steady response to the unbalances at speeds [rad/s]
-        (`model.linear.unbalance_response`)."""
+        """Steady response to unbalances over speeds.
+
+        Parameters
+        ----------
+        speeds : sequence of float
+            Speeds of rotation [rad/s].
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+        unbalances : sequence of (int, float, float), optional
+            Node (from 1), amount [kg.m] and angle from the shaft's mark [rad] of each unbalance. By
+            default the machine's own.
+
+        Returns
+        -------
+        UnbalanceResponse
+            Complex amplitudes [m] and loads on the supports [N], with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If a speed or a node cannot be, or `contacts` is another word.
+        """
         from ..linear.answers import unbalance_response
 
         return unbalance_response(self.rotor, speeds, **options)
 
     def static(self, speed: float = 0.0, **options: Any) -> Static:
-        """Deflection and loads under gravity (`model.linear.static`)."""
+        """Deflection and loads on the supports under gravity.
+
+        Parameters
+        ----------
+        speed : float
+            Speed of rotation [rad/s], on which bearings may depend.
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+        loads : sequence of (int, float, float)
+            Node (from 1), force to the right and force upwards [N] of each further load.
+
+        Returns
+        -------
+        Static
+            Displacements [m], slopes [rad] and loads [N], with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If nothing holds the machine, or a node cannot be, or `contacts` is another word.
+        """
         from ..linear.answers import static
 
         return static(self.rotor, speed, **options)
 
     def show(self) -> Figure:
-        """The machine to scale, in mm."""
+        """Draw the machine to scale, in mm.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The drawing.
+        """
         from ..fmi.packing.machine_picture import machine_figure
 
         return shown(machine_figure(self.rotor))
@@ -116,10 +231,25 @@ class Machine:
 
 
 def load(path: Path | str | None = None) -> Machine:
-    """Read a machine's file, ours or one that ROSS saved; without a path, the test rig of paper A.
+    """Read a machine's file, one of this project's or one that ROSS saved.
 
-    Raises `InputError` for a file that cannot be read or tells an impossible machine.
+    Parameters
+    ----------
+    path : Path or str, optional
+        The file. By default the test rig of paper A.
 
+    Returns
+    -------
+    Machine
+        The machine.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or describes an impossible machine.
+
+    Examples
+    --------
     >>> import rotor_fmu as rf
     >>> rf.load().name
     'zigulic2003'
@@ -132,8 +262,25 @@ def load(path: Path | str | None = None) -> Machine:
 
 
 def parse(toml: str) -> Machine:
-    """A machine from the text of its file; raises `InputError`.
+    """Make a machine from the text of its file.
 
+    Parameters
+    ----------
+    toml : str
+        The text, in TOML.
+
+    Returns
+    -------
+    Machine
+        The machine.
+
+    Raises
+    ------
+    InputError
+        If the text describes an impossible machine.
+
+    Examples
+    --------
     >>> import rotor_fmu as rf
     >>> rf.parse(rf.load().toml.replace("clearance = 50e-6", "clearance = -1e-6"))
     Traceback (most recent call last):

@@ -8,13 +8,12 @@ import html
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, optional
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..report.places import Recorded
@@ -34,9 +33,23 @@ if TYPE_CHECKING:
 
 
 class Peak(NamedTuple):
-    """A peak of a displacement over the speed: the part, the axis, the amplitude 0-p from rest [m],
-    the speed [rad/s] and the time [s].
+    """A peak of a displacement over the speed.
 
+    Attributes
+    ----------
+    part : str
+        Name of the part.
+    axis : str
+        `x` or `y`.
+    amplitude : float
+        Amplitude 0-p from rest [m].
+    speed : float
+        Speed of rotation [rad/s].
+    t : float
+        Time [s].
+
+    Examples
+    --------
     >>> import rotor_fmu as rf
     >>> run = rf.simulate(rf.load(), speed=([0, 7], [220, 150]), tolerance=1e-2)
     >>> peak = next(peak for peak in run.peaks if peak.axis == "x")
@@ -68,12 +81,20 @@ class Peaks(tuple[Peak, ...]):
 
 @dataclass(frozen=True, repr=False)
 class Result:
-    """A run: signals by name, at the solver's own steps.
+    """Signals of a run by name, at the solver's own steps.
 
-    recording: the signals, with units and what was run; points: the run at its communication
-    points, with everything that the model computes, None of a run that was read from its folder;
-    machine: None where it is not told.
+    Attributes
+    ----------
+    recording : Recording
+        The signals, with their units and a description of the run.
+    points : Run or None
+        The run at its communication points, with everything that the model computes; None of a run
+        that was read from its folder.
+    machine : Machine or None
+        The machine; None where the folder does not hold it.
 
+    Examples
+    --------
     >>> import rotor_fmu as rf
     >>> result = rf.simulate(rf.load(), speed=185.0, stop=0.5, record=["disc[3].x", "disc[3].y"])
     >>> result["disc[3].x"].shape == result.t.shape
@@ -90,45 +111,94 @@ class Result:
 
     @property
     def t(self) -> np.ndarray:
-        """Times of the rows [s], shape (n,)."""
+        """Times of the rows.
+
+        Returns
+        -------
+        numpy.ndarray
+            Times [s], shape (n,).
+        """
         return self.recording.t
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What was recorded."""
+        """Names of the recorded signals.
+
+        Returns
+        -------
+        tuple of str
+            The names, in their order.
+        """
         return tuple(self.recording.columns)
 
     @property
     def units(self) -> dict[str, str]:
-        """Units by name."""
+        """Units of the recorded signals.
+
+        Returns
+        -------
+        dict of str to str
+            Unit by name.
+        """
         return {name: self.recording.units[name] for name in self.names}
 
     @property
     def speed(self) -> np.ndarray:
-        """Speed of rotation [rad/s], shape (n,)."""
+        """Speed of rotation.
+
+        Returns
+        -------
+        numpy.ndarray
+            Speeds [rad/s], shape (n,).
+        """
         return self.recording.columns["w"]
 
     @property
     def status(self) -> str:
-        """`ok`, `doubtful` and the codes of its warnings, or `failed` and why."""
+        """Status of the run.
+
+        Returns
+        -------
+        str
+            `ok`, `doubtful` and the codes of its warnings, or `failed` and the reason.
+        """
         return str(self.recording.about.get("status", "ok"))
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """What the solver said."""
+        """Messages of the solver.
+
+        Returns
+        -------
+        tuple of str
+            The messages, in their order.
+        """
         return tuple(self.recording.about.get("messages", ()))
 
     @property
     def codes(self) -> tuple[str, ...]:
-        """Of each of `messages` the code that a machine reads, such as `overdamped`."""
+        """Codes of the messages, for programs.
+
+        Returns
+        -------
+        tuple of str
+            Of each of `messages` its code, such as `overdamped`; empty where it has none.
+        """
         return tuple(self.recording.about.get("codes", ()))
 
     @property
     def verification(self) -> dict[str, Any] | None:
-        """What holding the run against a finer one came to: its `conclusion` (`confirmed`,
-        `sensitive`: amplitudes are, the place at the end is not, or `not confirmed`), `peaks` and
-        `final` side by side; None where it was not asked for.
+        """Comparison with the same run, solved more finely.
 
+        Returns
+        -------
+        dict or None
+            Its `conclusion` (`confirmed`; `sensitive` where the amplitudes agree and the places at
+            the end do not; `not confirmed`), and `peaks` and `final` of both runs; None where it
+            was not asked for.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> run = rf.simulate(rf.load(), speed=185.0, stop=0.2, verify=True)
         >>> run.verification["conclusion"], run.verification["finer"]
@@ -137,34 +207,74 @@ class Result:
         return self.recording.about.get("verification")
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A signal by its name, SI, shape (n,)."""
+        """Return a signal by its name.
+
+        Parameters
+        ----------
+        name : str
+            One of `names`.
+
+        Returns
+        -------
+        numpy.ndarray
+            The signal in SI units, shape (n,).
+
+        Raises
+        ------
+        KeyError
+            If it was not recorded; the message gives the nearest name.
+        """
         if name not in self.recording.columns:
             near = difflib.get_close_matches(name, self.names, 1, 0.0)[0]
             raise KeyError(f"{name!r} was not recorded; the nearest name is {near}")
         return self.recording.columns[name]
 
     def dataframe(self) -> pd.DataFrame:
-        """The signals as a table over the time [s]; units in its `attrs`.
+        """Return the signals as a table over the time.
 
+        Returns
+        -------
+        pandas.DataFrame
+            A column a signal, indexed by the time [s]; the units are in its `attrs`.
+
+        Raises
+        ------
+        InputError
+            If pandas is not installed.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> table = rf.simulate(rf.load(), speed=100.0, stop=0.1).dataframe()
         >>> table.index.name, table.attrs["units"]["disc[1].x"]
         ('t', 'm')
         """
-        pd = _imported("pandas")
+        pd = optional("pandas", "study", "dataframe")
         table = pd.DataFrame(dict(self.recording.columns), pd.Index(self.t, name="t"))
         table.attrs["units"] = {"t": "s", **self.units}
         return table
 
     def dataset(self) -> xr.Dataset:
-        """The signals as variables over the time, each with its unit, and what was run.
+        """Return the signals as variables over the time.
 
+        Returns
+        -------
+        xarray.Dataset
+            A variable a signal, each with its unit, and a description of the run in `attrs`.
+
+        Raises
+        ------
+        InputError
+            If xarray is not installed.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> data = rf.simulate(rf.load(), speed=100.0, stop=0.1).dataset()
         >>> data["disc[1].x"].attrs["units"], data.attrs["machine"]
         ('m', 'zigulic2003')
         """
-        xr = _imported("xarray")
+        xr = optional("xarray", "study", "dataset")
         variables = {
             name: ("t", column, {"units": self.units[name]})
             for name, column in self.recording.columns.items()
@@ -174,10 +284,18 @@ class Result:
 
     @cached_property
     def peaks(self) -> Peaks:
-        """Peaks over the speed of every part whose amplitude is known, after the start-up of 2 s;
-        an amplitude that is largest at an edge of the run has none. Where there is none at all,
-        printing them, or their `why`, says why.
+        """Peaks over the speed of every part whose amplitude is known, after the start-up of 2 s.
 
+        An amplitude that is largest at an edge of the run has no peak.
+
+        Returns
+        -------
+        Peaks
+            A tuple of `Peak`; where it is empty, printing it, or its attribute `why`, gives the
+            reason.
+
+        Examples
+        --------
         >>> import rotor_fmu as rf
         >>> run = rf.simulate(rf.load(), speed=([0, 12], [220, 150]), tolerance=1e-2)
         >>> [(p.part, p.axis, round(p.speed, -1)) for p in run.peaks][-2:]
@@ -201,8 +319,27 @@ class Result:
         return Peaks(found, "" if found else why_no_peak(t, c["w"], PEAKS_AFTER))
 
     def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:
-        """The path of a part, by default of the disc that moves most, over the turns nearest to a
-        speed [rad/s], by default the last (`vibration.orbit`)."""
+        """Orbit of a part over turns on end.
+
+        Parameters
+        ----------
+        place : str, optional
+            Name of the part. By default the disc that moves most.
+        speed : float, optional
+            Speed [rad/s] to which the turns are nearest. By default the last.
+        turns : int
+            Number of turns.
+
+        Returns
+        -------
+        Orbit
+            The path [m] and the speed [rad/s].
+
+        Raises
+        ------
+        TooFewTurns, TooFewRows
+            If the recording is too short or too coarse.
+        """
         from .. import vibration
 
         last = float(self.speed[-1])
@@ -211,8 +348,27 @@ class Result:
     def spectrum(
         self, place: str | None = None, speed: float | None = None, turns: int = 16
     ) -> FullSpectrum:
-        """Full spectrum, forward and backward orders of a part near a speed [rad/s], by default the
-        last (`vibration.full_spectrum`)."""
+        """Full spectrum of a part: amplitudes of its forward and backward orders.
+
+        Parameters
+        ----------
+        place : str, optional
+            Name of the part. By default the disc that moves most.
+        speed : float, optional
+            Speed [rad/s] to which the turns are nearest. By default the last.
+        turns : int
+            Number of turns; the resolution is 1 / turns orders.
+
+        Returns
+        -------
+        FullSpectrum
+            Amplitudes 0-p [m] over signed orders [1].
+
+        Raises
+        ------
+        TooFewTurns
+            If the recording is too short.
+        """
         from .. import vibration
 
         last = float(self.speed[-1])
@@ -222,7 +378,29 @@ class Result:
     def orders(
         self, place: str | None = None, orders: Sequence[float] = (0.5, 1.0, 2.0), turns: int = 4
     ) -> OrderTrack:
-        """Orders of a part through the run (`vibration.order_track`)."""
+        """Vectors of orders of a part through the run.
+
+        Parameters
+        ----------
+        place : str, optional
+            Name of the part. By default the disc that moves most.
+        orders : sequence of float
+            Multiples of the speed of rotation [1].
+        turns : int
+            Number of turns of a block.
+
+        Returns
+        -------
+        OrderTrack
+            Complex amplitudes 0-p [m], a row a turn.
+
+        Raises
+        ------
+        TooFewTurns, TooFewRows
+            If the recording is too short or too coarse.
+        ValueError
+            If a block cannot hold an order.
+        """
         from .. import vibration
 
         return vibration.order_track(*self._signal(place), orders, turns=turns)
@@ -235,9 +413,30 @@ class Result:
         *,
         is_pp: bool = False,
     ) -> Figure:
-        """A picture as `rotor-fmu plot` draws it: bode, polar, orbit, cascade, poincare,
-        contact-angle, contact-force, energy, spectrum or whirl. speed: of orbit and spectrum
-        [rad/s]; is_pp: peak-to-peak. Raises `InputError` for another kind."""
+        """Draw the run as `rotor-fmu plot` does.
+
+        Parameters
+        ----------
+        kind : str
+            `bode`, `polar`, `orbit`, `cascade`, `poincare`, `contact-angle`, `contact-force`,
+            `energy`, `spectrum` or `whirl`.
+        place : str, optional
+            Name of the part. By default the disc that moves most.
+        speed : float, optional
+            Speed of an orbit or a spectrum [rad/s]. By default the last.
+        is_pp : bool
+            Whether amplitudes are peak-to-peak rather than 0-p.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The picture.
+
+        Raises
+        ------
+        InputError
+            If there is no such kind of picture.
+        """
         from ..report.figures import KINDS
         from ..report.view import View
 
@@ -246,7 +445,18 @@ class Result:
         return shown(KINDS[kind](View(self._seen, place, speed, is_pp)))
 
     def save(self, folder: Path | str) -> Path:
-        """Write `recording.npz` into a folder, for `read_run`, `rotor-fmu plot` and reports."""
+        """Write `recording.npz` into a folder, for `read_run`, `rotor-fmu plot` and reports.
+
+        Parameters
+        ----------
+        folder : Path or str
+            The folder; it is made if need be.
+
+        Returns
+        -------
+        Path
+            The file written.
+        """
         path = Path(folder) / "recording.npz"
         path.parent.mkdir(parents=True, exist_ok=True)
         self.recording.save(path)
@@ -294,17 +504,26 @@ class Result:
         return f'<img src="data:image/png;base64,{image}" alt="displacement over time">'
 
 
-def _imported(library: str) -> Any:
-    """A library that a table is made with; `InputError` where it is not installed."""
-    try:
-        return import_module(library)
-    except ImportError:
-        raise InputError(f"{library} is not installed: pip install 'rotor-fmu[study]'") from None
-
-
 def read_run(folder: Path | str) -> Result:
-    """A run from the folder that `rotor-fmu run-down` or `Result.save` left; raises `InputError`.
+    """Read a run from the folder that `rotor-fmu run-down` or `Result.save` left.
 
+    Parameters
+    ----------
+    folder : Path or str
+        The folder, or the recording in it.
+
+    Returns
+    -------
+    Result
+        The run.
+
+    Raises
+    ------
+    InputError
+        If there is no recording, or it cannot be read.
+
+    Examples
+    --------
     >>> import tempfile, rotor_fmu as rf
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = rf.simulate(rf.load(), speed=100.0, stop=0.1).save(folder)

@@ -39,20 +39,55 @@ def simulate(
     step: float | None = None,
     verify: bool = False,
 ) -> Result:
-    """Let a machine run from its rest, and record it.
+    """Simulate a machine from its rest under gravity and loads, and record the run.
 
-    speed: of rotation [rad/s], constant or as times [s] and values between which it is linear;
-    loads: external forces on the ports alike, such as `disc[2].fy` [N]; stop [s]: by default the
-    last time given; preset: of the solver, tolerance: its relative error; parameters: other values
-    of the machine's or the solver's, such as `bearing[1].mu`; record: names of `machine.units`, by
-    default what is usual; per_turn: rows of the recording in a turn, None for every step; step:
-    communication step [s], at which the speed is taken up; verify: run again with a tenth of the
-    tolerance, or half of the step, and hold one against the other: `Result.verification`.
+    Parameters
+    ----------
+    machine : Machine
+        The machine, as `load` or `parse` returns it.
+    speed : float or (times, values)
+        Speed of rotation [rad/s], constant, or values at times [s] between which it is linear.
+    loads : mapping of str to float or (times, values), optional
+        External forces on ports, such as `disc[2].fy` [N], given as the speed is.
+    stop : float, optional
+        End of the run [s]. By default the last time given.
+    preset : str, optional
+        Preset of the solver.
+    tolerance : float, optional
+        Relative error tolerated by the solver [1].
+    parameters : mapping of str to float or str, optional
+        Other values of parameters of the machine or the solver, such as `bearing[1].mu`, in SI
+        units.
+    record : sequence of str, optional
+        Names of `machine.units` to record. By default the usual ones.
+    per_turn : float or None
+        Rows of the recording in a turn [1]; None records every step.
+    step : float, optional
+        Communication step at which the speed is updated [s].
+    verify : bool
+        Whether to run again with a tenth of the tolerance, or half of the step, and compare both
+        runs: `Result.verification`.
 
-    What makes a run doubtful is a `RotorWarning`, what does not, such as a machine that is unstable
-    by itself, a `RotorNote`. A run that fails warns too: its result holds what came before, and its
-    status the reason. Raises `InputError` for what cannot be.
+    Returns
+    -------
+    Result
+        The run. Of a run that failed it holds what came before, and its status the reason.
 
+    Raises
+    ------
+    InputError
+        If an argument cannot be; the message names it, its value and what is allowed.
+
+    Warns
+    -----
+    RotorWarning
+        If something makes the run doubtful, or it fails.
+    RotorNote
+        If there is something to say that leaves the run as good as any, such as a machine that is
+        unstable by itself.
+
+    Examples
+    --------
     >>> import rotor_fmu as rf
     >>> result = rf.simulate(rf.load(), speed=185.0, stop=0.2)
     >>> result.status

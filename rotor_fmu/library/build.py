@@ -12,23 +12,21 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from importlib.metadata import version
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
 from ..errors import RunFailed
-from ..model.kernels.code_cache import kernels_content
-from ..model.kernels.library import CARRIED, file_name, find, made_here
-from ..model.kernels.sealed_folder import make_private
+from ..model.kernels.cache import private_folder
+from ..model.kernels.digest import CARRIED, imported, made_here, record, syntax_digest
+from ..model.kernels.library import file_name, find, here
 
 _HERE = Path(__file__).parent
 _FMI = _HERE.parent / "fmi"
 C_SOURCES = _FMI / "c"
-# What the kernels' IR is made of beside the kernels, and what the table is that the instance reads.
-_ENTRIES = tuple(_HERE / f"{name}.py" for name in ("entry_points", "emit"))
+# The table that the instance reads.
 _TABLE = _FMI / "machine_table.py"
 _KEPT_VERSIONS = 8
 # What is emitted in one process: two, of about the same work.
@@ -44,7 +42,10 @@ _EMITTED_TOGETHER = (
         "rotor_outcome",
     ),
 )
-_FLAGS = ("-std=c2x", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+# Of the C library of the oldest Linux that an FMU runs on.
+_GLIBC = (2, 17)
+# C23 would take functions of a newer C library in the place of the old ones (strtol).
+_FLAGS = ("-std=c17", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 
 
 class CoreError(RunFailed):
@@ -119,23 +120,30 @@ PLATFORMS = {
 }
 
 
+# What an extra brings: numba for the kernels, zig for platforms other than this machine's.
+_TOOLS = {"kernels": "numba", "build": "ziglang"}
+
+
 def _emitted() -> str:
     """Sixteen characters that follow what the kernels' IR is made of, and by which compilers."""
-    return _digest(_ENTRIES, f"{kernels_content()} {version('numba')} {version('llvmlite')}")
+    from importlib.metadata import version  # which takes as long as a first step
+
+    return syntax_digest(_emitted_sources(), f"{version('numba')} {version('llvmlite')}")
 
 
-def _digest(files: Iterable[Path], before: str) -> str:
-    digest = hashlib.sha256(before.encode())
-    for file in files:
-        text = file.read_bytes().replace(b"\r\n", b"\n")
-        digest.update(file.name.encode() + b"\0" + text + b"\0")
-    return digest.hexdigest()[:16]
+def _emitted_sources() -> list[Path]:
+    return [*imported(_HERE / "entry_points.py", __package__), _HERE / "emit.py"]
 
 
+@cache
 def core_digest() -> str:
     """Sixteen characters that follow the sources of the library."""
-    files = (*_ENTRIES, Path(__file__), _TABLE, *sorted(C_SOURCES.glob("*.[ch]")))
-    return _digest(files, kernels_content())
+    digest = hashlib.sha256()
+    for file in sorted(C_SOURCES.glob("*.[ch]")):
+        digest.update(
+            file.name.encode() + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0"
+        )
+    return syntax_digest([*_emitted_sources(), Path(__file__), _TABLE], digest.hexdigest())
 
 
 def library(platform: Platform) -> Path:
@@ -147,11 +155,13 @@ def library(platform: Platform) -> Path:
     """
     found = find(platform.name, core_digest())
     if found:
+        record(found.parent)
         return found
-    if find_spec("ziglang") is None or find_spec("numba") is None:
+    extra = missing_extra(platform)
+    if extra:
         raise CoreError(
-            f"there is no library of the solver for {platform.name}, and none can be made: ziglang "
-            "is not installed: pip install 'rotor-fmu[native]'"
+            f"there is no library of the solver for {platform.name}, and none can be made: "
+            f"{_TOOLS[extra]} is not installed: pip install 'rotor-fmu[{extra}]'"
         )
     print(f"making the library for {platform.name}", file=sys.stderr, flush=True)
     folder = _folder()
@@ -162,13 +172,32 @@ def library(platform: Platform) -> Path:
         return _put(folder, platform, made.read_bytes())
 
 
+def missing_extra(platform: Platform) -> str:
+    """The extra that making the library of a platform takes and that is not installed, "" for none:
+    nothing where there is such a library, for this machine no linker where it has a C compiler."""
+    if find(platform.name, core_digest()):
+        return ""
+    links = platform.name == here() and _has_cc()
+    if links and all(find_spec(name) for name in ("numba", "platformdirs")):
+        return ""
+    if links:
+        return "kernels"
+    is_there = all(find_spec(name) for name in ("numba", "platformdirs", "ziglang"))
+    return "" if is_there else "build"
+
+
+def missing_here() -> str:
+    """`missing_extra` of this machine's platform; "" where there can be no library."""
+    name = here()
+    return missing_extra(PLATFORMS[name]) if name else ""
+
+
 def _folder() -> Path:
     if (CARRIED.parents[1] / "pyproject.toml").is_file():
         CARRIED.mkdir(exist_ok=True)
         return CARRIED
-    make_private(made_here().parent)
-    make_private(made_here())
-    return made_here()
+    private_folder(made_here().parent)
+    return private_folder(made_here())
 
 
 def _put(folder: Path, platform: Platform, content: bytes) -> Path:
@@ -177,6 +206,7 @@ def _put(folder: Path, platform: Platform, content: bytes) -> Path:
     unfinished = folder / f"{target.name}.{os.getpid()}.part"
     unfinished.write_bytes(content)
     unfinished.replace(target)
+    record(folder)
     others = [file for file in folder.glob(f"{platform.name}.*") if file != target]
     others.sort(key=lambda file: file.stat().st_mtime, reverse=True)
     for old in others if folder == CARRIED else others[_KEPT_VERSIONS:]:
@@ -254,8 +284,38 @@ def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
 
 
 def link(platform: Platform, parts: list[Path], target: Path) -> None:
-    """Link object files with the instance in C. Raises `CoreError`."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig, *_FLAGS]
+    """Link object files with the instance in C: for this machine by its C compiler, if the library
+    then runs on every Linux that it is for, else by zig. Raises `CoreError`."""
+    if platform.name == here() and _has_cc():
+        done = _run(_link_command(["cc", "-static-libgcc"], platform, parts, target))
+        if done.returncode == 0 and runs_on_old_linux(target.read_bytes()):
+            return
+    if find_spec("ziglang") is None:
+        raise CoreError(
+            f"the library for {platform.name} could not be linked by cc for a Linux with GLIBC "
+            f"{'.'.join(map(str, _GLIBC))}, and {_TOOLS['build']} is not installed: "
+            "pip install 'rotor-fmu[build]'"
+        )
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", platform.zig]
+    _run_all([_link_command(zig, platform, parts, target)], f"the library for {platform.name}")
+
+
+def _has_cc() -> bool:
+    """Whether this machine is a Linux with a C compiler; a Mac has a `cc` that asks to install
+    one."""
+    return sys.platform == "linux" and shutil.which("cc") is not None
+
+
+def runs_on_old_linux(library: bytes) -> bool:
+    """Whether a library takes functions of the GNU C library alone, and none newer than 2.17's."""
+    versions = re.findall(rb"\0GLIBC_(\d+)\.(\d+)[.\d]*(?=\0)", library)
+    return bool(versions) and max((int(a), int(b)) for a, b in versions) <= _GLIBC
+
+
+def _link_command(
+    compiler: list[str], platform: Platform, parts: list[Path], target: Path
+) -> list[str]:
+    command = [*compiler, *_FLAGS]
     command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
     if platform.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{target.name}")
@@ -264,7 +324,7 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
         # of libm what is exact on every system: sqrt, ceil; its own functions are called directly,
         # whatever else of their names a process has loaded
         command += ["-lm", "-Wl,-Bsymbolic"]
-    _run_all([command], f"the library for {platform.name}")
+    return command
 
 
 def _run_all(commands: list[list[str]], what: str) -> None:

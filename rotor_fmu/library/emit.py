@@ -25,13 +25,17 @@ from numba.core import codegen, cpu
 from ..model.kernels import dispatching
 from .entry_points import FUNCTIONS
 
+# Of the IR of what carries out a run, as text [bytes]: a function whose callees numba left out is a
+# stub of a few kilobytes, one with its passes left out is several times as long.
+_SIZES = dict.fromkeys(("rotor_start", "rotor_advance", "rotor_survey"), (500_000, 20_000_000))
 _NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def emit(folder: Path, names: Iterable[str]) -> None:
     """Write NAME_kernel.ll of these functions of `FUNCTIONS`, `NAME_kernel` its one visible symbol.
 
-    Raises `RuntimeError` where numba left a function without its body.
+    Raises `RuntimeError` where numba left a function without its body, or left it as no numba
+    that is known does.
     """
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
@@ -41,7 +45,17 @@ def emit(folder: Path, names: Iterable[str]) -> None:
         kernel = numba.njit(error_model="numpy", _nrt=False, **_NO_WRAPPERS)(function)
         kernel.compile(signature)
         text = alone(kernel.inspect_llvm(signature), function.__name__, f"{name}_kernel")
+        check_size(name, len(text))
         (folder / f"{name}_kernel.ll").write_text(text, encoding="utf-8")
+
+
+def check_size(name: str, size: int) -> None:
+    """Raise `RuntimeError` unless the IR of a function is about as long as it has to be."""
+    least, most = _SIZES.get(name, (0, 20_000_000))
+    if not least <= size <= most:
+        raise RuntimeError(
+            f"{name}: {size} bytes of IR, not {least} to {most}: another numba than this is known"
+        )
 
 
 def _make_no_machine_code() -> None:
@@ -51,7 +65,7 @@ def _make_no_machine_code() -> None:
     codegen.JITCodeLibrary.get_pointer_to_function = lambda library, name: 0
     codegen.JITCPUCodegen._add_module = lambda generator, module: None
     cpu.CPUContext.get_executable = _finalized
-    dispatching.keep = lambda dispatcher: None
+    dispatching.CACHES = False
     dispatching.EXTRA.update(_NO_WRAPPERS)
 
 

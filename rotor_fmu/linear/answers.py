@@ -53,11 +53,23 @@ class Modes(linear.Modes, _Shown):
     """`model.linear.Modes`, shown."""
 
     def table(self) -> tables.Table:
-        """A row a mode."""
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row a mode.
+        """
         return tables.modes_table(self)
 
     def figure(self) -> Figure:
-        """The shapes."""
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The shapes.
+        """
         return figures.modes_figure(self)
 
 
@@ -65,11 +77,23 @@ class Campbell(linear.Campbell, _Shown):
     """`model.linear.Campbell`, shown."""
 
     def table(self) -> tables.Table:
-        """A row a critical speed."""
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row a critical speed.
+        """
         return tables.campbell_table(self)
 
     def figure(self) -> Figure:
-        """The diagram."""
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The diagram.
+        """
         return figures.campbell_figure(self)
 
 
@@ -77,16 +101,44 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Shown):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
-        """Up to three nodes (from 1) with the largest orbits."""
+        """Nodes with the largest orbits.
+
+        Returns
+        -------
+        list of int
+            Up to three nodes (from 1), ascending.
+        """
         largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
         return sorted((largest + 1).tolist())
 
     def table(self, nodes: Sequence[int] | None = None) -> tables.Table:
-        """Rows of speed and node."""
+        """Return the numbers in a few columns.
+
+        Parameters
+        ----------
+        nodes : sequence of int, optional
+            Nodes (from 1). By default those with the largest orbits.
+
+        Returns
+        -------
+        Table
+            Rows of speed and node.
+        """
         return tables.unbalance_table(self, nodes or self.nodes())
 
     def figure(self, nodes: Sequence[int] | None = None) -> Figure:
-        """Amplitudes and phases."""
+        """Draw the result.
+
+        Parameters
+        ----------
+        nodes : sequence of int, optional
+            Nodes (from 1). By default those with the largest orbits.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Amplitudes and phases.
+        """
         return figures.unbalance_figure(self, nodes or self.nodes())
 
 
@@ -94,11 +146,23 @@ class Static(linear.Static, _Shown):
     """`model.linear.Static`, shown."""
 
     def table(self) -> tables.Table:
-        """A row a node, a row a support."""
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row a node, a row a support.
+        """
         return tables.static_table(self)
 
     def figure(self) -> Figure:
-        """The deflection."""
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The deflection.
+        """
         return figures.static_figure(self)
 
 

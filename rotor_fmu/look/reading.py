@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, optional
 from ..report.places import Recorded
 from ..runs.recording import load_recording
 
@@ -48,16 +48,13 @@ def read_summary(path: Path) -> dict[str, Any]:
 
 def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
     """What a study's folder says of it, and its rows, each once, in the order of the runs."""
-    try:
-        from pyarrow import ArrowException
+    arrow_error = optional("pyarrow", "study", str(path)).ArrowException
+    from ..studies.dataset import about_of
+    from ..studies.store import read_rows
 
-        from ..studies.dataset import about_of
-        from ..studies.store import read_rows
-    except ImportError as error:
-        raise InputError(f"{path}: needs what pip install rotor-fmu[study] brings") from error
     try:
         return about_of(path), read_rows(path)
-    except ArrowException as error:
+    except arrow_error as error:
         raise InputError(f"{path}: its rows cannot be read: {error}") from error
 
 

@@ -1,4 +1,4 @@
-"""docs/machine.md: everything that a machine file may say."""
+"""docs/reference/machine.md: everything that a machine file may say."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ rotor-fmu run-down --rotor machine.toml    # then let it rub
 ```
 
 A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`. What is missing,
-misspelt or impossible is told in one line with the name, the value and what is allowed.
+misspelt or impossible is refused in one line with the name, the value and what is allowed.
 
 ## Rest and friction
 

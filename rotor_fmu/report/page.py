@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import io
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.resources import files
@@ -13,6 +14,7 @@ from string import Template
 from typing import Any
 
 from ..about import __version__
+from ..errors import InputError, optional
 from ..files import write_text
 from ..telling import plain
 from .places import Recorded, Recording
@@ -25,8 +27,14 @@ _OF_RUNS = ("signals.js", "over_speed.js", "run.js")
 
 
 def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -> None:
-    """Write the page of a run, whole or not at all; summary: its figures by name."""
-    write_text(runs_page([Recorded(recording, path.parent.resolve().name)], [summary]), path)
+    """Write the page of a run, whole or not at all; summary: its figures by name. Where what draws
+    it is not installed a warning says so instead."""
+    try:
+        page = runs_page([Recorded(recording, path.parent.resolve().name)], [summary])
+    except InputError as error:
+        print(f"warning: {path.name} is not written: {error}", file=sys.stderr)
+    else:
+        write_text(page, path)
 
 
 def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
@@ -54,10 +62,9 @@ def page(
     *, title: str, about: str, body: str, data: object, signals: object, scripts: Sequence[str]
 ) -> str:
     """A whole page; title and about are text, body is HTML."""
-    from bokeh.resources import Resources
-
+    resources = optional("bokeh.resources", "report", "a page of a run")
     # the third is what Bokeh's own Python pages set up
-    library = Resources(mode="inline", components=["bokeh", "bokeh-api"]).js_raw[:2]
+    library = resources.Resources(mode="inline", components=["bokeh", "bokeh-api"]).js_raw[:2]
     return template("page.html").substitute(
         title=escape(title),
         about=escape(about),

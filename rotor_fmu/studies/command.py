@@ -18,7 +18,7 @@ from rich.progress import Progress as Bar
 from rich.progress import TextColumn
 from rich.table import Table
 
-from ..errors import InputError, writable_folder
+from ..errors import InputError, optional, writable_folder
 from ..status import FAILED
 from ..telling import tells
 from .conduct import Progress, conduct
@@ -77,12 +77,8 @@ def study(
 
 
 def _need_extra() -> None:
-    try:
-        import pyarrow
-        import xarray
-    except ImportError:
-        raise InputError("study: needs pip install rotor-fmu[study]") from None
-    del pyarrow, xarray
+    for module in ("filelock", "pyarrow", "SALib", "xarray"):
+        optional(module, "study", "study")
 
 
 def _where(jobs: int | None, scheduler: str, cluster: str) -> Where:

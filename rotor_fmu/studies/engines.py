@@ -18,15 +18,13 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ..errors import InputError
+from ..errors import InputError, optional
 from ..status import FAILED
+from ..threads import ONE_THREAD
 from .study import Model, Result
 
 TIME_OUT = 10.0  # within which a scheduler must answer [s]
 # before numpy is loaded: one thread a process, and the same bits in each
-_ONE_THREAD = dict.fromkeys(
-    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"
-)
 Chunk = list[tuple[int, dict[str, float]]]
 _warmed: set[str] = set()
 
@@ -97,7 +95,7 @@ def engine(where: Where) -> Iterator[Engine]:
         with _dask(where) as found:
             yield found
         return
-    with _environment(_ONE_THREAD):
+    with _environment(ONE_THREAD):
         executor = ProcessPoolExecutor(
             where.jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker
         )
@@ -140,19 +138,16 @@ def _environment(changes: Mapping[str, str]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _dask(where: Where) -> Iterator[Engine]:
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise InputError("--scheduler, --cluster: need pip install rotor-fmu[cluster]") from None
+    dask = optional("distributed", "cluster", "--scheduler, --cluster")
     with contextlib.ExitStack() as stack:
         address: Any = where.scheduler
         if where.cluster:
-            stack.enter_context(_environment(_ONE_THREAD))
+            stack.enter_context(_environment(ONE_THREAD))
             address = stack.enter_context(
-                LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
+                dask.LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
             )
         try:
-            client = stack.enter_context(Client(address, timeout=TIME_OUT))
+            client = stack.enter_context(dask.Client(address, timeout=TIME_OUT))
         except (OSError, ValueError, TypeError) as error:
             raise InputError(
                 f"--scheduler {where.scheduler}: no scheduler answers within {TIME_OUT:g} s"

@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError, RunFailed, writable_folder
-from ..model.kernels.process_lock import ProcessLock
+from ..errors import InputError, RunFailed, optional, writable_folder
 from ..runs.job import write_json
 from .study import Result, Study, read_about
 
@@ -59,9 +58,13 @@ class Store:
 
     def __enter__(self) -> Store:
         writable_folder(self._folder / "rows")
-        self._lock = ProcessLock(self._folder / "study.lock")
-        if not self._lock.take():
-            raise InputError(f"--out {self._folder}: another call is at work in it")
+        filelock = optional("filelock", "study", "study")
+        # on the file of this name: a lock of the system, which ends with the process that holds it
+        self._lock = filelock.FileLock(self._folder / "study.lock")
+        try:
+            self._lock.acquire(blocking=False)
+        except filelock.Timeout:
+            raise InputError(f"--out {self._folder}: another call is at work in it") from None
         try:
             self._begin()
         except BaseException:

@@ -16,8 +16,16 @@ _NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
 class Orbit:
     """The path of a place over whole turns at one speed.
 
-    speed [rad/s]; t: shape (n,) [s]; z: x + i y, shape (n,) [m], from a keyphasor mark on;
-    marks: where the place was at the marks, shape (turns,) [m].
+    Attributes
+    ----------
+    speed : float
+        Speed of rotation [rad/s].
+    t : numpy.ndarray
+        Times [s], shape (n,).
+    z : numpy.ndarray
+        Displacement x + i y from a keyphasor mark on [m], shape (n,).
+    marks : numpy.ndarray
+        Displacements at the marks [m], shape (turns,).
     """
 
     speed: float

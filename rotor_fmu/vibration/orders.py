@@ -24,11 +24,20 @@ _SLOW = 25.0
 class OrderTrack:
     """Vectors of orders over a run, one row a turn: z = f exp(i k phi) + b exp(-i k phi).
 
-    t: middles of the blocks of turns that were read, shape (m,) [s]; speed: their mean speed,
-    negative where the angle falls, shape (m,) [rad/s]; orders: the k; forward f, backward b:
-    complex, shape (m, orders) [m], NaN where the recorded rows are too few for the order.
     Amplitudes and angles of x and y are those of Re(X exp(i k |phi|)): a lag is negative whichever
     way the shaft turns.
+
+    Attributes
+    ----------
+    t : numpy.ndarray
+        Middles of the blocks of turns that were read [s], shape (m,).
+    speed : numpy.ndarray
+        Their mean speed, negative where the angle falls [rad/s], shape (m,).
+    orders : tuple of float
+        The orders k [1].
+    forward, backward : numpy.ndarray
+        f and b, complex, NaN where the recorded rows are too few for the order [m], shape
+        (m, orders).
     """
 
     t: np.ndarray
@@ -44,12 +53,35 @@ class OrderTrack:
         return part[:, self.orders.index(order)]
 
     def x(self, order: float = 1.0) -> np.ndarray:
-        """Complex amplitude X of Re(X exp(i k |phi|)), 0-p, shape (m,) [m]."""
+        """Complex amplitude X of Re(X exp(i k |phi|)).
+
+        Parameters
+        ----------
+        order : float
+            One of `orders` [1].
+
+        Returns
+        -------
+        numpy.ndarray
+            Amplitudes 0-p [m], shape (m,).
+        """
         return self._ahead(self._of(self.forward, order) + np.conj(self._of(self.backward, order)))
 
     def y(self, order: float = 1.0) -> np.ndarray:
-        """Complex amplitude of y, on a forward circle a quarter turn behind x, or before x where
-        the angle falls, 0-p [m]."""
+        """Complex amplitude of y, on a forward circle a quarter turn behind x.
+
+        Where the angle falls it is ahead of x.
+
+        Parameters
+        ----------
+        order : float
+            One of `orders` [1].
+
+        Returns
+        -------
+        numpy.ndarray
+            Amplitudes 0-p [m], shape (m,).
+        """
         forward, backward = self._of(self.forward, order), self._of(self.backward, order)
         return self._ahead(-1j * (forward - np.conj(backward)))
 
@@ -57,19 +89,63 @@ class OrderTrack:
         return np.where(self.speed < 0, np.conj(vector), vector)
 
     def phase_x(self, order: float = 1.0) -> np.ndarray:
-        """Angle by which x leads the mark, unwrapped over the run [rad]."""
+        """Angle by which x leads the mark, unwrapped over the run.
+
+        Parameters
+        ----------
+        order : float
+            One of `orders` [1].
+
+        Returns
+        -------
+        numpy.ndarray
+            Angles [rad], shape (m,).
+        """
         return _unwrapped(self.x(order))
 
     def phase_y(self, order: float = 1.0) -> np.ndarray:
-        """Angle by which y leads the mark, unwrapped over the run [rad]."""
+        """Angle by which y leads the mark, unwrapped over the run.
+
+        Parameters
+        ----------
+        order : float
+            One of `orders` [1].
+
+        Returns
+        -------
+        numpy.ndarray
+            Angles [rad], shape (m,).
+        """
         return _unwrapped(self.y(order))
 
     def major(self, order: float = 1.0) -> np.ndarray:
-        """Major semi-axis of the order's ellipse [m]."""
+        """Major semi-axis of the order's ellipse.
+
+        Parameters
+        ----------
+        order : float
+            One of `orders` [1].
+
+        Returns
+        -------
+        numpy.ndarray
+            Semi-axes [m], shape (m,).
+        """
         return np.abs(self._of(self.forward, order)) + np.abs(self._of(self.backward, order))
 
     def minor(self, order: float = 1.0) -> np.ndarray:
-        """Minor semi-axis, negative where the order whirls backward [m]."""
+        """Minor semi-axis of the order's ellipse.
+
+        Parameters
+        ----------
+        order : float
+            One of `orders` [1].
+
+        Returns
+        -------
+        numpy.ndarray
+            Semi-axes, negative where the order whirls backward [m], shape (m,).
+        """
         return np.abs(self._of(self.forward, order)) - np.abs(self._of(self.backward, order))
 
 

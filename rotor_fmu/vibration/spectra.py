@@ -19,8 +19,14 @@ MOST_ORDER = 8.0
 class FullSpectrum:
     """Amplitudes over signed orders of a block of turns at one speed.
 
-    speed [rad/s]; order: shape (k,) [1], growing, negative ones whirl backward; amplitude: radius
-    of the circle that each draws, 0-p, shape (k,) [m], the mean position taken out.
+    Attributes
+    ----------
+    speed : float
+        Speed of rotation [rad/s].
+    order : numpy.ndarray
+        Ascending orders, negative ones whirl backward [1], shape (k,).
+    amplitude : numpy.ndarray
+        Radius of the circle that each draws, 0-p, without the mean position [m], shape (k,).
     """
 
     speed: float
@@ -29,12 +35,24 @@ class FullSpectrum:
 
     @property
     def frequency(self) -> np.ndarray:
-        """Whirl frequency, negative backward, shape (k,) [rad/s]."""
+        """Whirl frequencies.
+
+        Returns
+        -------
+        numpy.ndarray
+            Frequencies, negative backward [rad/s], shape (k,).
+        """
         return self.order * abs(self.speed)
 
     @property
     def resolution(self) -> float:
-        """Distance of two lines [orders]."""
+        """Distance of two lines.
+
+        Returns
+        -------
+        float
+            The distance [orders].
+        """
         return float(self.order[1] - self.order[0])
 
 

@@ -14,9 +14,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 _LEAST, _MOST = 64, 1024  # samples a turn
 _SHORT = 0.1  # share of the steps that may be shorter than those that decide how fine to resample
@@ -162,6 +165,8 @@ def synchronous(
     is_known = np.isfinite(t) & np.isfinite(phi) & np.isfinite(values)
     t, phi, values = t[is_known], phi[is_known], values[is_known]
     passages = list(_passages(t, phi))
+    from scipy.interpolate import CubicSpline
+
     found = _joined([passage.turns for passage in passages])
     found.needs(turns)
     if per_turn is None:
@@ -195,6 +200,8 @@ class _Passage:
 
 
 def _passages(t: np.ndarray, phi: np.ndarray) -> Iterator[_Passage]:
+    from scipy.interpolate import PchipInterpolator
+
     for number, (begin, end, sense) in enumerate(_one_way(t, phi)):
         turned = np.maximum.accumulate(sense * phi[begin : end + 1])
         grows = np.concatenate([[True], np.diff(turned) > 0])

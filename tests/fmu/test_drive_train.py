@@ -14,40 +14,35 @@ import pytest
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.coupled.partner import lay_out
-from rotor_fmu.drive_train.command import (
-    CONTINUATIONS,
-    SMALL,
-    STUDIED,
-    STUDY_STOP,
-    TARGET,
-    mean_load,
-    orders,
-    peak_hz,
-)
-from rotor_fmu.drive_train.system import (
-    Member,
-    build_drive_train,
-    couple,
-    drive_train_table,
-    example,
-)
+from rotor_fmu.cosimulation.coupling import CoupledRun, example_coupling
+from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.cosimulation.partner import example_folder, lay_out
 from rotor_fmu.errors import RunFailed
 
-from ..test_command_line import refusal  # noqa: F401, a fixture
+from ..test_command_line import refusal_by
 from .coupled import last_row, through_libcosim
+
+FOLDER = example_folder("drive_train")
+COUPLING = example_coupling("drive_train")
+_EXAMPLE = runpy.run_path(str(FOLDER / "run_up.py"))
+couple, hz_of, mean_load, orders, peak_hz = (
+    _EXAMPLE[name] for name in ("couple", "hz_of", "mean_load", "orders", "peak_hz")
+)
+CONTINUATIONS, SMALL, STUDIED, STUDY_STOP, TARGET = (
+    _EXAMPLE[name] for name in ("CONTINUATIONS", "SMALL", "STUDIED", "STUDY_STOP", "TARGET")
+)
 
 
 @pytest.fixture(scope="module")
 def drive_fmu(tmp_path_factory):
-    return build_drive_train(tmp_path_factory.mktemp("drive"))
+    return COUPLING.build(tmp_path_factory.mktemp("drive"))
 
 
 @pytest.fixture(scope="module")
 def system(tmp_path_factory, drive_fmu, fmu):
-    """The example's folder with both FMUs in it, as the command leaves it."""
+    """The example's folder with both FMUs in it, as the script leaves it."""
     folder = tmp_path_factory.mktemp("system")
-    lay_out(example(), folder)
+    lay_out(FOLDER, folder)
     shutil.copy(drive_fmu, folder)
     shutil.copy(fmu, folder)
     return folder
@@ -56,7 +51,7 @@ def system(tmp_path_factory, drive_fmu, fmu):
 @pytest.fixture
 def motor():
     """A drive train without FMU, with values given by name."""
-    DriveTrain = runpy.run_path(str(example() / "drive_train.py"))["DriveTrain"]
+    DriveTrain = runpy.run_path(str(FOLDER / "drive_train.py"))["DriveTrain"]
 
     def make(**values):
         train = DriveTrain(instance_name="drive")
@@ -129,9 +124,9 @@ def test_an_infinite_load_ends_the_step_with_a_message(drive_fmu):
 
 def test_the_system_files_start_what_the_models_are(fmu, drive_fmu):
     """Their numbers: the rig's moment of inertia, its torque at rest, and one step in all three."""
-    inertia = {v.name: v.start for v in drive_train_table()}["J_rotor"]
+    inertia = {v.name: v.start for v in COUPLING.variables}["J_rotor"]
     assert inertia == pytest.approx(assemble(rig()).numbers[0].inertia, rel=1e-12)
-    given = json.loads((example() / "cofmpy.json").read_text())["fmus"][0]["initialization"]
+    given = json.loads((FOLDER / "cofmpy.json").read_text())["fmus"][0]["initialization"]
     with Member(fmu, {"speed": 0.0}, []) as rotor:
         (at_rest,) = rotor.get(rotor.references("tau_load"))
     assert given["tau_load"] == pytest.approx(at_rest, rel=1e-12)
@@ -144,6 +139,17 @@ def through_fmpy(drive_fmu, fmu):
     return couple(drive_fmu, fmu, 1.0, 0.002, {}, {})
 
 
+def test_a_run_is_read_as_it_was_written(through_fmpy, tmp_path):
+    through_fmpy.save(tmp_path / "run.npz")
+    read = CoupledRun.load(tmp_path / "run.npz")
+    np.testing.assert_array_equal(read.t, through_fmpy.t)
+    for side in ("partner", "rotor"):
+        written = getattr(through_fmpy, side)
+        assert getattr(read, side).keys() == written.keys()
+        for name, column in written.items():
+            np.testing.assert_array_equal(getattr(read, side)[name], column)
+
+
 @pytest.mark.parametrize("file", ["OspSystemStructure.xml", "SystemStructure.ssd"])
 def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, file):
     shown = ("drive.w", "drive.tau_motor", "rotor.tau_load", "rotor.disc[3].x_amp")
@@ -151,21 +157,21 @@ def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, fil
     assert row["time"] == 1.0
     for name in shown:
         side, _, variable = name.partition(".")
-        told = getattr(through_fmpy, side)[variable][-1]
+        told = getattr(through_fmpy, side.replace("drive", "partner"))[variable][-1]
         assert row[name] == pytest.approx(told, rel=1e-9), name
 
 
 def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):
     pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
     row = last_row(system / "with_cofmpy.py", "1")
-    assert row["drive.w"] == pytest.approx(through_fmpy.drive["w"][-1], rel=1e-9)
+    assert row["drive.w"] == pytest.approx(through_fmpy.partner["w"][-1], rel=1e-9)
     assert row["rotor.tau_load"] == pytest.approx(through_fmpy.rotor["tau_load"][-1], rel=1e-9)
 
 
 def test_cofmpys_gauss_seidel_differs_by_the_communication_step_only(system, through_fmpy):
     pytest.importorskip("cofmupy", reason="pip install --no-deps cofmupy: it pins old versions")
     row = last_row(system / "with_cofmpy.py", "1", "gauss_seidel")
-    assert row["drive.w"] == pytest.approx(through_fmpy.drive["w"][-1], rel=1e-3)
+    assert row["drive.w"] == pytest.approx(through_fmpy.partner["w"][-1], rel=1e-3)
 
 
 @pytest.mark.parametrize(("continuation", "order"), [*zip(CONTINUATIONS, (1, 2), strict=True)])
@@ -175,16 +181,16 @@ def test_the_energy_lost_between_the_fmus_falls_with_the_step(drive_fmu, fmu, co
         couple(drive_fmu, fmu, STUDY_STOP, h, drive, {"solver.tolerance": 1e-4}) for h in STUDIED
     ]
     assert orders(runs) == pytest.approx([order] * 3, abs=0.1)
-    power = runs[-1].drive["tau_coupling"] * runs[-1].drive["w"]
-    taken = runs[-1].rotor["tau"] * runs[-1].drive["w"]
+    power = runs[-1].partner["tau_coupling"] * runs[-1].partner["w"]
+    taken = runs[-1].rotor["tau"] * runs[-1].partner["w"]
     assert np.abs(power - taken).max() < 0.005 * np.abs(taken).max()
 
 
 def test_a_rotor_much_heavier_than_the_motor_leaves_the_loop_stable(drive_fmu, fmu):
     """With J a in the torque that goes around, J > J_motor would blow up within a few steps."""
     run = couple(drive_fmu, fmu, 2.0, 0.01, {"J_motor": 1e-4, "k": 40.0, "ramp": 15.0}, {})
-    assert run.J > 90 * 1e-4
-    assert run.drive["w"][-1] == pytest.approx(30.0, rel=0.02)
+    assert run.rotor["J"][0] > 90 * 1e-4
+    assert run.partner["w"][-1] == pytest.approx(30.0, rel=0.02)
 
 
 def test_a_motor_just_too_weak_hangs_at_the_horizontal_resonance(drive_fmu, fmu):
@@ -194,7 +200,7 @@ def test_a_motor_just_too_weak_hangs_at_the_horizontal_resonance(drive_fmu, fmu)
         start = {"tau_max": SMALL, "w_start": 2 * math.pi * hz}
         run = couple(drive_fmu, fmu, 8.0, 0.002, start, {})
         late = run.t > 3.0  # when the start's transient is over
-        rates.append(np.polyfit(run.t[late], run.hz[late], 1)[0])
+        rates.append(np.polyfit(run.t[late], hz_of(run)[late], 1)[0])
         assert run.rotor["disc[3].x_amp"][-1] > 300e-6
     assert rates[0] > 0.01
     assert rates[1] < -0.01
@@ -202,19 +208,17 @@ def test_a_motor_just_too_weak_hangs_at_the_horizontal_resonance(drive_fmu, fmu)
 
 def test_ample_torque_passes_both_resonances(drive_fmu, fmu):
     run = couple(drive_fmu, fmu, 12.0, 0.002, {"w_start": 130.0}, {})
-    assert run.drive["w"][-1] == pytest.approx(250.0, rel=0.01)
+    assert run.partner["w"][-1] == pytest.approx(250.0, rel=0.01)
     assert 26 < peak_hz(run, "x") < 29 < peak_hz(run, "y") < 33
     hz, torque = mean_load(run)
-    assert np.interp(40, hz, torque) < SMALL < torque.max() < run.drive["tau_motor"].max()
+    assert np.interp(40, hz, torque) < SMALL < torque.max() < run.partner["tau_motor"].max()
 
 
 @pytest.mark.slow
-def test_the_command_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "drive-train", "--out", str(tmp_path)])
-    from rotor_fmu.cli import main
-
+def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["run_up.py", "--out", str(tmp_path)])
     with pytest.raises(SystemExit) as end:
-        main()
+        _EXAMPLE["main"]()
     assert end.value.code == 0
     report = json.loads((tmp_path / "summary.json").read_text())
     assert report["ample"]["end_hz"] == pytest.approx(TARGET / (2 * math.pi), rel=1e-3)
@@ -234,13 +238,16 @@ def test_the_command_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys
         (("--out", "/dev/null/x"), "--out /dev/null/x: cannot be written to"),
     ],
 )
-def test_what_the_command_cannot_do_it_says_in_one_line(refusal, arguments, message):  # noqa: F811
-    assert refusal("drive-train", *arguments).startswith(f"rotor-fmu: {message}")
+def test_what_the_script_cannot_do_it_says_in_one_line(
+    tmp_path, monkeypatch, capsys, arguments, message
+):
+    refuse = refusal_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
+    assert refuse(*arguments).startswith(f"rotor-fmu: {message}")
 
 
-def test_ctrl_c_ends_the_command_in_one_line(tmp_path):
+def test_ctrl_c_ends_the_script_in_one_line(tmp_path):
     process = subprocess.Popen(
-        [sys.executable, "-c", "from rotor_fmu.cli import main; main()", "drive-train"],
+        [sys.executable, FOLDER / "run_up.py"],
         stderr=subprocess.PIPE,
         text=True,
         cwd=tmp_path,

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotor_fmu.coupled.member import Member
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.fmi.packing.python_fmu import build
 
 MACHINE = Path(__file__).parents[2] / "examples" / "jeffcott_rub" / "jeffcott.toml"

@@ -9,7 +9,7 @@ from rotor_fmu.model.march.observe import observed_names
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.drive_train.system import Member
+from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.python_fmu import is_current
 

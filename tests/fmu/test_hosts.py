@@ -1,4 +1,6 @@
-"""Hosts, run for real: FMPy's command line and notebook, libcosim, CoFMPy; see docs/hosts.md.
+"""Hosts, run for real: FMPy's command line and notebook, libcosim, CoFMPy.
+
+docs/reference/hosts.md lists them.
 
 A host with a master of its own couples the rotor with a motor and must give what the plain master
 in coupled.py gives.

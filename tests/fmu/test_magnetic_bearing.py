@@ -12,28 +12,26 @@ import scipy.linalg
 from rotor_fmu.model.linear.machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
-from rotor_fmu.coupled.member import Member
-from rotor_fmu.coupled.partner import lay_out
+from rotor_fmu.cosimulation.coupling import example_coupling
+from rotor_fmu.cosimulation.member import Member
+from rotor_fmu.cosimulation.partner import example_folder, lay_out
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.python_fmu import build
-from rotor_fmu.magnetic_bearing.system import (
-    build_control,
-    control_table,
-    couple,
-    example,
-    rotor_in,
-)
 
-from ..test_command_line import refusal  # noqa: F401, a fixture
+from ..test_command_line import refusal_by
 from .coupled import through_libcosim
 
+FOLDER = example_folder("magnetic_bearing")
+COUPLING = example_coupling("magnetic_bearing")
+_EXAMPLE = runpy.run_path(str(FOLDER / "lift_and_drop.py"))
+couple, rotor_in, work_lost = (_EXAMPLE[name] for name in ("couple", "rotor_in", "work_lost"))
 STEP = 1e-4
-TOML = (example() / "compressor.toml").read_text(encoding="utf-8")
+TOML = (FOLDER / "compressor.toml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
 def control(tmp_path_factory):
-    return build_control(tmp_path_factory.mktemp("control"))
+    return COUPLING.build(tmp_path_factory.mktemp("control"))
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +50,7 @@ def dropped(control, compressor):
 
 
 def test_an_amplifier_follows_at_its_limit_and_then_exponentially():
-    follow = runpy.run_path(str(example() / "magnetic_bearing.py"))["follow"]
+    follow = runpy.run_path(str(FOLDER / "magnetic_bearing.py"))["follow"]
     T, fastest, n = 1e-4, 7000.0, 20000
     i, h = 0.3, 1e-3 / n
     for _ in range(n):
@@ -91,24 +89,24 @@ def test_the_magnets_lift_the_rotor_and_bear_its_weight(dropped):
     assert dropped.rotor["left_sensor.y"][0] < -250e-6
     height = dropped.rotor["left_magnet.y"][before][-500:]
     assert abs(height.mean()) < 5e-6
-    lifting = sum(dropped.control[f"{side}_fy"][before][-500:].mean() for side in ("left", "right"))
+    lifting = sum(dropped.partner[f"{side}_fy"][before][-500:].mean() for side in ("left", "right"))
     weight = abs(LinearMachine(parse_rotor(TOML)).structure.weight[::2].sum())
     assert lifting == pytest.approx(weight, rel=0.02)
 
 
 def test_at_the_limit_a_coil_carries_twice_the_bias_and_never_less_than_nothing(dropped):
     for coil in ("left_ixa", "left_ixb", "left_iya", "left_iyb"):
-        assert dropped.control[coil].min() >= 0.0
-        assert dropped.control[coil].max() <= 6.0
-    assert dropped.control["left_iya"].max() > 5.7
-    rate = np.abs(np.diff(dropped.control["left_iya"])).max() / STEP
+        assert dropped.partner[coil].min() >= 0.0
+        assert dropped.partner[coil].max() <= 6.0
+    assert dropped.partner["left_iya"].max() > 5.7
+    rate = np.abs(np.diff(dropped.partner["left_iya"])).max() / STEP
     assert rate == pytest.approx(150.0 / 0.022, rel=1e-9)
 
 
 def test_the_work_of_held_forces_is_the_same_on_both_sides(dropped):
-    largest = np.abs(dropped.control["work"]).max()
+    largest = np.abs(dropped.partner["work"]).max()
     assert largest > 0.05
-    assert np.abs(dropped.work_lost).max() < 0.01 * largest
+    assert np.abs(work_lost(dropped)).max() < 0.01 * largest
 
 
 def test_switched_off_the_rotor_falls_and_the_races_catch_it(dropped):
@@ -133,7 +131,7 @@ def test_switched_off_the_rotor_falls_and_the_races_catch_it(dropped):
 def loop(rotor, sensors, step, speed=0.0):
     """Eigenvalues s [1/s] of rotor and control about the middle, as the sampled system that they
     are; sensors: nodes of the left and the right one."""
-    value = {v.name: v.start for v in control_table()}
+    value = {v.name: v.start for v in COUPLING.variables}
     linear = LinearMachine(rotor, "open").at_zero_load(speed)
     M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, linear.K))
     has_mass = np.flatnonzero(np.abs(M).sum(axis=1) > 0)
@@ -235,7 +233,7 @@ def through_fmpy(control, compressor):
 def test_libcosim_gives_the_same_from_the_system_files(
     tmp_path, control, compressor, through_fmpy, file
 ):
-    lay_out(example(), tmp_path)
+    lay_out(FOLDER, tmp_path)
     for fmu in (control, compressor):
         shutil.copy(fmu, tmp_path)
     shown = ("control.left_fy", "control.tau", "rotor.w", "rotor.left_sensor.y")
@@ -243,17 +241,15 @@ def test_libcosim_gives_the_same_from_the_system_files(
     assert row["rotor.w"] > 30.0
     for name in shown:
         side, _, variable = name.partition(".")
-        told = getattr(through_fmpy, side)[variable][-1]
+        told = getattr(through_fmpy, side.replace("control", "partner"))[variable][-1]
         assert row[name] == pytest.approx(told, rel=1e-7, abs=1e-12), name
 
 
 @pytest.mark.slow
-def test_the_command_leaves_pictures_and_a_summary(tmp_path, monkeypatch):
-    monkeypatch.setattr(sys, "argv", ["rotor-fmu", "magnetic-bearing", "--out", str(tmp_path)])
-    from rotor_fmu.cli import main
-
+def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["lift_and_drop.py", "--out", str(tmp_path)])
     with pytest.raises(SystemExit) as end:
-        main()
+        _EXAMPLE["main"]()
     assert end.value.code == 0
     report = json.loads((tmp_path / "summary.json").read_text())
     bending = loop(parse_rotor(TOML), (4, 12), STEP, 1070.0).imag
@@ -277,5 +273,8 @@ def test_the_command_leaves_pictures_and_a_summary(tmp_path, monkeypatch):
         (("--out", "/dev/null/x"), "--out /dev/null/x: cannot be written to"),
     ],
 )
-def test_what_the_command_cannot_do_it_says_in_one_line(refusal, arguments, message):  # noqa: F811
-    assert refusal("magnetic-bearing", *arguments).startswith(f"rotor-fmu: {message}")
+def test_what_the_script_cannot_do_it_says_in_one_line(
+    tmp_path, monkeypatch, capsys, arguments, message
+):
+    refuse = refusal_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
+    assert refuse(*arguments).startswith(f"rotor-fmu: {message}")

@@ -7,18 +7,16 @@ import fmpy
 import pytest
 from fmpy.validation import validate_fmu
 
-from rotor_fmu.coupled.member import Member
-from rotor_fmu.drive_train import system as train
-from rotor_fmu.magnetic_bearing import system as magnets
+from rotor_fmu.cosimulation.coupling import Coupling, example_coupling
+from rotor_fmu.cosimulation.member import Member
 
 
 @dataclass(frozen=True)
 class Partner:
-    """How it is built and told, a parameter of it, an output, an input with what drives it, and
+    """Its coupling, a parameter of it, an output, an input with what drives it, and
     what is seen of it."""
 
-    build: object
-    table: object
+    coupling: Coupling
     parameter: str
     output: str
     inputs: tuple
@@ -29,8 +27,7 @@ class Partner:
 
 PARTNERS = {
     "drive train": Partner(
-        train.build_drive_train,
-        train.drive_train_table,
+        example_coupling("drive_train"),
         "kp",
         "w_motor",
         ("tau_load",),
@@ -39,8 +36,7 @@ PARTNERS = {
         1e-3,
     ),
     "magnetic bearing": Partner(
-        magnets.build_control,
-        magnets.control_table,
+        example_coupling("magnetic_bearing"),
         "kp",
         "left_fx",
         ("left_x", "left_dx"),
@@ -58,18 +54,20 @@ def partner(request):
 
 @pytest.fixture(scope="module")
 def built(partner, tmp_path_factory):
-    return partner.build(tmp_path_factory.mktemp("partner"))
+    return partner.coupling.build(tmp_path_factory.mktemp("partner"))
 
 
 def test_the_description_is_valid_and_says_what_the_table_does(partner, built):
     assert validate_fmu(str(built)) == []
     description = fmpy.read_model_description(str(built))
-    for variable, listed in zip(description.modelVariables, partner.table(), strict=True):
+    for variable, listed in zip(
+        description.modelVariables, partner.coupling.variables, strict=True
+    ):
         assert (variable.name, variable.unit) == (listed.name, listed.unit)
 
 
 def test_building_twice_gives_the_same_bytes(partner, built, tmp_path):
-    assert partner.build(tmp_path).read_bytes() == built.read_bytes()
+    assert partner.coupling.build(tmp_path).read_bytes() == built.read_bytes()
 
 
 def test_it_goes_on_from_a_saved_state(partner, built):

@@ -9,11 +9,10 @@ import pytest
 from lxml import etree
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.drive_train.system import build_drive_train
+from rotor_fmu.cosimulation.coupling import example_coupling
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.reading import machine_text
-from rotor_fmu.magnetic_bearing.system import build_control
 
 SCHEMAS = Path(fmpy.__file__).parent
 FMI2 = SCHEMAS / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
@@ -65,7 +64,8 @@ def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
 
 
 def test_partners_are_described_as_their_schema_wants(tmp_path):
-    for fmu in (build_drive_train(tmp_path), build_control(tmp_path)):
+    for name in ("drive_train", "magnetic_bearing"):
+        fmu = example_coupling(name).build(tmp_path)
         (content,) = xml_of(fmu).values()
         check(content, FMI2)
 

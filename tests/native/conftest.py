@@ -26,7 +26,7 @@ def pytest_collection_modifyitems(items):
 def make(tmp_path_factory):
     """Builds a native FMU of this machine's platform."""
     if find(HERE, core_digest()) is None and find_spec("ziglang") is None:
-        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[native]')")
+        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[build]')")
 
     def build(**options) -> Path:
         return build_native(tmp_path_factory.mktemp("native"), platforms=[HERE], **options)

@@ -59,4 +59,4 @@ def test_without_the_linker_it_says_what_to_install(tmp_path, monkeypatch):
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
     assert done.returncode == 1
-    assert "ziglang is not installed: pip install 'rotor-fmu[native]'" in done.stderr
+    assert "ziglang is not installed: pip install 'rotor-fmu[build]'" in done.stderr

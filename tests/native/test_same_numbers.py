@@ -11,6 +11,7 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
+from rotor_fmu.fmi.log import with_code
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.runs.job import load_rotor
 
@@ -166,7 +167,7 @@ def test_a_run_that_cannot_be_ends_with_the_same_sentence(fmu, capfd, choices, v
     warnings = []
     with pytest.raises((EquilibriumError, StepFailure)) as failure:
         Simulation(rotor, settings, speed=400.0, warn=warnings.append).advance(2.0, 400.0)
-    told = [f"warning: {text}" for text in warnings]
+    told = [f"warning: {with_code(text, text.code)}" for text in warnings]
     printed = capfd.readouterr().err.splitlines()
     assert [line.partition(": ")[2] for line in printed] == [*told, f"error: {failure.value}"]
 

@@ -14,6 +14,8 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from rotor_fmu.model.stability import memory
 from rotor_fmu.model.stability.eigenvalues import eigenvalues
 
+from rotor_fmu.fmi.log import with_code
+
 from ..parts.test_linear_bearing import FLEXIBLE
 from ..whip import OVERHUNG
 from .machine import Machine, observed
@@ -67,7 +69,7 @@ def test_it_warns_of_hidden_whirls_and_steps_as_the_simulation_does(
         simulation.advance(machine.t, 400.0)
         assert (machine.read() == observed(simulation, machine.computed)).all()
     machine.close()
-    assert told(capfd) == [f"warning: {text}" for text in said]
+    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     is_hidden = bool(said) and "hide an instability" in said[0]
     assert is_hidden == (preset != "controlled" and not values)
 
@@ -89,7 +91,7 @@ def test_it_warns_of_a_machine_that_is_unstable_at_rest(make, capfd):
     said = []
     Simulation(parse_rotor(toml), speed=300.0, warn=said.append)
     assert any("unstable at rest" in text for text in said)
-    assert told(capfd) == [f"warning: {text}" for text in said]
+    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
 
@@ -108,7 +110,7 @@ def test_a_speed_that_passes_the_surveyed_ones_is_looked_at_anew(make, capfd):
         machine.step(1e-4)
         simulation.advance(machine.t, speed)
     assert "with all contacts open a forward whirl" in said[0]
-    assert told(capfd) == [f"warning: {text}" for text in said]
+    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
 
@@ -148,7 +150,7 @@ def test_component_modes_too_few_for_the_speed_are_said_as_the_simulation_says_t
         machine.step(1e-4)
         simulation.advance(machine.t, speed)
     assert "solver.reduction = 1 is too coarse: mode 3 of the shaft" in said[0]
-    assert told(capfd) == [f"warning: {text}" for text in said]
+    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 from ..kernels.compiled import compiled
 from ..protocol.law import Law
 from ..protocol.part import Element, Interface, Part
-from ..quantities import NOT_NEGATIVE, Output, quantity
+from ..quantities import NOT_NEGATIVE, Output, places, quantity
 
 
 @dataclass(frozen=True)
@@ -20,32 +20,39 @@ class CubicQuantities:
     drag: float = quantity("N.s/m", "damping", NOT_NEGATIVE, 0.0, is_parameter=True)
 
 
-@compiled
-def _force(part, tables, d, d_dot, speed, spin, own):
-    return -part.cubic * abs(d) ** 2 * d - part.drag * d_dot
+OUTPUTS = (Output("pull", "N", "size of the spring's and damper's force", True, 1.0),)
+LOSSES = (Output("cubic", "J", "dissipated by the cubic springs' dampers", nominal=1e-3),)
+_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 
 @compiled
-def _tangent(part, tables, d, d_dot, speed, spin, by_d, by_v, by_own, free, own):
-    force = -part.cubic * abs(d) ** 2 * d - part.drag * d_dot
-    p = -2.0 * part.cubic * abs(d) ** 2 * by_d - part.drag * by_v
-    return force, complex(p, 0.0), -part.cubic * d * d * by_d
+def _force(part, tables, kinematics, own):
+    d = kinematics.displacement
+    return -part.cubic * abs(d) ** 2 * d - part.drag * kinematics.velocity
 
 
 @compiled
-def _energy(part, tables, d, own):
-    return (0.25 * part.cubic * abs(d) ** 4,)
+def _tangent(part, tables, kinematics, weights, free, own):
+    d = kinematics.displacement
+    p = -2.0 * part.cubic * abs(d) ** 2 * weights.displacement - part.drag * weights.velocity
+    q = -part.cubic * d * d * weights.displacement
+    return _force(part, tables, kinematics, own), complex(p, 0.0), q
 
 
 @compiled
-def _dissipate(part, tables, d, d_dot, speed, spin, own, out):
-    out[0] = part.drag * abs(d_dot) ** 2
+def _energy(part, tables, displacement, own):
+    return (0.25 * part.cubic * abs(displacement) ** 4,)
+
+
+@compiled
+def _dissipate(part, tables, kinematics, own, out):
+    out[_LOSS.cubic] = part.drag * abs(kinematics.velocity) ** 2
     return 0.0
 
 
 @compiled
-def _observe(part, tables, d, d_dot, speed, spin, own, out):
-    out[0] = abs(part.cubic * abs(d) ** 2 * d + part.drag * d_dot)
+def _observe(part, tables, kinematics, own, out):
+    out[_OUT.pull] = abs(_force(part, tables, kinematics, own))
 
 
 CUBIC = Law(
@@ -56,9 +63,9 @@ CUBIC = Law(
     energy=_energy,
     dissipate=_dissipate,
     observe=_observe,
-    outputs=(Output("pull", "N", "size of the spring's and damper's force", True, 1.0),),
+    outputs=OUTPUTS,
     stores=(Output("cubic", "J", "elastic energy of the cubic springs", nominal=1e-3),),
-    losses=(Output("cubic", "J", "dissipated by the cubic springs' dampers", nominal=1e-3),),
+    losses=LOSSES,
 )
 
 

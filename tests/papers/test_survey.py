@@ -234,7 +234,7 @@ def test_where_no_cycle_is_predicted_none_is_planted(tmp_path):
 
 @pytest.fixture(scope="module")
 def kept():
-    """The rows that `docs/integrators.md` was made of."""
+    """The rows that `docs/explanation/integrators.md` was made of."""
     return Findings(read_table(KEPT))
 
 

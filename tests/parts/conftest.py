@@ -16,7 +16,7 @@ from .driven import Machine
 def machine_of(request, tmp_path_factory):
     """`machine_of(toml, is_free)`: its FMU, ready to be driven."""
     if request.param == "native" and find_spec("ziglang") is None:
-        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[native]')")
+        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[build]')")
     built = {}
 
     def machine(toml, is_free=False):

@@ -12,6 +12,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts import clearance_contact, touchdown_bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
+from rotor_fmu.model.protocol.law import Kinematics, Weights
 from rotor_fmu.model.quantities import QuantityError, quantities
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -62,14 +63,14 @@ def test_the_contacts_tangent_is_the_derivative_of_its_force(name, spin):
     by_d, by_v = 0.7, 40.0
     for d, v in states(np.random.default_rng(1), 20):
         f, p, q = CLEARANCE_CONTACT.tangent(
-            part, TABLES, d, v, spin, spin, by_d, by_v, 0.0, own, own
+            part, TABLES, Kinematics(d, v, spin, spin), Weights(by_d, by_v, 0.0), own, own
         )
-        again = CLEARANCE_CONTACT.force(part, TABLES, d, v, spin, spin, own)
+        again = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, v, spin, spin), own)
         assert f == pytest.approx(again, rel=1e-12)
         for z in (1e-9 + 0j, 1e-9j):
             ahead, behind = (
                 CLEARANCE_CONTACT.force(
-                    part, TABLES, d + s * by_d * z, v + s * by_v * z, spin, spin, own
+                    part, TABLES, Kinematics(d + s * by_d * z, v + s * by_v * z, spin, spin), own
                 )
                 for s in (1, -1)
             )
@@ -85,12 +86,16 @@ def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
 
     def force(d, v):
         own = np.array([5.0, 0.0])
-        found, p, q = law.tangent(part, TABLES, d, v, spin, spin, by_d, by_v, by_own, free, own)
+        found, p, q = law.tangent(
+            part, TABLES, Kinematics(d, v, spin, spin), Weights(by_d, by_v, by_own), free, own
+        )
         rate = np.zeros(2)
-        law.rates(part, TABLES, d, v, spin, spin, own, rate)
+        law.rates(part, TABLES, Kinematics(d, v, spin, spin), own, rate)
         # the race's own equation holds
         assert own[0] - free[0] - by_own * rate[0] == pytest.approx(0, abs=1e-9)
-        assert found == pytest.approx(law.force(part, TABLES, d, v, spin, spin, own), rel=1e-12)
+        assert found == pytest.approx(
+            law.force(part, TABLES, Kinematics(d, v, spin, spin), own), rel=1e-12
+        )
         return found, p, q
 
     for d, v in states(np.random.default_rng(2), 20):
@@ -105,7 +110,9 @@ def test_the_race_alone_slows_down_by_its_drag():
     part = record(TouchdownBearing, **RACE, race_w_s=1e-6)
     free, own, none = np.array([100.0, 0.0]), np.array([100.0, 0.0]), 0j
     b = 1e-3
-    TOUCHDOWN_BEARING.tangent(part, TABLES, none, none, 0.0, 0.0, 1.0, 1.0, b, free, own)
+    TOUCHDOWN_BEARING.tangent(
+        part, TABLES, Kinematics(none, none, 0.0, 0.0), Weights(1.0, 1.0, b), free, own
+    )
     expected = (100.0 - b * 0.05 / 1e-4) / (1 + b * 1e-4 / 1e-4)
     assert own[0] == pytest.approx(expected, rel=1e-12)
 
@@ -119,7 +126,7 @@ def test_without_friction_and_damping_the_force_is_that_of_the_energy(name):
             ahead, behind = (
                 CLEARANCE_CONTACT.energy(part, TABLES, d + s * z, none)[0] for s in (1, -1)
             )
-            f = CLEARANCE_CONTACT.force(part, TABLES, d, 0j, 0.0, 0.0, none)
+            f = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, 0j, 0.0, 0.0), none)
             assert -(f.conjugate() * z).real == pytest.approx(
                 (ahead - behind) / 2, rel=1e-4, abs=1e-9
             )
@@ -140,7 +147,7 @@ def test_wear_is_deepest_in_its_direction_and_narrow_with_its_power():
 def test_the_force_is_that_of_the_exponent_of_its_contact(exponent):
     """Hertz: 3/2; Palmgren for the line contact of a cylinder: 10/9."""
     part = record(ClearanceContact, exponent=exponent, k=1e9)
-    f = CLEARANCE_CONTACT.force(part, TABLES, 2.1e-4 + 0j, 0j, 0.0, 0.0, np.zeros(0))
+    f = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(2.1e-4 + 0j, 0j, 0.0, 0.0), np.zeros(0))
     assert f.real == pytest.approx(-1e9 * 1e-5**exponent, rel=1e-9)
 
 
@@ -148,7 +155,9 @@ def test_stribecks_friction_falls_from_rest_to_sliding():
     part = record(ClearanceContact, mu_rise=0.15, v_stribeck=0.4)
 
     def ratio(spin):
-        f = CLEARANCE_CONTACT.force(part, TABLES, 2.1e-4 + 0j, 0j, spin, spin, np.zeros(0))
+        f = CLEARANCE_CONTACT.force(
+            part, TABLES, Kinematics(2.1e-4 + 0j, 0j, spin, spin), np.zeros(0)
+        )
         return f.imag / f.real
 
     assert ratio(0.05 / 0.03) == pytest.approx(

@@ -9,6 +9,7 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.linear_bearing import LINEAR_BEARING, coefficients
+from rotor_fmu.model.protocol.law import Kinematics, Weights
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import RotorNote, RotorWarning, Simulation
@@ -91,10 +92,12 @@ def test_the_tangent_is_the_derivative_of_the_force():
     records, tables = laws_of(parse_rotor(FLEXIBLE + TABLE))
     d, v, none = 3e-5 - 1e-5j, 0.01 + 0.02j, np.zeros(0)
     f, p, q = LINEAR_BEARING.tangent(
-        records[0], tables, d, v, 130.0, 0.0, 2.0, 7.0, 0.0, none, none
+        records[0], tables, Kinematics(d, v, 130.0, 0.0), Weights(2.0, 7.0, 0.0), none, none
     )
     for z in (1e-6 + 0j, 1e-6j):
-        moved = LINEAR_BEARING.force(records[0], tables, d + 2 * z, v + 7 * z, 130.0, 0.0, none)
+        moved = LINEAR_BEARING.force(
+            records[0], tables, Kinematics(d + 2 * z, v + 7 * z, 130.0, 0.0), none
+        )
         assert moved - f == pytest.approx(p * z + q * z.conjugate(), rel=1e-9)
 
 

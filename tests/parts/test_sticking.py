@@ -12,6 +12,7 @@ from rotor_fmu.model.parts.clearance_contact import (
     ClearanceContact,
 )
 from rotor_fmu.model.parts.touchdown_bearing import TOUCHDOWN_BEARING, TouchdownBearing
+from rotor_fmu.model.protocol.law import Kinematics, Weights
 from rotor_fmu.model.protocol.part import Interface
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -211,17 +212,19 @@ def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_hol
 
         def force(d, v, free=free):
             own = free.copy()
-            found, p, q = law.tangent(part, TABLES, d, v, spin, spin, by_d, by_v, b, free, own)
+            found, p, q = law.tangent(
+                part, TABLES, Kinematics(d, v, spin, spin), Weights(by_d, by_v, b), free, own
+            )
             rate = np.zeros(count)
-            law.rates(part, TABLES, d, v, spin, spin, own, rate)
+            law.rates(part, TABLES, Kinematics(d, v, spin, spin), own, rate)
             assert own[-1] == pytest.approx(free[-1] + b * rate[-1], abs=1e-12)
-            again = law.force(part, TABLES, d, v, spin, spin, own)
+            again = law.force(part, TABLES, Kinematics(d, v, spin, spin), own)
             assert found == pytest.approx(again, rel=1e-9, abs=1e-9 * abs(found))
             return found, p, q, own
 
         _, p, q, own = force(d, v)
         out = np.zeros(len(law.outputs))
-        law.observe(part, TABLES, d, v, spin, spin, own, out)
+        law.observe(part, TABLES, Kinematics(d, v, spin, spin), own, out)
         normal, rubbing = out[1], out[2]
         assert abs(rubbing) <= (part.mu + part.mu_rise) * normal * (1 + 1e-12)
         stuck += abs(rubbing) < 0.999 * part.mu * normal
@@ -240,14 +243,14 @@ def test_friction_never_gives_energy():
     out = np.zeros(2)
     for d, v in states(rng, 100):
         own = np.array([rng.normal() * 2e-4])
-        law.dissipate(part, TABLES, d, v, 3.0, 3.0, own, out)
+        law.dissipate(part, TABLES, Kinematics(d, v, 3.0, 3.0), own, out)
         assert out[1] >= 0
 
 
 def test_the_elongation_is_gone_once_the_journal_is_in_the_air():
     part = record(ClearanceContact, k_t=1e7, c_t=100.0)
     law, free, own, b = interpreted(STICKING_CONTACT), np.array([1e-6]), np.zeros(1), 1e-4
-    law.tangent(part, TABLES, 1e-5j, 0j, 0.0, 0.0, 1.0, 1.0, b, free, own)
+    law.tangent(part, TABLES, Kinematics(1e-5j, 0j, 0.0, 0.0), Weights(1.0, 1.0, b), free, own)
     assert own[0] == pytest.approx(1e-6 / (1 + b * 1e7 / 100.0))
 
 

@@ -10,12 +10,11 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
-from rotor_fmu.drive_train.system import couple, drive_train_table
 from rotor_fmu.errors import InputError
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.conduct import conduct
 from rotor_fmu.studies.engines import Where, engine
-from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, fmus
+from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, drive_train, fmus
 from rotor_fmu.studies.machine.driving import KINDS
 from rotor_fmu.studies.reading import read_study
 
@@ -52,10 +51,18 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
     assert (data.status.values == "ok").all()
     for i, torque in enumerate((0.05, 0.1)):
         parameters = {"w_start": 180.0, "w_target": 200.0, "tau_max": torque, "continuation": 1.0}
-        run = couple(*fmus(rig_toml()), 1.0, 2e-3, parameters, {"solver.tolerance": 1e-2})
+        run = drive_train().run(
+            *fmus(rig_toml()),
+            stop=1.0,
+            step=2e-3,
+            partner_parameters=parameters,
+            rotor_parameters={"solver.tolerance": 1e-2},
+            of_partner=["work_out"],
+            of_rotor=["disc[3].x_amp"],
+        )
         # between two communication points the rotor goes on with the speed that it was told
-        assert data.w.values[i] == pytest.approx(run.drive["w"][-1], abs=0.01)
-        assert data.work.values[i] == run.drive["work_out"][-1]
+        assert data.w.values[i] == pytest.approx(run.partner["w"][-1], abs=0.01)
+        assert data.work.values[i] == run.partner["work_out"][-1]
         assert data.X.values[i] == np.abs(run.rotor["disc[3].x_amp"]).max()
         assert data.taken.values[i] == pytest.approx(data.work.values[i], rel=3e-3)
 
@@ -127,7 +134,7 @@ def test_what_lies_between_communication_points_is_not_kept(tmp_path, kind, keep
 
 
 def test_the_usual_drive_train_of_a_study_is_that_of_its_fmu():
-    usual = {v.name: v.start for v in drive_train_table()}
+    usual = {v.name: v.start for v in drive_train().variables}
     numbers = KINDS["drive-train"]
     for name, number in _OF_THE_DRIVE.items():
         if number not in ("torque", "from"):

@@ -1,4 +1,4 @@
-"""The survey's map of one impact: does a journal that hits a wall end in the false state?"""
+"""Whether a journal that hits a wall ends in the false state: the survey's map of one impact."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`docs/integrators.md`: a template, and the numbers of a survey's table."""
+"""`docs/explanation/integrators.md`: a template, and the numbers of a survey's table."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .findings import Findings, false_state_power, median, rebound_of, scheme_of
 from .grid import Row
 from .hidden import hidden_head, hidden_rows
 
-PAGE = "integrators.md"
+PAGE, _TEMPLATE = "explanation/integrators.md", "integrators.md"
 _PAPER_A, _MD = "generalized-alpha=0.1,0.08", "moderate-dissipation"
 _TARGETS = (0.1, 0.05, 0.02, 0.01)
 _CLEAN = 0.3  # RMS error of the bars' tip velocity, of which the mesh's own is some 0.15 [1]
@@ -33,7 +33,7 @@ _QUIETER = 50.0  # than Newmark's method, the high-frequency content of the ratc
 
 
 def write_page(rows: Sequence[Row], out: Path) -> Path:
-    """Write the page and its pictures to the folder `out`; returns the page's path."""
+    """Write the page and its pictures to `out`, laid out as docs/ is; returns the page's path."""
     findings = Findings(rows)
     folder = out / "figures"
     folder.mkdir(exist_ok=True)
@@ -51,13 +51,14 @@ def write_page(rows: Sequence[Row], out: Path) -> Path:
     for name, figure in pictures.items():
         save(figure, folder / f"integrators_{name}.png")
     page = out / PAGE
+    page.parent.mkdir(exist_ok=True)
     page.write_text(page_text(findings), encoding="utf-8")
     return page
 
 
 def page_text(findings: Findings) -> str:
     """The page: the template beside this module, and the numbers of the table."""
-    template = files(__package__).joinpath(PAGE).read_text(encoding="utf-8")
+    template = files(__package__).joinpath(_TEMPLATE).read_text(encoding="utf-8")
     numbers = {
         **_of_the_run_down(findings),
         **_of_the_false_state(findings),

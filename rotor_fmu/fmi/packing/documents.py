@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 from collections.abc import Sequence
-from importlib.metadata import distribution
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -16,7 +15,6 @@ from ...model.machine.toml import rig
 from ..description import summary
 from ..variables import Variable
 from .archive import xml_bytes
-from .machine_picture import machine_picture
 from .related_files import related_files
 from .variable_table import rows
 
@@ -62,6 +60,8 @@ def documents(
     rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int
 ) -> dict[str, bytes]:
     """Files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
+    from .machine_picture import machine_picture  # with matplotlib, which no run needs
+
     picture = machine_picture(rotor)
     related = related_files(rotor, name)
     pages = files(__package__).joinpath("pages")
@@ -105,6 +105,8 @@ def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: boo
 
 def _licence(of: str) -> bytes:
     """The licence of an installed distribution."""
+    from importlib.metadata import distribution
+
     found = next(
         file for file in distribution(of).files or () if file.name.upper().startswith("LICEN")
     )

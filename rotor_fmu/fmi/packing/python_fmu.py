@@ -6,7 +6,6 @@ import hashlib
 import tempfile
 import zipfile
 from collections.abc import Sequence
-from importlib.metadata import version
 from pathlib import Path
 
 from ...library.build import PLATFORMS, CoreError, core_digest, library
@@ -117,6 +116,8 @@ def _package(libraries: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
 
 def _contents(machine: Machine, libraries: dict[str, bytes]) -> dict[str, bytes]:
     """All of the FMU that is not pythonfmu's, by the path in it."""
+    from importlib.metadata import version  # which no run needs
+
     tool = f"PythonFMU {version('pythonfmu')}"
     described = Described(machine.rotor, _identifier(machine), tool=tool, needs_python=True)
     _, sources = _package(libraries)

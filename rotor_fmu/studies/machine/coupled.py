@@ -1,4 +1,4 @@
-"""The rotor's FMU, turned by a drive train's, as what a study runs.
+"""The rotor's FMU, turned by that of the example `drive_train`, as what a study runs.
 
 What is kept is seen at the communication points: of the rotor by its variables' names, of the drive
 train as `drive.NAME`.
@@ -11,7 +11,6 @@ import math
 import os
 import shutil
 import tempfile
-import time
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -19,14 +18,13 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...errors import InputError, RunFailed
+from ...errors import InputError, RunFailed, optional
 from ...fmi.packing.python_fmu import package_name
-from ...model.kernels.process_lock import ProcessLock
-from ...model.kernels.sealed_folder import make_private
-from ...model.kernels.user_cache import user_cache
+from ...model.kernels.cache import private_folder, user_cache
 from ...model.spelling import Message
 from ...runs.recording import Recording
 from ...status import FAILED, messages_and_codes, status_of
@@ -35,6 +33,9 @@ from .driving import Drive
 from .keeping import cells
 from .runs import RUN, MachineRuns, machine_of
 from .watch import Samples, Window
+
+if TYPE_CHECKING:
+    from ...cosimulation.coupling import Coupling
 
 DRIVE = "drive."
 # The numbers of a run by the names of the drive train's FMU.
@@ -50,41 +51,44 @@ _OF_THE_DRIVE = {
     "w_start": "from",
 }
 _KEPT_MACHINES = 8  # whose FMUs are kept
-_WAIT = 0.1  # between two looks whether another process has built them [s]
+
+
+@lru_cache
+def drive_train() -> Coupling:
+    """The coupling of the example `drive_train`."""
+    from ...cosimulation.coupling import example_coupling
+
+    return example_coupling("drive_train")
 
 
 @dataclass(frozen=True)
 class CoupledRuns(MachineRuns):
-    """Runs of a machine's `RotorBearing.fmu` coupled with the example's `DriveTrain.fmu`."""
+    """Runs of a machine's `RotorBearing.fmu` coupled with `DriveTrain.fmu`."""
 
     @property
     def units(self) -> dict[str, str]:
         """What can be kept of a run, by name, and its unit: the Reals of both FMUs."""
-        from ...drive_train.system import drive_train_table
-
         table = machine_of(self.toml, False).table
         rotor = {v.name: v.unit for v in table if v.is_observed and v.kind == "Real"}
-        outputs = [v for v in drive_train_table() if v.causality == "output"]
+        outputs = [v for v in drive_train().variables if v.causality == "output"]
         return rotor | {f"{DRIVE}{v.name}": v.unit for v in outputs}
 
     @cached_property
     def identity(self) -> str:
         """The machine, the run, what is kept, and the drive train's source, as text."""
-        from ...drive_train.system import example
-
-        source = (example() / "drive_train.py").read_bytes().replace(b"\r\n", b"\n")
+        source = drive_train().source.read_bytes().replace(b"\r\n", b"\n")
         return json.dumps([super().identity, sha256(source).hexdigest()])
 
     def warm(self) -> None:
         """Build both FMUs and load them, by a start."""
-        with suppress(InputError, RunFailed), self._coupled({}, ()) as (points, *_):
-            next(points)
+        with suppress(InputError, RunFailed), self._coupled({}, ()) as (rows, *_):
+            next(rows)
 
     def run(self, values: Mapping[str, float]) -> Result:
         """One run; what fails in it, impossible values included, is its status."""
         try:
-            with self._coupled(values, self._needs(False)) as (points, how, messages):
-                window = _window(list(points), self._needs(False))
+            with self._coupled(values, self._needs(False)) as (rows, how, messages):
+                window = _window(list(rows), self._needs(False))
                 kept = {keep.name: cells(keep, [window], how) for keep in self.keeps}
                 return Result(status_of(messages), kept)
         except (InputError, RunFailed) as error:
@@ -102,8 +106,8 @@ class CoupledRuns(MachineRuns):
         messages: list[Message] = []
         failure = None
         try:
-            with self._coupled(values, names) as (points, _, messages):
-                seen.extend(points)
+            with self._coupled(values, names) as (rows, _, messages):
+                seen.extend(rows)
         except (InputError, RunFailed) as error:
             failure = str(error)
         about = {
@@ -123,24 +127,21 @@ class CoupledRuns(MachineRuns):
     ) -> Iterator[tuple[Iterator[tuple[float, ...]], Drive, list[Message]]]:
         """Two FMUs that are ready to run: the points of the run, each its time and what is named;
         how it is driven; and what they have said."""
-        from ...coupled.master import Side, points
-        from ...coupled.member import Member
-        from ...drive_train.system import TO_DRIVE, TO_ROTOR, acquaint
+        from ...cosimulation.master import points
 
         own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
         of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
         how = self.how.changed(own)
         drive_fmu, rotor_fmu = fmus(self.toml)
         of_drive = {name: how.numbers[number] for name, number in _OF_THE_DRIVE.items()}
-        messages: list[Message] = []
-        with (
-            Member(drive_fmu, {"continuation": 1.0, **of_drive}, messages) as drive,
-            Member(rotor_fmu, {**self.values, **of_machine}, messages) as rotor,
-        ):
-            acquaint(drive, rotor)
-            told = [name.removeprefix(DRIVE) for name in names if name.startswith(DRIVE)]
-            one = Side(drive, TO_ROTOR, told)
-            other = Side(rotor, TO_DRIVE, [name for name in names if not name.startswith(DRIVE)])
+        with drive_train().open(
+            drive_fmu,
+            rotor_fmu,
+            {"continuation": 1.0, **of_drive},
+            {**self.values, **of_machine},
+            [name.removeprefix(DRIVE) for name in names if name.startswith(DRIVE)],
+            [name for name in names if not name.startswith(DRIVE)],
+        ) as (one, other):
             outputs = [*(f"{DRIVE}{name}" for name in one.outputs), *other.outputs]
             at = [outputs.index(name) for name in names]
 
@@ -149,7 +150,7 @@ class CoupledRuns(MachineRuns):
                     seen = (*point.one, *point.other)
                     yield point.t, *(seen[i] for i in at)
 
-            yield rows(), how, messages
+            yield rows(), how, other.member.messages
 
 
 def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:
@@ -167,22 +168,16 @@ def fmus(toml: str) -> tuple[Path, Path]:
     They lie in the user's cache, so that workers on another machine build their own. Raises
     `OSError` where there is no such folder.
     """
-    from ...drive_train.system import build_drive_train
     from ...runs.job import fmu_in
 
     key = sha256(f"{package_name()} {toml}".encode()).hexdigest()[:16]
     kept = user_cache() / "coupled"
     home = kept / key
     for folder in (user_cache(), kept, home):
-        make_private(folder)
-    lock = ProcessLock(home / "lock")
-    while not lock.take():
-        time.sleep(_WAIT)
-    try:
-        built = _extracted(build_drive_train(home)), _extracted(fmu_in(home, toml))
+        private_folder(folder)
+    with optional("filelock", "study", "study").FileLock(home / "lock"):
+        built = _extracted(drive_train().build(home)), _extracted(fmu_in(home, toml))
         os.utime(home)
-    finally:
-        lock.release()
     by_age = sorted(kept.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_MACHINES:]:
         shutil.rmtree(old, ignore_errors=True)

@@ -1,0 +1,168 @@
+"""Digests of kernels: what a library was made of, by which it is found.
+
+A digest follows the syntax trees, without docstrings, of a module and of all modules of `model`
+that importing it leads to. Comments, docstrings and layout change nothing. To parse them
+takes a quarter of a second, so a record beside a library says which digest the files had as they
+were then.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import os
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from importlib.util import resolve_name
+from pathlib import Path
+
+from .cache import check_private, user_cache, warn_once
+
+_MODEL = Path(__file__).parents[1]
+_NAME = __name__.removesuffix(".kernels.digest")
+_ENTRIES = _MODEL / "march" / "entries.py"
+# Beside the kernels: what a wheel carries, or was made in a source tree.
+CARRIED = _MODEL / "library"
+_RECORD = "kernels.digest"
+_DIGITS = 16
+# Imported by what compiles kernels, these say where code lies, not what it is.
+_NO_KERNELS = (Path(__file__), Path(__file__).with_name("cache.py"))
+
+
+def kernels_digest() -> str:
+    """Sixteen characters that follow the kernels of a run, as they were when this was first
+    called."""
+    return _digests()[1]
+
+
+@cache
+def _digests() -> tuple[str, str]:
+    """Of all files' bytes, and of the kernels' syntax."""
+    files = files_digest()
+    for folder in folders():
+        with suppress(OSError, ValueError):
+            of_files, of_kernels = (folder / _RECORD).read_text(encoding="ascii").split()
+            if of_files == files:
+                return files, of_kernels
+    return files, syntax_digest(imported(_ENTRIES, f"{_NAME}.march"))
+
+
+def made_here() -> Path:
+    """The folder in the user's cache for libraries. Raises what `user_cache` does."""
+    return user_cache() / "native"
+
+
+def folders() -> Iterator[Path]:
+    """Where libraries and their records lie."""
+    yield CARRIED
+    try:
+        folder = made_here()
+        if folder.is_dir():
+            check_private(folder)
+            yield folder
+    except ImportError:
+        return  # without platformdirs, which the extra that makes libraries brings, none was made
+    except OSError as error:
+        warn_once("library", f"libraries of the solver are not looked for: {error}")
+
+
+def record(folder: Path) -> None:
+    """Write down the digest of the kernels, where that can be."""
+    file = folder / _RECORD
+    content = "{} {}\n".format(*_digests())
+    with suppress(OSError):
+        if not file.is_file() or file.read_text(encoding="ascii") != content:
+            unfinished = file.with_suffix(f".{os.getpid()}.part")
+            unfinished.write_text(content, encoding="ascii")
+            unfinished.replace(file)
+
+
+def files_digest() -> str:
+    """Sixteen characters that follow every byte of the model's modules."""
+    digest = hashlib.sha256()
+    for file in sorted(_MODEL.rglob("*.py")):
+        digest.update(_path(file) + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
+    return digest.hexdigest()[:_DIGITS]
+
+
+def syntax_digest(files: list[Path], before: str = "") -> str:
+    """Sixteen characters that follow the syntax trees of modules without their docstrings."""
+    digest = hashlib.sha256(before.encode())
+    for file in files:
+        tree = ast.parse(file.read_bytes())
+        digest.update(_path(file) + b"\0" + _text(tree).encode() + b"\0")
+    return digest.hexdigest()[:_DIGITS]
+
+
+def _path(file: Path) -> bytes:
+    """What a module is called wherever the package lies."""
+    inside = file.is_relative_to(_MODEL)
+    return (file.relative_to(_MODEL).as_posix() if inside else f"../{file.name}").encode()
+
+
+def _text(node: object) -> str:
+    """A syntax tree as text, the same in every version of Python: `ast.dump` shows fields that are
+    empty in some."""
+    if isinstance(node, ast.AST):
+        fields = []
+        for name, value in ast.iter_fields(node):
+            if name == "body" and isinstance(node, _DOCUMENTED) and ast.get_docstring(node, False):
+                value = value[1:]
+            if value is not None and value != []:
+                fields.append(f"{name}={_text(value)}")
+        return f"{type(node).__name__}({','.join(fields)})"
+    if isinstance(node, list):
+        return f"[{','.join(map(_text, node))}]"
+    return repr(node)
+
+
+_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+def imported(start: Path, package: str) -> list[Path]:
+    """A module of `package`, and the modules of the model that importing it leads to, sorted."""
+    found = {start}
+    left = [(start, package)]
+    while left:
+        file, package = left.pop()
+        for name in _imports(file, package):
+            for module in _modules(name):
+                if module not in found:
+                    found.add(module)
+                    inside = module.parent.relative_to(_MODEL).parts
+                    left.append((module, ".".join((_NAME, *inside))))
+    return sorted(found, key=_path)
+
+
+def _imports(file: Path, package: str) -> Iterator[str]:
+    """Full names of what a module imports, in functions too; of types for checkers alone not."""
+    nodes: list[ast.AST] = [ast.parse(file.read_bytes())]
+    while nodes:
+        node = nodes.pop()
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            nodes += node.orelse
+            continue
+        nodes += ast.iter_child_nodes(node)
+        if isinstance(node, ast.ImportFrom):
+            relative = "." * node.level + (node.module or "")
+            name = resolve_name(relative, package) if node.level else relative
+            yield name
+            yield from (f"{name}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+
+
+def _modules(name: str) -> Iterator[Path]:
+    """The model's files that importing a name runs: of packages on the way, and its own."""
+    if name != _NAME and not name.startswith(f"{_NAME}."):
+        return
+    place = _MODEL
+    parts = name.removeprefix(_NAME).split(".")[1:]
+    for part in parts:
+        if (place / "__init__.py").is_file():
+            yield place / "__init__.py"
+        place /= part
+    for file in (place / "__init__.py", place.with_suffix(".py")):
+        if file.is_file() and file not in _NO_KERNELS:
+            yield file

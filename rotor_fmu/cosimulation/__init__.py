@@ -1,0 +1,1 @@
+"""FMUs coupled with the rotor's: a partner built from its source, and a master that runs both."""

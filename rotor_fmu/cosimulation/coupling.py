@@ -1,0 +1,183 @@
+"""Another FMU, the partner, coupled with the rotor's: its source says what the two exchange."""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files import unfinished
+from ..fmi.variables import Variable
+from ..model.spelling import Message
+from .master import Connection, Side, march
+from .member import Member
+from .partner import build_partner, example_folder, listed_variables
+
+PARTNER, ROTOR = "partner", "rotor"
+
+
+@dataclass(frozen=True)
+class CoupledRun:
+    """A coupled run at its communication points.
+
+    Attributes
+    ----------
+        t: Communication points [s], shape (n,).
+        partner: Recorded variables of the partner by name, shape (n,) each.
+        rotor: Recorded variables of the rotor by name, shape (n,) each.
+    """
+
+    t: np.ndarray
+    partner: Mapping[str, np.ndarray]
+    rotor: Mapping[str, np.ndarray]
+
+    def save(self, path: Path) -> None:
+        """Write the run to a .npz file, whole or not at all."""
+        columns: dict[str, Any] = {
+            f"{side} {name}": column
+            for side, recorded in ((PARTNER, self.partner), (ROTOR, self.rotor))
+            for name, column in recorded.items()
+        }
+        with unfinished(path) as part:
+            np.savez_compressed(part, t=self.t, **columns)
+
+    @classmethod
+    def load(cls, path: Path) -> CoupledRun:
+        """Read a run that `save` wrote."""
+        sides: dict[str, dict[str, np.ndarray]] = {PARTNER: {}, ROTOR: {}}
+        with np.load(path) as data:
+            for key in data.files:
+                side, _, name = key.partition(" ")
+                if name:
+                    sides[side][name] = data[key]
+            return cls(data["t"], sides[PARTNER], sides[ROTOR])
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """A partner's FMU and its connections with the rotor's.
+
+    The source is a Python script with a slave of `rotor_fmu.cosimulation.slave`, its table
+    `VARIABLES`, and two lists of pairs (output, input), each named `partner.NAME` or `rotor.NAME`:
+    `CONNECTIONS` holds at every communication point, `INITIAL` is carried out in turn while both
+    FMUs are in the initialization mode.
+    """
+
+    source: Path
+
+    @cached_property
+    def _declared(self) -> dict[str, Any]:
+        return runpy.run_path(str(self.source))
+
+    @property
+    def fmu_name(self) -> str:
+        """File name of the partner's FMU: that of its source in camel case."""
+        return "".join(word.title() for word in self.source.stem.split("_")) + ".fmu"
+
+    @property
+    def variables(self) -> tuple[Variable, ...]:
+        """Variables of the partner, in the order of their value references."""
+        return listed_variables(self._declared["VARIABLES"])
+
+    def build(self, out: Path) -> Path:
+        """Build the partner's FMU in the folder `out` and return its path; equal sources give equal
+        bytes. Raises `OSError` if `out` cannot be written."""
+        return build_partner(self.source, self.variables, out / self.fmu_name)
+
+    @contextmanager
+    def open(
+        self,
+        partner_fmu: Path,
+        rotor_fmu: Path,
+        partner_parameters: Mapping[str, float],
+        rotor_parameters: Mapping[str, float],
+        of_partner: Sequence[str],
+        of_rotor: Sequence[str],
+    ) -> Iterator[tuple[Side, Side]]:
+        """Both FMUs in the initialization mode with their initial values exchanged.
+
+        Args:
+            partner_fmu: File of the partner's FMU, or the folder it was extracted into.
+            rotor_fmu: The same of the rotor's.
+            partner_parameters: Values by name, set before the initialization.
+            rotor_parameters: The same of the rotor.
+            of_partner: Variables to record beside those that are exchanged.
+            of_rotor: The same of the rotor.
+
+        Yields
+        ------
+            The partner and the rotor, as `cosimulation.master` takes them.
+
+        Raises
+        ------
+            RunFailed: A call of one of the FMUs failed.
+        """
+        messages: list[Message] = []
+        with (
+            Member(partner_fmu, partner_parameters, messages) as partner,
+            Member(rotor_fmu, rotor_parameters, messages) as rotor,
+        ):
+            members = {PARTNER: partner, ROTOR: rotor}
+            for output, variable in self._declared["INITIAL"]:
+                from_side, _, given = output.partition(".")
+                to_side, _, taken = variable.partition(".")
+                receiver = members[to_side]
+                receiver.set(receiver.references(taken), [members[from_side].read(given)])
+            yield (
+                Side(partner, self._connections(PARTNER), of_partner),
+                Side(rotor, self._connections(ROTOR), of_rotor),
+            )
+
+    def run(
+        self,
+        partner_fmu: Path,
+        rotor_fmu: Path,
+        stop: float,
+        step: float,
+        partner_parameters: Mapping[str, float],
+        rotor_parameters: Mapping[str, float],
+        of_partner: Sequence[str],
+        of_rotor: Sequence[str],
+        progress: Callable[[float], None] = lambda t: None,
+    ) -> CoupledRun:
+        """Run both FMUs with a Jacobi master and return what was recorded.
+
+        Args:
+            partner_fmu: See `open`, as all that is not named here.
+            rotor_fmu: See `open`.
+            stop: End of the run [s].
+            step: Communication step [s].
+            partner_parameters: See `open`.
+            rotor_parameters: See `open`.
+            of_partner: See `open`.
+            of_rotor: See `open`.
+            progress: Called with the time at each communication point; what it raises ends the run.
+
+        Raises
+        ------
+            RunFailed: A call of one of the FMUs failed.
+        """
+        with self.open(
+            partner_fmu, rotor_fmu, partner_parameters, rotor_parameters, of_partner, of_rotor
+        ) as sides:
+            return CoupledRun(*march(*sides, stop, step, progress))
+
+    def _connections(self, side: str) -> tuple[Connection, ...]:
+        """Outputs of one side, each with the input of the other that gets it."""
+        start = f"{side}."
+        return tuple(
+            (output.removeprefix(start), variable.partition(".")[2])
+            for output, variable in self._declared["CONNECTIONS"]
+            if output.startswith(start)
+        )
+
+
+def example_coupling(name: str) -> Coupling:
+    """The coupling of an installed example: the source with the example's name in its folder."""
+    return Coupling(example_folder(name) / f"{name}.py")

@@ -1,0 +1,92 @@
+"""A Jacobi master in its plainest form: at each communication point either of two FMUs gets the
+other's last outputs, then both step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from .member import Member
+
+# (output of the one FMU, input of the other that gets its value)
+Connection = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of the two FMUs: what it gives to the other, and what is recorded of it besides."""
+
+    member: Member
+    connections: Sequence[Connection]
+    recorded: Sequence[str]
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of all that is read of it at a communication point."""
+        return (*(output for output, _ in self.connections), *self.recorded)
+
+
+class Point(NamedTuple):
+    """A communication point [s], and what was read of either FMU there, in the order of its
+    `outputs`."""
+
+    t: float
+    one: list[float]
+    other: list[float]
+
+
+def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
+    """Take two initialized FMUs to `stop` [s] with the communication step `step` [s], point by
+    point; both leave the initialization mode at the first. Raises `RunFailed`."""
+    sides = (one, other)
+    read = [side.member.references(*side.outputs) for side in sides]
+    inputs = [
+        receiver.member.references(*(name for _, name in sender.connections))
+        for sender, receiver in ((one, other), (other, one))
+    ]
+
+    def outputs(t: float) -> Point:
+        return Point(t, one.member.get(read[0]), other.member.get(read[1]))
+
+    for side in sides:
+        side.member.begin()
+    point = outputs(0.0)
+    yield point
+    for n in range(round(stop / step)):
+        other.member.set(inputs[0], point.one[: len(one.connections)])
+        one.member.set(inputs[1], point.other[: len(other.connections)])
+        for side in sides:
+            side.member.step(n * step, step)
+        point = outputs((n + 1) * step)
+        yield point
+
+
+def march(
+    one: Side, other: Side, stop: float, step: float, progress: Callable[[float], None]
+) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Take two initialized FMUs to `stop` [s] with the communication step `step` [s].
+
+    Returns the communication points, shape (n,) [s], and what was read of either, by name, shape
+    (n,). Both leave the initialization mode here. `progress` gets the time at each communication
+    point; what it raises ends the run. Raises `RunFailed`.
+    """
+    seen = []
+    for point in points(one, other, stop, step):
+        seen.append(point)
+        progress(point.t)
+    return columns(seen, one, other)
+
+
+def columns(
+    seen: Sequence[Point], one: Side, other: Side
+) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
+    """Communication points as times, shape (n,) [s], and as what was read of either FMU, by name,
+    shape (n,)."""
+    recorded = [
+        dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
+        for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))
+    ]
+    return np.array([point.t for point in seen]), recorded[0], recorded[1]

@@ -1,0 +1,95 @@
+"""One FMU of a coupled system, as a master of ours drives it through FMPy."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import fmpy
+
+from ..errors import RunFailed
+from ..fmi.log import read_message
+from ..model.spelling import Message
+
+
+class Member:
+    """One FMU of a coupled system, extracted and instantiated; a context that tidies up.
+
+    fmu: its file, or the folder it was extracted into, which stays: every new place from which its
+    library is loaded costs a process half a megabyte for good.
+    parameters: values by name; messages: of all FMUs together, since FMPy hands those of every FMU
+    to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
+    """
+
+    def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[Message]) -> None:
+        self.messages = messages
+        self._name = fmu.name
+        self._is_extracted = fmu.is_dir()
+        self._folder = str(fmu) if self._is_extracted else fmpy.extract(str(fmu))
+        description = fmpy.read_model_description(self._folder)
+        self._variables = {v.name: v for v in description.modelVariables}
+        search_path = list(sys.path)
+        self._fmu = fmpy.instantiate_fmu(
+            self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
+        )
+        # where the FMU's scripts have just been found: a process that is made later would take
+        # the FMU's copy of pythonfmu for the one installed
+        sys.path[:] = search_path
+        self._parameters = parameters
+
+    def __enter__(self) -> Member:
+        self._call(self._fmu.setupExperiment, startTime=0.0)
+        for name, value in self._parameters.items():
+            kind = self._variables[name].type
+            setter = getattr(self._fmu, f"set{kind}")
+            self._call(setter, self.references(name), [int(value) if kind != "Real" else value])
+        self._call(self._fmu.enterInitializationMode)
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        self._fmu.freeInstance()
+        if not self._is_extracted:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+    def references(self, *names: str) -> list[int]:
+        """Value references of variables."""
+        return [self._variables[name].valueReference for name in names]
+
+    def begin(self) -> None:
+        """Leave the initialization mode."""
+        self._call(self._fmu.exitInitializationMode)
+
+    def get(self, references: list[int]) -> list[float]:
+        """Values of Reals."""
+        return self._call(self._fmu.getReal, references)
+
+    def read(self, name: str) -> float:
+        """Value of a variable, whatever its type."""
+        getter = getattr(self._fmu, f"get{self._variables[name].type}")
+        return float(self._call(getter, self.references(name))[0])
+
+    def set(self, references: list[int], values: list[float]) -> None:
+        """Set Reals."""
+        self._call(self._fmu.setReal, references, values)
+
+    def slopes(self, references: list[int], values: list[float]) -> None:
+        """Set the first derivatives of inputs for the next step."""
+        self._call(self._fmu.setRealInputDerivatives, references, [1] * len(references), values)
+
+    def step(self, t: float, h: float) -> None:
+        """Step from t [s] over h [s]."""
+        self._call(self._fmu.doStep, t, h)
+
+    def _call(self, call: Callable[..., object], *arguments: object, **named: object) -> Any:
+        try:
+            return call(*arguments, **named)
+        except fmpy.fmi1.FMICallException as error:
+            reason = self.messages[-1] if self.messages else str(error)
+            raise RunFailed(f"{self._name}: {reason}") from error
+
+    def _log(self, environment: object, name: bytes, status: int, category: bytes, text: bytes):
+        if status != fmpy.fmi2.fmi2OK:
+            self.messages.append(read_message(text))

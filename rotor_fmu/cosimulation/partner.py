@@ -1,0 +1,58 @@
+"""FMUs that the rotor is coupled with: each made from one script, which lists its variables."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Sequence
+from hashlib import sha256
+from importlib.resources import files
+from pathlib import Path
+
+from ..about import RELEASED
+from ..fmi.description import complete
+from ..fmi.packing.archive import repack, wrap
+from ..fmi.python import wrapper
+from ..fmi.variables import Variable
+from . import slave
+
+
+def example_folder(name: str = "") -> Path:
+    """Folder of an installed example; without a name that of all examples."""
+    return Path(str(files("rotor_fmu.examples") / name))
+
+
+def lay_out(folder: Path, out: Path) -> None:
+    """Copy into the folder `out` what other masters need to run the system of an example's folder:
+    its system files and the scripts that run them."""
+    systems = [
+        file for file in folder.iterdir() if file.suffix in (".xml", ".ssd", ".json", ".toml")
+    ]
+    for file in (*systems, *folder.glob("with_*.py"), *example_folder().glob("with_*.py")):
+        shutil.copyfile(file, out / file.name)
+
+
+def listed_variables(table: Sequence[slave.Listed]) -> tuple[Variable, ...]:
+    """Variables of a partner's FMU from its table `VARIABLES`."""
+    return tuple(
+        Variable(name, "Real", causality, text, unit, start, low=low)
+        for name, causality, unit, start, low, text in table
+    )
+
+
+def build_partner(source: Path, table: tuple[Variable, ...], target: Path) -> Path:
+    """Build the FMU `target` of a partner's source and return its path; equal sources give equal
+    bytes. Raises `OSError` if its folder cannot be written.
+    """
+    text = source.read_text(encoding="utf-8")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as scratch:
+        folder = Path(scratch)
+        # named after its content, so that two versions can live in one process
+        script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
+        script.write_text(text, encoding="utf-8")
+        beside = {"rotor_fmu_wrapper.py": wrapper, "rotor_fmu_slave.py": slave}
+        for name, module in beside.items():
+            shutil.copyfile(str(module.__file__), folder / name)
+        wrap(script, [folder / name for name in beside], folder / "raw.fmu")
+        return repack(folder / "raw.fmu", target, lambda root: complete(root, table, RELEASED))

@@ -1,0 +1,144 @@
+"""What partners' FMUs share: a slave whose variables are all Real and stand in one table.
+
+It lies beside the partner's script in its FMU. Standard library and pythonfmu only.
+"""
+
+import functools
+import math
+import uuid
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
+
+from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability
+from pythonfmu import Real as FmiReal
+
+try:
+    from rotor_fmu_wrapper import hold, settle_exit  # beside this file in the FMU
+except ImportError:
+    from rotor_fmu.fmi.python.wrapper import hold, settle_exit  # in the source tree
+
+# name, causality, unit, start, lowest value allowed, what it is
+Listed = tuple[str, str, str, float | None, float | None, str]
+BEGUN: Listed = ("begun", "local", "1", None, None, "1 once the initialization has ended")
+
+
+class Refused(ValueError):
+    """An input, a parameter or a call that cannot be; names it and says what is allowed."""
+
+    def __repr__(self) -> str:
+        """The sentence alone, which pythonfmu's wrapper logs."""
+        return str(self)
+
+
+def told(call: Callable[..., Any]) -> Callable[..., Any]:
+    """A call from the host, of which a refusal leaves the slave alive: the wrapper drops its
+    references to it on any exception."""
+
+    @functools.wraps(call)
+    def guarded(self: Fmi2Slave, *arguments: object) -> Any:
+        try:
+            return call(self, *arguments)
+        except Refused:
+            self.log_queue.clear()
+            hold(self, self.log_queue, type(self))
+            raise
+
+    return guarded
+
+
+class TableSlave(Fmi2Slave):
+    """A slave whose variables are the attributes that its table `VARIABLES` lists, `BEGUN` among
+    them. A wrong call or value is a `Refused`, changes nothing and ends nothing."""
+
+    VARIABLES: ClassVar[tuple[Listed, ...]]
+    begun: float
+    author = "The rotor-fmu authors"
+    license = "MIT"
+
+    def __init__(self, **kwargs: object) -> None:
+        super().__init__(**kwargs)
+        settle_exit(self.resources)
+        # in the FMU it follows the content
+        self.guid = uuid.uuid5(uuid.NAMESPACE_URL, type(self).__module__)
+        for name, causality, _, start, _, text in self.VARIABLES:
+            setattr(self, name, start or 0.0)
+            is_parameter = causality == "parameter"
+            initial = {"parameter": Fmi2Initial.exact, "input": None}
+            variable = FmiReal(
+                name,
+                causality=Fmi2Causality[causality],
+                variability=Fmi2Variability.fixed if is_parameter else Fmi2Variability.continuous,
+                initial=initial.get(causality, Fmi2Initial.calculated),
+                description=text,
+            )
+            self.register_variable(variable)
+
+    # --- values ---
+
+    @told
+    def get_real(self, references: Sequence[int]) -> list[float]:
+        """Values of Reals."""
+        return [getattr(self, self._entry("getReal", reference)[0]) for reference in references]
+
+    @told
+    def set_real(self, references: Sequence[int], values: Sequence[float]) -> None:
+        """Set Reals, all or none: inputs at any time, parameters before the initialization ends."""
+        entries = [self._entry("setReal", reference) for reference in references]
+        for name, causality, *_ in entries:
+            if causality not in ("input", "parameter"):
+                raise Refused(f"{name}: is computed and cannot be set")
+            if causality == "parameter" and self.begun:
+                raise Refused(f"{name}: is fixed once the initialization has ended")
+        for (name, *_), value in zip(entries, values, strict=True):
+            setattr(self, name, value)
+
+    @told
+    def _no_such(self, references: Sequence[int], *values: object) -> list[Any]:
+        if references:
+            raise Refused(f"value reference {references[0]}: all variables are Real")
+        return []
+
+    get_integer = get_boolean = get_string = _no_such
+    set_integer = set_boolean = set_string = _no_such
+
+    def _entry(self, call: str, reference: int) -> Listed:
+        if not 0 <= reference < len(self.VARIABLES):
+            raise Refused(
+                f"{call}: value reference {reference}: must be from 0 to {len(self.VARIABLES) - 1}"
+            )
+        return self.VARIABLES[reference]
+
+    # --- steps ---
+
+    @told
+    def exit_initialization_mode(self) -> None:
+        """Check what was set, and begin."""
+        self._check(("input", "parameter"))
+        self.begun = 1.0
+        self.begin()
+
+    @told
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Check the inputs and step from `current_time` over `step_size` [s]."""
+        self._check(("input",))
+        if not (step_size > 0 and math.isfinite(step_size)):
+            raise Refused(f"doStep over {step_size:g} s: the step must be > 0")
+        self.step(current_time, step_size)
+        return True
+
+    @abstractmethod
+    def begin(self) -> None:
+        """What a slave does where its initialization ends."""
+
+    @abstractmethod
+    def step(self, t: float, h: float) -> None:
+        """What a slave does in a step from t over h [s]."""
+
+    def _check(self, causalities: tuple[str, ...]) -> None:
+        for name, causality, unit, _, low, _ in self.VARIABLES:
+            value = getattr(self, name)
+            if causality in causalities and not math.isfinite(value):
+                raise Refused(f"{name} = {value} {unit}: must be a finite number")
+            if causality in causalities and low is not None and value < low:
+                raise Refused(f"{name} = {value:g} {unit}: must be >= {low:g}")

@@ -1,1 +1,0 @@
-"""FMUs coupled with the rotor's: building a partner from its source, and driving one."""

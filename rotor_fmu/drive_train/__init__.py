@@ -1,1 +1,0 @@
-"""`rotor-fmu drive-train`: a motor, its FMU, and both FMUs coupled."""

@@ -1,0 +1,96 @@
+"""A partner of the user's own, coupled with the rotor by what its source says."""
+
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from rotor_fmu.cosimulation.coupling import Coupling
+from rotor_fmu.cosimulation.partner import example_folder
+from rotor_fmu.errors import RunFailed
+
+SOURCE = """
+from pythonfmu import DefaultExperiment
+try:
+    from rotor_fmu_slave import BEGUN, TableSlave, hold
+except ImportError:
+    from rotor_fmu.cosimulation.slave import BEGUN, TableSlave, hold
+hold(globals())
+VARIABLES = (
+    ("tau", "input", "N.m", 0.0, None, "torque on the rotor"),
+    ("w_start", "parameter", "rad/s", 100.0, 0.0, "speed at the start"),
+    ("rate", "parameter", "rad/s2", 50.0, None, "rate of the speed"),
+    ("w", "output", "rad/s", None, None, "speed"),
+    ("work", "output", "J", None, None, "work"),
+    BEGUN,
+)
+CONNECTIONS = (("partner.w", "rotor.speed"), ("rotor.tau", "partner.tau"))
+INITIAL = (("partner.w_start", "rotor.speed"), ("rotor.tau", "partner.tau"))
+class SteadyMotor(TableSlave):
+    VARIABLES = VARIABLES
+    description = "A motor whose speed rises at a rate"
+    default_experiment = DefaultExperiment(start_time=0.0, stop_time=1.0, step_size=0.001)
+    def begin(self):
+        self.w = self.w_start
+    def step(self, t, h):
+        self.work += self.tau * self.w * h
+        self.w += self.rate * h
+"""
+
+
+@pytest.fixture(scope="module")
+def coupling(tmp_path_factory):
+    source = tmp_path_factory.mktemp("partner") / "steady_motor.py"
+    source.write_text(SOURCE)
+    return Coupling(source)
+
+
+def coupled(coupling, fmu, folder, **parameters):
+    partner = coupling.build(folder)
+    assert partner.name == "SteadyMotor.fmu"
+    recorded = ["work"], ["w", "energy.drive_work"]
+    return coupling.run(partner, fmu, 0.2, 1e-3, parameters, {}, *recorded)
+
+
+def test_each_fmu_gets_what_the_other_gave_at_the_last_communication_point(coupling, fmu, tmp_path):
+    run = coupled(coupling, fmu, tmp_path, rate=20.0)
+    np.testing.assert_allclose(run.t, np.arange(201) * 1e-3)
+    np.testing.assert_allclose(run.partner["w"], 100.0 + 20.0 * run.t)
+    # the rotor continues the speed linearly from the last two values, the first being held
+    np.testing.assert_allclose(run.rotor["w"][2:], run.partner["w"][1:-1] + 0.02)
+    paid = np.cumsum(run.rotor["tau"][:-1] * run.partner["w"][:-1]) * 1e-3
+    np.testing.assert_allclose(run.partner["work"][1:], paid)
+    # that the rotor took, but for the torque that is held over a step
+    taken = run.rotor["energy.drive_work"][-1]
+    assert paid[-1] == pytest.approx(taken, rel=0.05)
+
+
+def test_the_initial_values_are_exchanged_before_the_first_step(coupling, fmu, tmp_path):
+    run = coupled(coupling, fmu, tmp_path, w_start=150.0, rate=0.0)
+    assert run.rotor["w"][0] == 150.0
+    assert run.rotor["w"][-1] == 150.0
+
+
+def test_what_the_partner_refuses_ends_the_run_with_its_sentence(coupling, fmu, tmp_path):
+    with pytest.raises(RunFailed, match="w_start = -1 rad/s: must be >= 0"):
+        coupled(coupling, fmu, tmp_path, w_start=-1.0)
+
+
+@pytest.mark.parametrize(
+    ("example", "script"),
+    [("drive_train", "run_up.py"), ("magnetic_bearing", "lift_and_drop.py")],
+)
+def test_the_script_of_a_copied_example_runs_from_anywhere(tmp_path, example, script):
+    """As `rotor-fmu example NAME --out DIR` copies it."""
+    shutil.copytree(example_folder(example), tmp_path / example)
+    done = subprocess.run(
+        [sys.executable, tmp_path / example / script, "--help"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "--step" in done.stdout

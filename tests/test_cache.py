@@ -1,0 +1,158 @@
+"""Code that numba compiled is cached for the next process, and whatever is wrong with the folder
+costs time and never a result.
+
+A small kernel is compiled in processes of their own, so that each begins with nothing in memory.
+"""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.kernels.cache import check_private, private_folder
+
+import rotor_fmu
+
+KERNEL = """
+import sys
+from rotor_fmu.model.kernels import dispatching
+from rotor_fmu.model.kernels.compiled import compiled, has_to_compile
+
+@compiled
+def square(x):
+    return x * x
+
+@compiled
+def cube(x):
+    return x * square(x)
+
+def show():
+    has_to = has_to_compile(cube)
+    print(cube(2.0), "compiled" if cube.stats.cache_misses else "cached", has_to)
+"""
+COMPILED, CACHED = "8.0 compiled True", "8.0 cached False"
+
+
+class Kernel:
+    """A small kernel in a file, its cache, and processes that call it."""
+
+    def __init__(self, folder):
+        self.file = folder / "kernel.py"
+        self.file.write_text(KERNEL)
+        self.cache = folder / "cache"
+
+    def run(self, script="show()", **environment):
+        """The output and the messages of a process that ends well."""
+        source = str(Path(rotor_fmu.__file__).parents[1])
+        inherited = {k: v for k, v in os.environ.items() if k != "XDG_CACHE_HOME"}
+        path = os.pathsep.join([str(self.file.parent), source])
+        variables = {"ROTOR_FMU_CACHE": str(self.cache), "PYTHONPATH": path, **environment}
+        variables = {k: v for k, v in (inherited | variables).items() if v is not None}
+        done = subprocess.run(
+            [sys.executable, "-c", f"from kernel import *\n{script}"],
+            env=variables,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip(), done.stderr.strip()
+
+
+@pytest.fixture
+def kernel(tmp_path):
+    return Kernel(tmp_path)
+
+
+def test_what_one_process_compiles_the_next_finds_until_a_kernel_changes(kernel):
+    assert kernel.run() == (COMPILED, "")
+    assert kernel.run() == (CACHED, "")
+    # as after a change of any kernel, of those in other files too
+    other = "dispatching.kernels_digest = lambda: 'f' * 16\nshow()"
+    assert kernel.run(other) == (COMPILED, "")
+    assert len(list((kernel.cache / "numba").iterdir())) == 2
+
+
+def test_the_cache_of_the_users_own_numba_functions_stays_where_it_is(kernel, tmp_path):
+    script = "import numba\nshow()\nprint(numba.config.CACHE_DIR)"
+    out, _ = kernel.run(script, NUMBA_CACHE_DIR=str(tmp_path / "own"))
+    assert out.splitlines() == [COMPILED, str(tmp_path / "own")]
+    assert not (tmp_path / "own").exists()
+
+
+NO_PASSWD = """
+import pwd
+def nobody(number):
+    raise KeyError(number)
+pwd.getpwuid = nobody
+show()
+"""
+
+
+def test_a_user_without_a_home_reads_one_sentence_for_the_libraries_and_one_for_the_code(kernel):
+    out, said = kernel.run(NO_PASSWD, HOME=None, ROTOR_FMU_CACHE=None)
+    assert out == COMPILED
+    assert "compiled code is not cached for the next process: this user has no home folder" in said
+    assert not (kernel.file.parent / "~").exists()
+
+
+@pytest.mark.parametrize("where", ["HOME", "XDG_CACHE_HOME", "ROTOR_FMU_CACHE"])
+def test_a_folder_that_may_not_be_entered_is_done_without(kernel, tmp_path, where):
+    locked = tmp_path / "locked"
+    locked.write_text("no folder: what even root cannot enter")
+    out, said = kernel.run(**{"ROTOR_FMU_CACHE": None, where: str(locked)})
+    assert out == COMPILED
+    assert "compiled code is not cached for the next process: " in said
+    assert str(locked) in said
+
+
+def test_the_folder_is_made_for_its_user_alone(kernel):
+    kernel.run()
+    folders = (kernel.cache, kernel.cache / "numba", *(kernel.cache / "numba").iterdir())
+    for folder in folders:
+        assert folder.stat().st_mode & 0o777 == 0o700
+
+
+def test_code_in_a_folder_that_others_can_write_is_not_run(kernel):
+    assert kernel.run() == (COMPILED, "")
+    folder = kernel.cache / "numba"
+    folder.chmod(0o777)
+    out, said = kernel.run()
+    assert out == COMPILED
+    assert f"{folder} can be written by other users (mode 777)" in said
+
+
+def test_another_users_folder_is_refused(tmp_path, monkeypatch):
+    folder = private_folder(tmp_path / "folder")
+    check_private(folder)
+    if os.geteuid() == 0:  # root's files are anybody's to trust
+        os.chown(folder, 4711, -1)
+    else:
+        monkeypatch.setattr(os, "geteuid", lambda: 4711)
+    with pytest.raises(PermissionError, match="folder belongs to another user"):
+        private_folder(folder)
+
+
+def test_a_link_to_a_folder_is_refused(tmp_path):
+    (tmp_path / "link").symlink_to(private_folder(tmp_path / "folder"))
+    with pytest.raises(PermissionError, match="link is not a folder"):
+        private_folder(tmp_path / "link")
+
+
+def test_a_kernel_that_was_typed_in_runs_uncached(kernel):
+    typed = (
+        "scope = {}\nexec('def add(x):\\n    return x + 1.0', scope)\nadd = compiled(scope['add'])"
+    )
+    assert kernel.run(f"{typed}\nprint(add(1.0))") == ("2.0", "")
+
+
+def test_threads_of_one_process_compile_for_each_other(kernel):
+    out, said = kernel.run(
+        """
+from concurrent.futures import ThreadPoolExecutor
+with ThreadPoolExecutor(4) as pool:
+    print(*pool.map(cube, [1.0, 2.0, 3.0, 4.0]))
+"""
+    )
+    assert (out, said) == ("1.0 8.0 27.0 64.0", "")

@@ -1,0 +1,133 @@
+"""What a library is found by follows what the kernels do, not how they are written."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rotor_fmu
+
+from .checkout import ROOT
+
+DIGESTS = """
+import sys
+from rotor_fmu.model.kernels import digest
+from rotor_fmu.library import build
+print(digest.kernels_digest(), build._emitted(), build.core_digest())
+"""
+SIMULATION = ("model", "simulation.py")  # runs the kernels, and is none
+
+
+@pytest.fixture
+def tree(tmp_path):
+    """A copy of the sources, laid out as a wheel is, without any library."""
+    package = tmp_path / "rotor_fmu"
+    shutil.copytree(ROOT / "rotor_fmu", package, ignore=shutil.ignore_patterns("__pycache__"))
+    ignored = shutil.ignore_patterns("__pycache__", "library")
+    shutil.copytree(ROOT / "model", package / "model", ignore=ignored)
+    return package
+
+
+def digests(tree):
+    done = subprocess.run(
+        [sys.executable, "-c", DIGESTS],
+        cwd=tree.parent,
+        env={"PYTHONPATH": str(tree.parent), "PATH": "", "ROTOR_FMU_CACHE": str(tree / "none")},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return done.stdout.split()
+
+
+def edit(tree, name, old, new):
+    file = tree.joinpath(*name)
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+
+
+KERNEL = ("model", "kernels", "functions.py")
+DOCSTRING = '"""|z| of a complex number'
+ENTRY = ("library", "entry_points.py")
+
+
+def test_comments_docstrings_and_layout_change_nothing(tree):
+    before = digests(tree)
+    edit(tree, KERNEL, DOCSTRING, '"""The length of a complex number')
+    edit(tree, KERNEL, "_SPLIT = 134217729.0", "# a comment\n\n_SPLIT = (\n    134217729.0\n)")
+    edit(tree, ENTRY, '    """`entries.survey`."""', '    """Another text."""  # and a comment')
+    assert digests(tree) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "changed"),
+    [
+        (KERNEL, "_SPLIT = 134217729.0", "_SPLIT = 134217730.0", "KEC"),
+        (
+            ("model", "contact", "wall.py"),
+            "/ (part.exponent + 1.0)",
+            "/ (part.exponent + 2.0)",
+            "KEC",
+        ),
+        (ENTRY, "return say.GOOD", "return say.GOOD + 0", "EC"),
+        (("fmi", "c", "run.c"), "/*", "/* of C a comment counts: ", "C"),
+        (SIMULATION, "import math", "import math\nOTHER = 1.0", ""),
+    ],
+)
+def test_what_changes_a_library_changes_its_digest_and_nothing_else_does(
+    tree, name, old, new, changed
+):
+    """K: the kernels of a run; E: the functions that are emitted; C: the library."""
+    before = digests(tree)
+    edit(tree, name, old, new)
+    after = digests(tree)
+    seen = "".join(d for d, a, b in zip("KEC", before, after, strict=True) if a != b)
+    assert seen == changed
+
+
+def test_kernels_are_found_by_what_the_entries_import(tree):
+    """A law in a module of its own counts as soon as a part imports it."""
+    before = digests(tree)
+    (tree / "model" / "contact" / "another.py").write_text("GAIN = 1.0\n")
+    assert digests(tree) == before
+    edit(
+        tree, ("model", "contact", "wall.py"), "import math", "import math\n\nfrom . import another"
+    )
+    after = digests(tree)
+    assert after[0] != before[0]
+    (tree / "model" / "contact" / "another.py").write_text("GAIN = 2.0\n")
+    assert digests(tree)[0] != after[0]
+
+
+RECORDED = """
+from pathlib import Path
+from rotor_fmu.model.kernels import digest
+digest.CARRIED.mkdir(exist_ok=True)
+digest.record(digest.CARRIED)
+"""
+
+
+def test_a_record_spares_parsing_and_counts_for_the_very_same_files_alone(tree):
+    command = [sys.executable, "-c", RECORDED]
+    subprocess.run(command, cwd=tree.parent, env={"PYTHONPATH": str(tree.parent)}, check=True)
+    record = tree / "model" / "library" / "kernels.digest"
+    of_files, of_kernels = record.read_text().split()
+    assert digests(tree)[0] == of_kernels
+    record.write_text(f"{of_files} {16 * 'a'}\n")
+    assert digests(tree)[0] == 16 * "a"
+    edit(tree, KERNEL, "_SPLIT = 134217729.0", "_SPLIT = 134217730.0")
+    assert digests(tree)[0] not in (of_kernels, 16 * "a")
+    record.write_text("damaged")
+    edit(tree, KERNEL, "_SPLIT = 134217730.0", "_SPLIT = 134217729.0")
+    assert digests(tree)[0] == of_kernels
+
+
+def test_the_checkout_has_the_digest_of_the_wheel(tree):
+    """Where the package lies changes nothing."""
+    assert Path(rotor_fmu.__file__).parents[1] == ROOT
+    from rotor_fmu.model.kernels.digest import kernels_digest
+
+    assert digests(tree)[0] == kernels_digest()

@@ -1,0 +1,99 @@
+"""How the solver library is emitted and linked."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rotor_fmu.model.kernels.library import find, here
+
+from rotor_fmu.library import build
+from rotor_fmu.library.build import PLATFORMS, CoreError, link, missing_extra, runs_on_old_linux
+from rotor_fmu.library.emit import check_size
+
+ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="cc links on Linux alone")
+OLD, NEW = b"\0GLIBC_2.2.5\0GLIBC_2.14\0", b"\0GLIBC_2.2.5\0GLIBC_2.38\0"
+
+
+@pytest.mark.parametrize("size", [3_000, 100_000_000])
+def test_ir_that_is_a_stub_or_was_never_optimised_is_refused(size):
+    with pytest.raises(RuntimeError, match=f"rotor_advance: {size} bytes of IR"):
+        check_size("rotor_advance", size)
+
+
+@pytest.mark.parametrize(
+    ("content", "is_old"),
+    [
+        (OLD, True),
+        (NEW, False),
+        (b"\0GLIBC_2.17\0", True),
+        (b"\0GLIBC_2.17.1\0", True),
+        (b"", False),
+    ],
+)
+def test_a_library_runs_where_its_versions_of_the_c_library_are(content, is_old):
+    assert runs_on_old_linux(content) == is_old
+
+
+@ON_LINUX
+def test_the_library_of_this_machine_runs_on_every_linux_that_it_is_for():
+    file = find(here())
+    if file is None:
+        pytest.skip("there is no library (rotor-fmu core --platform here)")
+    assert runs_on_old_linux(file.read_bytes())
+
+
+class Compilers:
+    """cc and zig, each of which leaves a library of a version of the C library, or fails."""
+
+    def __init__(self, monkeypatch, cc, has_zig=True):
+        self.called = []
+        self._cc = cc
+        monkeypatch.setattr(build, "_run", self.run)
+        monkeypatch.setattr(build, "_has_cc", lambda: cc is not None)
+        monkeypatch.setattr(build, "find_spec", lambda name: has_zig or name != "ziglang" or None)
+
+    def run(self, command):
+        with_zig = "ziglang" in command
+        self.called.append("zig" if with_zig else command[0])
+        content = OLD if with_zig else self._cc
+        target = command[command.index("-o") + 1]
+        if content:
+            Path(target).write_bytes(content)
+        status = 0 if content else 1
+        return subprocess.CompletedProcess(command, status, "", "error: no such thing")
+
+
+@ON_LINUX
+@pytest.mark.parametrize(
+    ("cc", "called"), [(OLD, ["cc"]), (NEW, ["cc", "zig"]), (b"", ["cc", "zig"]), (None, ["zig"])]
+)
+def test_cc_links_for_this_machine_and_zig_where_it_cannot(monkeypatch, tmp_path, cc, called):
+    compilers = Compilers(monkeypatch, cc)
+    link(PLATFORMS[here()], [], tmp_path / "library")
+    assert compilers.called == called
+    assert runs_on_old_linux((tmp_path / "library").read_bytes())
+    compilers.called.clear()
+    link(PLATFORMS["win64"], [], tmp_path / "library")
+    assert compilers.called == ["zig"]
+
+
+@ON_LINUX
+def test_without_zig_a_library_that_cc_cannot_link_says_what_to_install(monkeypatch, tmp_path):
+    Compilers(monkeypatch, NEW, has_zig=False)
+    with pytest.raises(CoreError, match=r"GLIBC 2\.17, and ziglang .*'rotor-fmu\[build\]'"):
+        link(PLATFORMS[here()], [], tmp_path / "library")
+
+
+@ON_LINUX
+def test_what_is_to_be_installed_is_what_a_platform_takes(monkeypatch):
+    mine = PLATFORMS[here()]
+    monkeypatch.setattr(build, "find", lambda *_: "a library")
+    assert missing_extra(mine) == ""
+    monkeypatch.setattr(build, "find", lambda *_: None)
+    monkeypatch.setattr(build, "find_spec", lambda name: None)
+    monkeypatch.setattr(build, "_has_cc", lambda: True)
+    assert missing_extra(mine) == "kernels"
+    assert missing_extra(PLATFORMS["win64"]) == "build"
+    monkeypatch.setattr(build, "_has_cc", lambda: False)
+    assert missing_extra(mine) == "build"

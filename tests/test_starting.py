@@ -1,0 +1,69 @@
+"""A process imports what it uses: a run no pictures, the help no numbers."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+LOADED = "import json, sys; print(json.dumps(sorted(sys.modules)))"
+RUN = """
+import rotor_fmu as rf
+rf.simulate(rf.load(), speed=185.0, stop=0.001)
+"""
+HELP = """
+import contextlib, io, sys
+sys.argv = ["rotor-fmu", "--help"]
+from rotor_fmu.cli import main
+with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(SystemExit):
+    main()
+assert "run-down" in text.getvalue()
+"""
+COMPLETION = """
+import contextlib, io, os, sys
+os.environ |= {
+    "_ROTOR_FMU_COMPLETE": "complete_bash", "COMP_WORDS": "rotor-fmu ru", "COMP_CWORD": "1"
+}
+sys.argv = ["rotor-fmu"]
+from rotor_fmu.cli import main
+with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(SystemExit):
+    main()
+assert "run-down" in text.getvalue(), text.getvalue()
+"""
+
+
+def run(script, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize(
+    ("script", "unused"),
+    [
+        (RUN, {"matplotlib", "scipy.interpolate", "scipy.optimize", "numba", "fmpy", "typer"}),
+        (HELP, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
+        (COMPLETION, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
+    ],
+)
+def test_a_process_imports_what_it_uses(script, unused):
+    loaded = set(json.loads(run(script + LOADED)))
+    assert not loaded & unused
+
+
+def test_the_command_takes_one_thread_for_linear_algebra_unless_it_is_told_another_number():
+    script = (
+        "import os, sys; sys.argv = ['rotor-fmu', '--version']\n"
+        "from rotor_fmu import cli; cli.run = lambda app: None; cli.main()\n"
+        "print('numpy' in sys.modules, os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    assert run(script, OPENBLAS_NUM_THREADS="3").split() == ["False", "3"]
+    bare = f"import os; os.environ.pop('OPENBLAS_NUM_THREADS', None)\n{script}"
+    assert run(bare).split() == ["False", "1"]
