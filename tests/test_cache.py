@@ -17,7 +17,7 @@ import rotor_fmu
 KERNEL = """
 import sys
 from rotor_fmu.model.kernels import dispatching
-from rotor_fmu.model.kernels.compiled import compiled, has_to_compile
+from rotor_fmu.model.kernels.jit import compiled, has_to_compile
 
 @compiled
 def square(x):

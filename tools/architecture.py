@@ -23,7 +23,7 @@ FLOW = (
     ("rotor_fmu.library.build", "library", "solver library", "kernels, fmi/c"),
     ("rotor_fmu.fmi.description", "complete", "modelDescription.xml", "variables"),
     ("rotor_fmu.model.structure.reduction", "assembled", "matrices", "parts"),
-    ("rotor_fmu.model.march.block", "new_block", "block of memory", "matrices, settings"),
+    ("rotor_fmu.model.time_loop.block", "new_block", "block of memory", "matrices, settings"),
     ("rotor_fmu.fmi.machine_table", "table_bytes", "machine.table", "block, variables"),
     ("rotor_fmu.fmi.packing.archive", "write_archive", "RotorBearing.fmu", "all of these"),
 )
@@ -31,29 +31,29 @@ FLOW = (
 
 def modules() -> dict[str, Path]:
     """Every module of the project by its name."""
-    found = {}
+    result = {}
     for name, folder in PLACES.items():
         for file in folder.rglob("*.py"):
             parts = file.relative_to(folder).with_suffix("").parts
-            found[".".join((name, *parts)).removesuffix(".__init__")] = file
-    return found
+            result[".".join((name, *parts)).removesuffix(".__init__")] = file
+    return result
 
 
 def imports(name: str, file: Path, known: dict[str, Path]) -> set[str]:
     """The modules of the project that a module imports; what is for type checkers alone too."""
     home = name if file.name == "__init__.py" else name.rpartition(".")[0]
-    found = set()
+    result = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            result |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             base = node.module or ""
             if node.level:
                 parts = home.split(".")
                 up = parts[: len(parts) + 1 - node.level]
                 base = ".".join([*up, base]).strip(".")
-            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
-    return {module for module in found if module in known and module != name}
+            result |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    return {module for module in result if module in known and module != name}
 
 
 def package(name: str) -> str:
@@ -120,7 +120,7 @@ _STYLE = (
 
 def picture() -> str:
     """The flow from machine file to FMU, and which package imports which, as SVG."""
-    found, known = arrows(), modules()
+    result, known = arrows(), modules()
     shown = [n for n in order() if known[n].name == "__init__.py" or n == COMMAND_LINE]
     shown.remove("rotor_fmu")
     shown.sort(key=lambda name: not name.startswith("rotor_fmu.model"))
@@ -150,7 +150,7 @@ def picture() -> str:
         lines += [
             f'<circle class="{_colour(below)}" cx="{_LEFT + _CELL * n + 9}" cy="{y + 9}" r="5"/>'
             for n, below in enumerate(shown)
-            if (name, below) in found
+            if (name, below) in result
         ]
         text = shorten(summary(name), _TEXT, placeholder=" ...")
         lines.append(
@@ -196,9 +196,9 @@ def _box(x: float, y: float, width: float, height: float, texts: tuple[str, ...]
 
 def main() -> None:
     """Print the packages from the ground up with what they import, and write the picture."""
-    found = arrows()
+    result = arrows()
     for name in order():
-        below = sorted(b.removeprefix("rotor_fmu.") for a, b in found if a == name)
+        below = sorted(b.removeprefix("rotor_fmu.") for a, b in result if a == name)
         print(f"{name.removeprefix('rotor_fmu.'):20s} {', '.join(below)}")
     PICTURE.write_text(picture(), encoding="utf-8")
     print(PICTURE)

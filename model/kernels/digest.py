@@ -122,17 +122,17 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 def imported(start: Path, package: str) -> list[Path]:
     """A module of `package`, and the modules of the model that importing it leads to, sorted."""
-    found = {start}
+    result = {start}
     left = [(start, package)]
     while left:
         file, package = left.pop()
         for name in _imports(file, package):
             for module in _modules(name):
-                if module not in found:
-                    found.add(module)
+                if module not in result:
+                    result.add(module)
                     inside = module.parent.relative_to(_MODEL).parts
                     left.append((module, ".".join((_NAME, *inside))))
-    return sorted(found, key=_path)
+    return sorted(result, key=_path)
 
 
 def _imports(file: Path, package: str) -> Iterator[str]:

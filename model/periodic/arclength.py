@@ -107,9 +107,9 @@ def _relaxed(
 def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     """The least solution, where a matrix is singular to rounding."""
     try:
-        found = np.linalg.solve(matrix, right)
-        if np.isfinite(found).all() and np.abs(found).max(initial=0.0) < 1e12:
-            return found
+        result = np.linalg.solve(matrix, right)
+        if np.isfinite(result).all() and np.abs(result).max(initial=0.0) < 1e12:
+            return result
     except np.linalg.LinAlgError:
         pass
     return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
@@ -202,15 +202,15 @@ def trace(
                 share = (end - point.value) / (scale * point.by_value)
                 yield _at_end(equations, point, share, end)
                 return
-            found = onward(equations, point, length, scale)
-            turned = float(found.tangent @ point.tangent + found.by_value * point.by_value)
-            if not low <= found.value <= high:
-                raise Lost(list(found.corrections))
-            moved = np.append(found.x - point.x, (found.value - point.value) / scale)
+            result = onward(equations, point, length, scale)
+            turned = float(result.tangent @ point.tangent + result.by_value * point.by_value)
+            if not low <= result.value <= high:
+                raise Lost(list(result.corrections))
+            moved = np.append(result.x - point.x, (result.value - point.value) / scale)
             if np.linalg.norm(moved) > _FARTHEST * length:  # another branch
-                raise Lost(list(found.corrections))
+                raise Lost(list(result.corrections))
             if turned < _TURN and length > 64 * steps.least:
-                raise Lost(list(found.corrections))
+                raise Lost(list(result.corrections))
         except Lost as error:
             length *= _SHRINK
             if length >= steps.least:
@@ -218,10 +218,10 @@ def trace(
             corner = _around_corner(equations, point, chord, steps, scale)
             if corner is None:
                 raise Lost(error.corrections) from None
-            found, length = corner, 16 * steps.least
-        chord = np.append(found.x - point.x, (found.value - point.value) / scale)
-        iterations = len(found.corrections)
-        point = found
+            result, length = corner, 16 * steps.least
+        chord = np.append(result.x - point.x, (result.value - point.value) / scale)
+        iterations = len(result.corrections)
+        point = result
         taken = yield point
         if taken is not None:
             equations, point = taken
@@ -248,7 +248,7 @@ def _around_corner(
         beyond /= np.linalg.norm(beyond)
         for direction in (beyond, -beyond):
             try:
-                found = correct(
+                result = correct(
                     equations,
                     point.x + length * direction[:-1],
                     point.value + length * scale * direction[-1],
@@ -258,9 +258,9 @@ def _around_corner(
                 )
             except Lost:
                 continue
-            moved = np.append(found.x - point.x, (found.value - point.value) / scale)
+            moved = np.append(result.x - point.x, (result.value - point.value) / scale)
             if moved @ plane > 0.05 * np.linalg.norm(moved) > 0:
-                return found
+                return result
     return None
 
 

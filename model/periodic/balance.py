@@ -251,7 +251,7 @@ class Problem:
         rows, nb, s = 2 * self.H + 1, self.b, self.s
         n = rows * nb
         inverse = 1.0 / (self.own_scale * self.pace)
-        of_force = machine.B.T @ multiplication(along.by_own, self.H) * self.own_scale
+        of_force = machine.B.T @ multiplication(along.by_rate, self.H) * self.own_scale
         of_force = of_force.transpose(0, 2, 1, 3) / self.lengths
         jacobian[:n, n : n + rows * s] = -scale * of_force.reshape(n, rows * s)
         of_d = self._product(along.rates_by_d, along.rates_by_v, orbit.omega) @ machine.B

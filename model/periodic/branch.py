@@ -85,12 +85,12 @@ def solution(problem: Problem, point: Point, accuracy: Accuracy) -> Solution:
     machine = problem.machine_at(point.value)
     parts = problem.harmonics(point.value, orbit.omega)
     motion = machine.expanded(parts, amplitudes(orbit.b))
-    found = np.zeros(0, complex)
+    result = np.zeros(0, complex)
     if accuracy.has_stability:
-        found = crossing(problem, multipliers(machine, orbit).values)
-    stable = bool(len(found) == 0 or np.abs(found[0]) <= 1.0 + _UNIT)
+        result = crossing(problem, multipliers(machine, orbit).values)
+    stable = bool(len(result) == 0 or np.abs(result[0]) <= 1.0 + _UNIT)
     share = problem.last_share(point.x)
-    return Solution(point.value, orbit, motion, found, stable, share, point.corrections)
+    return Solution(point.value, orbit, motion, result, stable, share, point.corrections)
 
 
 def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
@@ -112,10 +112,10 @@ def refined(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
         other = problem.like(H, at=point.value)
         plane = np.append(problem.moved(point.tangent, other), point.by_value)
         before = plane / np.linalg.norm(plane)
-        found = arclength.correct(
+        result = arclength.correct(
             other, problem.moved(point.x, other), point.value, before, other.parameter.scale, before
         )
-        problem, point = other, found._replace(corrections=point.corrections)
+        problem, point = other, result._replace(corrections=point.corrections)
 
 
 def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
@@ -127,7 +127,7 @@ def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
             plane = np.append(problem.moved(point.tangent, other), point.by_value)
             before = plane / np.linalg.norm(plane)
             try:
-                found = arclength.correct(
+                result = arclength.correct(
                     other,
                     problem.moved(point.x, other),
                     point.value,
@@ -137,7 +137,7 @@ def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
                 )
             except Lost:
                 return problem, point
-            return other, found._replace(corrections=point.corrections)
+            return other, result._replace(corrections=point.corrections)
     return problem, point
 
 
@@ -173,13 +173,13 @@ class Tracer:
         scale = problem.parameter.scale
         walk = arclength.trace(problem, point, scale, self.low, self.high, self.steps)
         start = point
-        found = next(walk, None)
-        while found is not None:
+        result = next(walk, None)
+        while result is not None:
             before = point
             problem_here = problem
-            now = solution(problem_here, found, accuracy)
-            passed = self._between(problem_here, before, found, last, now)
-            problem, point = thinned(*refined(problem_here, found, accuracy), accuracy)
+            now = solution(problem_here, result, accuracy)
+            passed = self._between(problem_here, before, result, last, now)
+            problem, point = thinned(*refined(problem_here, result, accuracy), accuracy)
             if problem.is_autonomous:
                 problem.fix_phase(point.x)
             if problem is not problem_here:
@@ -190,9 +190,9 @@ class Tracer:
                 return
             last = now
             try:
-                found = walk.send((problem, point))
+                result = walk.send((problem, point))
             except StopIteration:
-                found = None
+                result = None
         self.end = self._why_ended(point)
 
     def _why_ended(self, point: Point) -> str:
@@ -216,20 +216,20 @@ class Tracer:
         self, problem: Problem, before: Point, after: Point, last: Solution, now: Solution
     ) -> list[Bifurcation]:
         """What is passed between two points."""
-        found = []
+        result = []
         turns = before.by_value * after.by_value < 0
         if turns:
             located = self._fold(problem, before, after)
-            found.append(located)
+            result.append(located)
         if not self.accuracy.has_stability:
-            return found
+            return result
         outside = [int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now)]
         changed = abs(outside[1] - outside[0]) - (1 if turns else 0)
         if changed > 0 or (turns and changed > 0):
             crossed = self._crossing(problem, before, after, max(outside), outside)
             if crossed is not None:
-                found.append(crossed)
-        return found
+                result.append(crossed)
+        return result
 
     def _at(self, problem: Problem, before: Point, length: float) -> Point:
         return arclength.onward(problem, before, length, problem.parameter.scale)

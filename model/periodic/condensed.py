@@ -148,12 +148,12 @@ class Condensed:
         key = speed if self._follows_speed else 0.0
         if key not in self._of_laws:
             s = self.structure
-            found = tangents(s, np.zeros(len(s.interfaces), complex), key)
+            result = tangents(s, np.zeros(len(s.interfaces), complex), key)
             rows = self._linear_rows
             self._of_laws.clear()
             self._of_laws[key] = tuple(
                 np.einsum("jaN,jab,jbM->NM", rows, by[self._linear], rows)
-                for by in (found.by_d, found.by_v)
+                for by in (result.by_d, result.by_v)
             )
         return self._of_laws[key]
 
@@ -211,11 +211,11 @@ def _independent(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of rows of an incidence matrix: pivots of those that are independent, and which those are."""
     left = rows.astype(float).copy()
     pivots: list[int] = []
-    kept: list[int] = []
+    retained: list[int] = []
     for i in range(len(left)):
-        for j, pivot in zip(kept, pivots, strict=True):
+        for j, pivot in zip(retained, pivots, strict=True):
             left[i] -= left[i, pivot] / left[j, pivot] * left[j]
         if np.abs(left[i]).max(initial=0.0) > 0.5:
             pivots.append(int(np.argmax(np.abs(left[i]))))
-            kept.append(i)
-    return np.array(pivots, int), np.array(kept, int)
+            retained.append(i)
+    return np.array(pivots, int), np.array(retained, int)

@@ -109,7 +109,7 @@ def _tangents(machine: Condensed, orbit: Orbit, angles: np.ndarray) -> np.ndarra
         for j in range(m):
             whole[:, 2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = blocks[:, j]
         out[:, :b, place : place + b] = B.T @ whole @ B
-    out[:, :b, 2 * b :] = B.T @ along.by_own
+    out[:, :b, 2 * b :] = B.T @ along.by_rate
     out[:, b:, :b] = along.rates_by_d @ B
     out[:, b:, b : 2 * b] = along.rates_by_v @ B
     out[:, b:, 2 * b :] = along.rates_by_own

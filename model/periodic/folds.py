@@ -106,14 +106,14 @@ def fold_curve(
     sides, ends = [], []
     for direction in (-1.0, 1.0):
         point = arclength.begin(equations, X, start, direction)
-        found, end = [], "end of the range"
+        result, end = [], "end of the range"
         try:
             for near in arclength.trace(equations, point, scale, low, high, steps):
-                found.append((near.value, near.x[-1] * problem.parameter.scale))
+                result.append((near.value, near.x[-1] * problem.parameter.scale))
                 equations.border(near.x, near.value)
         except Lost:
             end = "lost: Newton's method does not converge with the shortest step"
-        sides.append(found)
+        sides.append(result)
         ends.append(end)
     middle = [(start, float(X[-1]) * problem.parameter.scale)]
     table = np.array([*sides[0][::-1], *middle, *sides[1]])

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..code import Code, chosen
-from ..kernels.compiled import IS_COMPILED, compiled, plain
+from ..backend import Backend, selected_backend
+from ..kernels.jit import IS_COMPILED, interpreted, jit
 from ..parts import LAWS
+from ..parts.law import Kinematics, Weights
 from ..parts.linear_bearing import LINEAR_BEARING
-from ..protocol.law import Kinematics, Weights
-from ..step.laws import law_opening, law_rates, law_tangent
+from ..step.laws import law_gap, law_rates, law_tangent
 from ..structure.structure import Structure
 
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
@@ -35,14 +35,14 @@ class Along(NamedTuple):
     force: np.ndarray
     by_d: np.ndarray
     by_v: np.ndarray
-    by_own: np.ndarray
+    by_rate: np.ndarray
     rates: np.ndarray
     rates_by_d: np.ndarray
     rates_by_v: np.ndarray
     rates_by_own: np.ndarray
 
 
-@compiled
+@jit
 def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
     """Forces, tangents p z + q conj(z) by displacement and by velocity, and rates."""
     for j in range(len(interfaces)):
@@ -50,7 +50,7 @@ def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
         at = interface.own
         for t in range(d.shape[1]):
             for i in range(2):
-                found = law_tangent(
+                result = law_tangent(
                     laws,
                     interface,
                     Kinematics(d[j, t], v[j, t], speed, speed),
@@ -58,16 +58,16 @@ def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
                     own[t, at:],
                     scratch[t, at:],
                 )
-                force[j, t], p[i, j, t], q[i, j, t] = found
+                force[j, t], p[i, j, t], q[i, j, t] = result
             motion = Kinematics(d[j, t], v[j, t], speed, speed)
             law_rates(laws, interface, motion, own[t, at:], rates[t, at:])
 
 
-@compiled
+@jit
 def _openings(laws, interfaces, d, opening):
     for j in range(len(interfaces)):
         for t in range(d.shape[1]):
-            opening[j, t] = law_opening(laws, interfaces[j], d[j, t])
+            opening[j, t] = law_gap(laws, interfaces[j], d[j, t])
 
 
 class LawsAlong:
@@ -85,9 +85,9 @@ class LawsAlong:
         self.starts = np.array([s for i in interfaces for s in LAWS[i.law].states], float)
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
-        is_fast = IS_COMPILED and chosen() is not Code.PYTHON
-        self._along = _along if is_fast else plain(_along)
-        self._openings = _openings if is_fast else plain(_openings)
+        is_fast = IS_COMPILED and selected_backend() is not Backend.PYTHON
+        self._along = _along if is_fast else interpreted(_along)
+        self._openings = _openings if is_fast else interpreted(_openings)
 
     def radius(self, j: int) -> float:
         """Of the journal at a wall [m]."""
@@ -126,7 +126,7 @@ class LawsAlong:
         m, s, n = self.count, self.states, len(d)
         both = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
         by_d, by_v = both.transpose(2, 4, 3, 0, 1)
-        by_own = np.zeros((n, 2 * m, s))
+        by_rate = np.zeros((n, 2 * m, s))
         rates_by = [np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m)), np.zeros((n, s, s))]
         for place in range(int(self.place.max(initial=-1)) + 1):
             columns = np.flatnonzero(self.place == place)
@@ -135,7 +135,7 @@ class LawsAlong:
             of_force, of_rates = self._difference(d, v, own, speed, own_step=step)
             for c in columns:
                 j = int(2 * self.owner[c])
-                by_own[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
+                by_rate[:, j : j + 2, c] = of_force[:, j : j + 2] / (2 * step[c])
                 rows = np.flatnonzero(self.owner == self.owner[c])
                 rates_by[2][:, rows, c] = of_rates[:, rows] / (2 * step[c])
         for axis in range(2 if s else 0):
@@ -149,7 +149,7 @@ class LawsAlong:
                 for row in range(s):
                     j = int(2 * self.owner[row] + axis)
                     rates_by[i][:, row, j] = of_rates[:, row] / (2 * step[j])
-        return Along(_plane(force), by_d, by_v, by_own, rates, *rates_by)
+        return Along(_plane(force), by_d, by_v, by_rate, rates, *rates_by)
 
     def _difference(self, d, v, own, speed, d_step=0.0, v_step=0.0, own_step=0.0):
         above = self.forces(d + d_step, v + v_step, own + own_step, speed)

@@ -129,9 +129,9 @@ def _linear(problem: Problem, task: Task, tell: Tell) -> Branch:
     branch = Branch(ends=("end of the range", "end of the range"))
     for value in np.linspace(task.low, task.high, _LINEAR_POINTS):
         point = Point(np.zeros(0), float(value), np.zeros(0), 1.0)
-        found = solution(problem, point, task.accuracy)
-        branch.points.append(found)
-        tell("linear", found)
+        result = solution(problem, point, task.accuracy)
+        branch.points.append(result)
+        tell("linear", result)
     return branch
 
 
@@ -204,15 +204,15 @@ def _moves(problem: Problem, orbit: Orbit) -> bool:
 
 def _beyond(result: Response) -> list[float]:
     """Values a little beyond the places where branches were lost."""
-    task, found = result.task, []
+    task, outcome = result.task, []
     for branch in result.branches:
         for end, a, b in ((branch.ends[0], 1, 0), (branch.ends[1], -2, -1)):
             if end.startswith(LOST) and len(branch.points) > 1:
                 way = math.copysign(1.0, branch.points[b].value - branch.points[a].value)
                 beyond = branch.points[b].value + way * _BEYOND * (task.high - task.low)
                 if task.low < beyond < task.high:
-                    found.append(beyond)
-    return found
+                    outcome.append(beyond)
+    return outcome
 
 
 def _from_start(result: Response, machines, value: float, direction: float, tell: Tell) -> None:
@@ -264,11 +264,11 @@ def follow(
             problem, x, value, task.low, task.high, steps=task.steps, accuracy=task.accuracy
         )
         try:
-            for found, passed in tracer.follow(way):
-                tell(label, found)
-                if side and not passed and found.value == value:
+            for outcome, passed in tracer.follow(way):
+                tell(label, outcome)
+                if side and not passed and outcome.value == value:
                     continue  # the start, which is there already
-                branch.points.append(found)
+                branch.points.append(outcome)
                 branch.bifurcations += [b._replace(behind=len(branch.points) - 2) for b in passed]
             ends[1] = tracer.end
         except Lost:
@@ -299,7 +299,7 @@ def _turn_round(branch: Branch) -> None:
 def at(result: Response, value: float) -> list[Solution]:
     """All motions of the branches at a value of the parameter, by Newton's method from their
     neighbours."""
-    found = []
+    outcome = []
     for branch in result.branches:
         for a, b in zip(branch.points, branch.points[1:], strict=False):
             low, high = sorted((a.value, b.value))
@@ -307,8 +307,8 @@ def at(result: Response, value: float) -> list[Solution]:
                 continue
             solved = _between(result, a, b, value)
             if solved is not None:
-                found.append(solved)
-    return found
+                outcome.append(solved)
+    return outcome
 
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:

@@ -14,8 +14,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmi.interface import ports
-from ..linear.tables import Table
+from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
+from ..model.parts.base import BASE, Probe
 from ..model.periodic.arclength import Lost, Steps
 from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
 from ..model.periodic.folds import FoldCurve
@@ -29,7 +30,6 @@ from ..model.periodic.response import (
     stays,
 )
 from ..model.periodic.seeds import Stay
-from ..model.protocol.part import BASE, Probe
 from ..model.quantities import QuantityError
 
 if TYPE_CHECKING:
@@ -66,18 +66,18 @@ class ResponseResult:
     to be said of them.
     """
 
-    def __init__(self, found: Response) -> None:
-        self._found = found
-        self.parameter = found.task.name
-        self.branches, self.notes = found.branches, tuple(found.notes)
-        self.probes = probes(found.rotor)
+    def __init__(self, result: Response) -> None:
+        self._found = result
+        self.parameter = result.task.name
+        self.branches, self.notes = result.branches, tuple(result.notes)
+        self.probes = probes(result.rotor)
 
     @property
     def unit(self) -> str:
         """Of the parameter."""
         if self.parameter == SPEED:
             return "rad/s"
-        known = {str(name): told.unit for name, told, _ in self._found.rotor.parameters()}
+        known = {str(name): described.unit for name, described, _ in self._found.rotor.parameters()}
         return known[self.parameter]
 
     @property
@@ -227,8 +227,8 @@ class ResponseResult:
         X = self._amplitudes(point, name)
         k = np.arange(len(X))
         angle = 2 * math.pi * np.arange(samples) / samples
-        found = (np.exp(1j * np.outer(angle, k)) @ X).real
-        return found[:, 0], found[:, 1]
+        result = (np.exp(1j * np.outer(angle, k)) @ X).real
+        return result[:, 0], result[:, 1]
 
     def _amplitudes(self, point: Solution, name: str) -> np.ndarray:
         dof, slope, offset = self.probes[name]
@@ -259,13 +259,13 @@ class ResponseResult:
 
 def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
     """Names of the places that are observed, with dof, slope and offset [m]."""
-    found = {}
+    result = {}
     for where, part in rotor.named_parts():
         for element in part.elements(where, rotor.material.density):
             if isinstance(element, Probe):
                 dof = 2 * (element.node - 1)
-                found[where] = (dof, dof + 1, element.offset)
-    return found
+                result[where] = (dof, dof + 1, element.offset)
+    return result
 
 
 def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | None:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from ..cli.linear import RotorFile, one_speed, speed_range
 from ..errors import InputError, writable_folder
-from ..linear.command import RotorFile, one_speed, speed_range
+from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
-from ..telling import tells
 
 if TYPE_CHECKING:
     from ..model.periodic.branch import Solution
@@ -22,7 +22,7 @@ _EVERY = 2.0  # seconds between two lines of progress
 _CHECKED = 8  # points that are taken into time
 
 
-@tells
+@with_output_options
 def response(
     rotor: RotorFile = None,
     speed: Annotated[
@@ -83,10 +83,10 @@ def response(
         varied = _range(over, "--over")
     machine = load_rotor(rotor)[1]
     writable_folder(out)
-    from ..figures import save
+    from ..figure_style import save
     from .answers import answer
 
-    found = answer(
+    result = answer(
         machine,
         speed=low_high,
         over=varied,
@@ -100,9 +100,9 @@ def response(
         whirl=whirl,
         tell=_Progress(),
     )
-    summary = dict(found.summary)
+    summary = dict(result.summary)
     if fold_over is not None:
-        folds = found.fold_curve(*_range(fold_over, "--fold-over"))
+        folds = result.fold_curve(*_range(fold_over, "--fold-over"))
         summary["folds"] = {k: v for k, v in folds._asdict().items() if k != "ends"} | {
             "name": fold_over.partition("=")[0].strip(),
             "ends": folds.ends,
@@ -111,22 +111,22 @@ def response(
             k: v.tolist() if hasattr(v, "tolist") else v for k, v in summary["folds"].items()
         }
     if check:
-        summary["check"] = _checked(found)
-    save(found.figure(), out / "response.png")
+        summary["check"] = _checked(result)
+    save(result.figure(), out / "response.png")
     write_json(summary, out / "response.json")
-    typer.echo(found.table().text())
-    for note in found.notes:
+    typer.echo(result.table().text())
+    for note in result.notes:
         typer.echo(note)
     typer.echo(f"written to {out}")
     return summary
 
 
-def _checked(found: ResponseResult) -> list[dict[str, Any]]:
+def _checked(result: ResponseResult) -> list[dict[str, Any]]:
     """Points of the branches, evenly chosen, in time; said one a line."""
-    points = found.points[:: max(1, len(found.points) // _CHECKED)]
+    points = result.points[:: max(1, len(result.points) // _CHECKED)]
     rows = []
     for point in points:
-        seen = found.check(point)
+        seen = result.check(point)
         rows.append(
             {
                 "value": point.value,
@@ -137,7 +137,7 @@ def _checked(found: ResponseResult) -> list[dict[str, Any]]:
         )
         what = "stable" if point.is_stable else "unstable"
         typer.echo(
-            f"{point.value:.5g} {found.unit}, {what}: {'stays' if seen.stays else 'leaves'}, "
+            f"{point.value:.5g} {result.unit}, {what}: {'stays' if seen.stays else 'leaves'}, "
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"
         )
     return rows
@@ -172,13 +172,13 @@ def _range(text: str, option: str) -> tuple[str, float, float]:
 
 
 def _pairs(option: str, texts: list[str] | None) -> dict[str, float]:
-    found = {}
+    result = {}
     for text in texts or []:
         name, equals, value = (part.strip() for part in text.partition("="))
         try:
-            found[name] = float(value)
+            result[name] = float(value)
         except ValueError:
             equals = ""
         if not equals:
             raise InputError(f"{option} {text}: must be NAME=NUMBER")
-    return found
+    return result

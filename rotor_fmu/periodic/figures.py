@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..figures import BLUE, GREEN, GREY, ORANGE, new_figure
+from ..figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
 
 if TYPE_CHECKING:
@@ -19,16 +19,16 @@ _COLORS = (BLUE, ORANGE, GREEN, "#cc79a7", "#56b4e9")
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
 
 
-def response_figure(found: ResponseResult, names: Sequence[str] | None = None) -> Figure:
+def response_figure(result: ResponseResult, names: Sequence[str] | None = None) -> Figure:
     """Amplitudes of places over the parameter; by default of the three that move most."""
     if names is None:
-        largest = {n: found.curve(n).value.max(initial=0.0) for n in found.probes}
+        largest = {n: result.curve(n).value.max(initial=0.0) for n in result.probes}
         names = sorted(sorted(largest, key=lambda n: -largest[n])[:3])
     figure, axes = new_figure(6.8, 4.6)
     handles = []
     for name, color in zip(names, _COLORS, strict=False):
-        curve = found.curve(name)
-        for i in range(1, len(found.branches) + 1):
+        curve = result.curve(name)
+        for i in range(1, len(result.branches) + 1):
             mine = curve.branch == i
             at, value = curve.parameter[mine], curve.value[mine] * 1e6
             stable = curve.stable[mine]
@@ -40,23 +40,23 @@ def response_figure(found: ResponseResult, names: Sequence[str] | None = None) -
                     width = 1.8 if stable[begin] else 1.2
                     axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
                     begin = j
-            branch = found.branches[i - 1]
+            branch = result.branches[i - 1]
             for b in branch.bifurcations:
                 near = branch.points[max(0, b.behind)]
-                y = found._quantities(near, name)["r_amp"] * 1e6
+                y = result._quantities(near, name)["r_amp"] * 1e6
                 axes.plot(b.value, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
     handles.append(Line2D([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="unstable"))
-    for kind in dict.fromkeys(b.kind for b in found.bifurcations):
+    for kind in dict.fromkeys(b.kind for b in result.bifurcations):
         handles.append(
             Line2D([], [], color=GREY, marker=_MARKS[kind], mfc="white", ls="", label=kind)
         )
     axes.legend(handles=handles, frameon=False, fontsize=8)
     axes.set_ylim(bottom=0)
-    values = np.array([p.value for p in found.points])
+    values = np.array([p.value for p in result.points])
     if len(values):
         axes.set_xlim(values.min(), values.max())
-    axes.set_xlabel(f"{found.parameter} [{found.unit}]")
+    axes.set_xlabel(f"{result.parameter} [{result.unit}]")
     axes.set_ylabel("Largest distance from the mean [µm]")
     return figure

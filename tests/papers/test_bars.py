@@ -26,26 +26,26 @@ def run(scheme, dt, impact="no", **bars):
 
 
 def test_the_average_acceleration_method_doubles_the_energy_at_short_steps():
-    found = run(NEWMARK, 5e-5)
-    assert found.rms_error() > 1
-    assert found.energy_change > 1
+    result = run(NEWMARK, 5e-5)
+    assert result.rms_error() > 1
+    assert result.energy_change > 1
 
 
 def test_newmark_with_beta_one_half_keeps_the_energy_and_rings():
-    found = run(CONTACT_NEWMARK, 5e-5)
-    assert found.rms_error() > 0.4
-    assert abs(found.energy_change) < 0.1
+    result = run(CONTACT_NEWMARK, 5e-5)
+    assert result.rms_error() > 0.4
+    assert abs(result.energy_change) < 0.1
     assert run(CONTACT_NEWMARK, 8e-4).rms_error("plateau") > 0.3
 
 
 @pytest.mark.parametrize(("scheme", "impact"), DAMPED)
 @pytest.mark.parametrize("opening", [0.01, 0.02])
 def test_damped_schemes_follow_the_wave(scheme, impact, opening):
-    fine = run(scheme, 5e-5, impact, opening=opening)
+    fine = run(scheme, 5e-5, impact, gap=opening)
     assert fine.rms_error() < 0.2
     assert fine.rms_error("plateau") < 0.02
     assert fine.mean_after_release == pytest.approx(-1, abs=0.03)
-    assert run(scheme, 8e-4, impact, opening=opening).rms_error("plateau") < 0.02
+    assert run(scheme, 8e-4, impact, gap=opening).rms_error("plateau") < 0.02
 
 
 # dt, RMS error, in the plateau, after the release, relative change of energy
@@ -67,32 +67,31 @@ def test_errors_are_those_of_an_independent_program(
     scheme, impact, dt, rms, plateau, released, change
 ):
     """Run once by a prototype that shares no code with this one."""
-    found = run(scheme, dt, impact)
-    assert found.rms_error() == pytest.approx(rms, abs=1.5e-3)
-    assert found.rms_error("plateau") == pytest.approx(plateau, abs=1e-3)
-    assert found.rms_error("released") == pytest.approx(released, abs=1e-3)
-    assert found.energy_change == pytest.approx(change, abs=6e-4)
+    result = run(scheme, dt, impact)
+    assert result.rms_error() == pytest.approx(rms, abs=1.5e-3)
+    assert result.rms_error("plateau") == pytest.approx(plateau, abs=1e-3)
+    assert result.rms_error("released") == pytest.approx(released, abs=1e-3)
+    assert result.energy_change == pytest.approx(change, abs=6e-4)
 
 
 @pytest.mark.parametrize(("is_lumped", "lost"), [(True, 0.0125), (False, 0.0125 / np.sqrt(3))])
 def test_an_impulse_costs_the_energy_of_half_an_element(is_lumped, lost):
-    found = run(NEWMARK, 5e-5, "average-time", is_lumped=is_lumped)
-    assert found.energy_change == pytest.approx(-lost, abs=1e-6)
+    result = run(NEWMARK, 5e-5, "average-time", is_lumped=is_lumped)
+    assert result.energy_change == pytest.approx(-lost, abs=1e-6)
 
 
 @pytest.mark.parametrize("opening", [0.01, 0.02, 0.0200008])
 def test_average_time_cuts_back_twice_at_impact_and_release(opening):
-    fine = run(TRANSIENT_FIDELITY, 5e-5, "average-time", opening=opening)
+    fine = run(TRANSIENT_FIDELITY, 5e-5, "average-time", gap=opening)
     assert fine.run.cutbacks == 2
     assert fine.run.increments in (803, 804)
-    coarse = run(TRANSIENT_FIDELITY, 8e-4, "average-time", opening=opening)
+    coarse = run(TRANSIENT_FIDELITY, 8e-4, "average-time", gap=opening)
     assert (coarse.run.cutbacks, coarse.run.increments) == (2, 54)
 
 
 def test_the_status_log_is_paper_bs_figure_8():
     shown = [
-        str(line)
-        for line in run(TRANSIENT_FIDELITY, 5e-5, "average-time", opening=0.0200008).run.log
+        str(line) for line in run(TRANSIENT_FIDELITY, 5e-5, "average-time", gap=0.0200008).run.log
     ]
     paper = """\
 1 198 1 0 1 1 0.00990 0.00990 5.000e-005
@@ -112,31 +111,31 @@ def test_the_status_log_is_paper_bs_figure_8():
     ("scheme", "impact"), [(NEWMARK, "no"), *DAMPED, (NEWMARK, "current-time")]
 )
 def test_the_momentum_of_both_bars_stays_zero(scheme, impact):
-    found = run(scheme, 5e-5, impact)
-    left, both = found.run.seen[:, 1], found.run.seen[:, 2]
+    result = run(scheme, 5e-5, impact)
+    left, both = result.run.seen[:, 1], result.run.seen[:, 2]
     assert left[0] == pytest.approx(0.01)
     assert np.abs(both).max() < 1e-12 * left[0]
 
 
 @pytest.mark.parametrize("scheme", [NEWMARK, CONTACT_NEWMARK])
 def test_the_contact_force_changes_the_momentum_by_its_impulse(scheme):
-    found = run(scheme, 8e-4)
-    impulse = np.trapezoid(found.contact_force, found.t)
-    left = found.run.seen[:, 1]
+    result = run(scheme, 8e-4)
+    impulse = np.trapezoid(result.contact_force, result.t)
+    left = result.run.seen[:, 1]
     assert left[-1] - left[0] == pytest.approx(-impulse, rel=1e-10)
 
 
 def test_the_contact_force_is_the_waves():
     bars = Bars()
-    found = run(MODERATE_DISSIPATION, 5e-5)
-    inside = (found.t > bars.t_impact + 0.004) & (found.t < bars.t_impact + 0.018)
-    assert found.contact_force[inside].mean() == pytest.approx(bars.contact_force, rel=0.01)
+    result = run(MODERATE_DISSIPATION, 5e-5)
+    inside = (result.t > bars.t_impact + 0.004) & (result.t < bars.t_impact + 0.018)
+    assert result.contact_force[inside].mean() == pytest.approx(bars.contact_force, rel=0.01)
 
 
 def test_no_force_ever_pulls_and_no_opening_is_negative():
-    found = run(CONTACT_NEWMARK, 8e-4)
-    assert found.run.force.min() >= 0
-    assert found.run.seen[:, 3].min() > -1e-12 * Bars().opening
+    result = run(CONTACT_NEWMARK, 8e-4)
+    assert result.run.force.min() >= 0
+    assert result.run.seen[:, 3].min() > -1e-12 * Bars().gap
 
 
 def test_a_stiff_penalty_blurs_towards_the_hard_contact():
@@ -150,15 +149,15 @@ def test_a_stiff_penalty_blurs_towards_the_hard_contact():
 
 
 def test_an_unstable_scheme_runs_until_it_is_caught():
-    found = run_bars(Bars(), Scheme(0.3, 0.0, 0.1, 0.4), 8e-4)
-    number = found.run.increments
+    result = run_bars(Bars(), Scheme(0.3, 0.0, 0.1, 0.4), 8e-4)
+    number = result.run.increments
     assert 1 < number < 50
     assert re.fullmatch(
         rf"diverged at t = {8e-4 * number:.6g} s, increment {number}, energy \S+ J \(.*\)",
-        found.run.status,
+        result.run.status,
     )
-    assert found.run.energy[-1] > 1e6 * found.run.energy[0]
-    assert found.run.energy[-2] < 1e6 * found.run.energy[0]
+    assert result.run.energy[-1] > 1e6 * result.run.energy[0]
+    assert result.run.energy[-2] < 1e6 * result.run.energy[0]
 
 
 @pytest.mark.parametrize(

@@ -29,11 +29,11 @@ def command(*arguments):
 def test_the_command_writes_curve_and_picture(tmp_path):
     done = command("--rotor", JEFFCOTT, "--speed", "100:240", "--out", tmp_path, "--json")
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
-    assert told["parameter"] == "speed"
-    assert told == json.loads((tmp_path / "response.json").read_text())
+    output = json.loads(done.stdout)
+    assert output["parameter"] == "speed"
+    assert output == json.loads((tmp_path / "response.json").read_text())
     assert (tmp_path / "response.png").stat().st_size > 10_000
-    kinds = [b["kind"] for b in told["bifurcations"]]
+    kinds = [b["kind"] for b in output["bifurcations"]]
     assert "fold" in kinds
 
 
@@ -75,6 +75,6 @@ def test_a_machine_that_nothing_holds_is_refused():
 
 
 def test_a_branch_of_too_few_harmonics_says_so_and_keeps_what_it_has():
-    found = rf.response(rf.load(), speed=(140.0, 200.0), harmonics=12)
-    assert any("more than 12 harmonics" in note for note in found.notes)
-    assert len(found.points) > 5
+    result = rf.response(rf.load(), speed=(140.0, 200.0), harmonics=12)
+    assert any("more than 12 harmonics" in note for note in result.notes)
+    assert len(result.points) > 5

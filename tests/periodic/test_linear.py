@@ -13,13 +13,13 @@ UNBALANCED = FLEXIBLE + SEAL + "[[unbalance]]\nnode = 4\namount = 1e-4\n[[sensor
 @pytest.fixture(scope="module")
 def both():
     machine = rf.parse(UNBALANCED)
-    found = rf.response(machine, speed=(50.0, 400.0))
-    return machine, found, machine.unbalance_response([p.value for p in found.points])
+    result = rf.response(machine, speed=(50.0, 400.0))
+    return machine, result, machine.unbalance_response([p.value for p in result.points])
 
 
 def test_it_responds_as_the_unbalance_response_says(both):
-    _, found, linear = both
-    for i, point in enumerate(found.points):
+    _, result, linear = both
+    for i, point in enumerate(result.points):
         n = 2 * len(linear.z)
         whole = point.motion[1].reshape(-1, 2)[:n:2]
         expected = np.column_stack([linear.x[i], linear.y[i]])
@@ -27,16 +27,16 @@ def test_it_responds_as_the_unbalance_response_says(both):
 
 
 def test_it_hangs_where_gravity_holds_it(both):
-    machine, found, _ = both
-    point = found.points[100]
+    machine, result, _ = both
+    point = result.points[100]
     static = machine.static(point.value)
     means = point.motion[0].real.reshape(-1, 2)[: 2 * len(static.z) : 2]
     assert means[:, 1] == pytest.approx(static.y, rel=1e-8)
 
 
 def test_its_multipliers_are_those_of_its_modes(both):
-    machine, found, _ = both
-    point = found.points[200]
+    machine, result, _ = both
+    point = result.points[200]
     slowest = max(machine.modes(point.value).eigenvalues.real)
     growth = np.log(np.abs(point.multipliers[0])) * point.value / (2 * np.pi)
     assert growth == pytest.approx(slowest, rel=1e-7)

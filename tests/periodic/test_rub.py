@@ -18,8 +18,10 @@ def curve():
 
 def radii(curve, omega):
     """Radii in clearances at a speed, the largest first, with whether each is stable."""
-    found = [(curve.amplitude(p, "disc") / CLEARANCE, p.is_stable) for p in curve.at(omega * OMEGA)]
-    return sorted(found, reverse=True)
+    result = [
+        (curve.amplitude(p, "disc") / CLEARANCE, p.is_stable) for p in curve.at(omega * OMEGA)
+    ]
+    return sorted(result, reverse=True)
 
 
 @pytest.mark.parametrize(
@@ -34,16 +36,16 @@ def radii(curve, omega):
     ],
 )
 def test_the_curve_has_the_radii_of_the_closed_form(curve, omega, radius, unstable):
-    found = radii(curve, omega)
-    assert found[0][0] == pytest.approx(radius, rel=1e-6, abs=1e-6)
-    assert found[0][1]
+    result = radii(curve, omega)
+    assert result[0][0] == pytest.approx(radius, rel=1e-6, abs=1e-6)
+    assert result[0][1]
     if unstable is None:
-        assert len(found) == 1
+        assert len(result) == 1
     else:
-        assert found[1][0] == pytest.approx(unstable, rel=1e-6, abs=1e-6)
-        assert not found[1][1]
-        assert found[2][0] < 1
-        assert found[2][1]
+        assert result[1][0] == pytest.approx(unstable, rel=1e-6, abs=1e-6)
+        assert not result[1][1]
+        assert result[2][0] < 1
+        assert result[2][1]
 
 
 def test_it_jumps_up_and_down_where_the_closed_form_does(curve):
@@ -75,10 +77,10 @@ def test_newtons_method_converges_quadratically(curve):
 def test_friction_beyond_hopfs_point_makes_a_torus(curve):
     start = curve.at(1.4 * OMEGA)[0]
     assert curve.amplitude(start, "disc") > 1.2 * CLEARANCE
-    found = rf.response(
+    result = rf.response(
         jeffcott(), speed=1.4 * OMEGA, over=("contact[1].mu", 0.02, 0.3), start=start
     )
-    (torus,) = [b for b in found.bifurcations if b.kind == "Neimark-Sacker"]
+    (torus,) = [b for b in result.bifurcations if b.kind == "Neimark-Sacker"]
     assert torus.value == pytest.approx(0.147023, rel=1e-4)
 
 
@@ -97,28 +99,28 @@ def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
 def test_dry_whirl_rolls_as_the_closed_form_says(v):
     machine = jeffcott(0.05, 20.0, 0.1, 0.0)
     speed = v * CLEARANCE * OMEGA / RADIUS
-    found = rf.response(machine, speed=speed, over=("contact[1].mu", 0.02, 0.15), whirl=True)
-    points = found.at(0.1)
+    result = rf.response(machine, speed=speed, over=("contact[1].mu", 0.02, 0.15), whirl=True)
+    points = result.at(0.1)
     (rolls,) = [p for p in points if p.is_stable]
     (slides,) = [p for p in points if not p.is_stable]
     omega, r = rolling(v)
     assert rolls.orbit.omega / OMEGA == pytest.approx(omega, rel=1e-4)
-    assert found.amplitude(rolls, "disc") / CLEARANCE == pytest.approx(r, rel=1e-4)
+    assert result.amplitude(rolls, "disc") / CLEARANCE == pytest.approx(r, rel=1e-4)
     # the separatrix of T2
     assert slides.orbit.omega / OMEGA == pytest.approx(1.618034, rel=1e-4)
-    assert found.amplitude(slides, "disc") / CLEARANCE == pytest.approx(1.088023, rel=1e-4)
-    (needed,) = [b.value for b in found.bifurcations if b.kind == "fold"]
+    assert result.amplitude(slides, "disc") / CLEARANCE == pytest.approx(1.088023, rel=1e-4)
+    (needed,) = [b.value for b in result.bifurcations if b.kind == "fold"]
     assert needed == pytest.approx(2 * 0.05 * omega / (20 * (1 - 1 / r)), rel=5e-3)
 
 
 def test_the_threshold_of_dry_whirl_is_the_closed_forms():
     """Of a clearance that is nothing beside the surface's speed."""
     gap = 1e-9
-    found = rf.response(
+    result = rf.response(
         jeffcott(0.05, 20.0, 0.03, 0.0, gap),
         speed=1e6 * gap * OMEGA / RADIUS,
         over=("contact[1].mu", 0.015, 0.05),
         whirl=True,
     )
-    fold = min(b.value for b in found.bifurcations if b.kind == "fold")
+    fold = min(b.value for b in result.bifurcations if b.kind == "fold")
     assert fold == pytest.approx(2 * 0.05 * math.sqrt(21) / 20, rel=1e-5)

@@ -49,9 +49,9 @@ def shooting(machine, orbit, steps=800):
 def test_multipliers_are_those_of_a_fine_integration():
     """At 20 points of the curve, of both signs of stability."""
     machine = jeffcott()
-    found = rf.response(machine, speed=(60.0, 240.0))
+    result = rf.response(machine, speed=(60.0, 240.0))
     linear = Condensed(machine.rotor)
-    points = found.points[:: len(found.points) // 20][:20]
+    points = result.points[:: len(result.points) // 20][:20]
     assert len(points) == 20
     assert {p.is_stable for p in points} == {True, False}
     for point in points:
