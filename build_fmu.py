@@ -3,7 +3,7 @@ Python: python build_fmu.py [--rotor FILE.toml] [--free] [--native [--fmi 3]] [-
 
 import typer
 
-from rotor_fmu.building import build
+from rotor_fmu.cli.fmus import build
 from rotor_fmu.errors import run
 
 if __name__ == "__main__":

@@ -75,8 +75,8 @@ def main() -> None:
                 zooms += [driver.execute_async_script(ZOOM, button) for button in ZOOMS]
     print(f"| a run-down of {samples} samples | is |\n| --- | --- |")
     print(f"| file | {size / 1e6:.1f} MB |")
-    for what, found in (("first picture", first), ("zoom", zooms)):
-        print(f"| {what} | {min(found) / 1e3:.2f} to {max(found) / 1e3:.2f} s |")
+    for what, result in (("first picture", first), ("zoom", zooms)):
+        print(f"| {what} | {min(result) / 1e3:.2f} to {max(result) / 1e3:.2f} s |")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """What the checks cost that keep a run from being wrong in silence: python -m benchmarks.checks
 
-In a run: the watches for the false state, for what the integrator takes and for the work of a
+In a run: the monitors for the false state, for what the integrator takes and for the work of a
 cycle, called as often as a run-down of the rig makes steps, beside the CPU time of that run-down.
 At the start: the survey of growing whirls, of the rig and of the examples.
 """
@@ -16,12 +16,12 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from rotor_fmu.model.kernels.compiled import compiled
+from rotor_fmu.model.kernels.jit import jit
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor, rig
-from rotor_fmu.model.march.watch import watch_bounces, watch_losses, watch_work
 from rotor_fmu.model.settings import Settings, choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.time_loop.monitors import monitor_bounces, monitor_losses, monitor_work
 
 from rotor_fmu.machine_file.reading import machine_text
 
@@ -41,14 +41,14 @@ def _watched(steps, h, structure, control, motion, memory, work):
     doubtful = 0
     for _ in range(steps):
         r.t += h
-        if watch_work(structure, memory):
+        if monitor_work(structure, memory):
             doubtful += 1
-        watch_bounces(structure, motion, memory)
-        watch_losses(structure, control, motion, memory, work)
+        monitor_bounces(structure, motion, memory)
+        monitor_losses(structure, control, motion, memory, work)
     return doubtful
 
 
-watched = compiled(_watched, to_cache=False)
+watched = jit(_watched, to_cache=False)
 
 
 def run_down(settings: Settings) -> Simulation:
@@ -91,7 +91,7 @@ def at_the_start() -> Iterator[tuple[str, float]]:
     machines = {"the rig": rig(), **machines}
     for name, rotor in machines.items():
         sim = _begun(rotor, choose())
-        yield name, seconds(lambda sim=sim: sim._code.survey(400.0, True))
+        yield name, seconds(lambda sim=sim: sim._entry_points.survey(400.0, True))
 
 
 def main() -> None:

@@ -68,12 +68,12 @@ def within_one_percent(store: Store, problem: str) -> dict | None:
 
 def growth_exponent(store: Store, program: str, least: int, most: int) -> float | None:
     """p of cost a step ~ dofs^p between two numbers of elements."""
-    found = {
+    result = {
         row["elements"]: (row["dofs"], median(row["us"]))
         for row in store.section("growth").values()
         if row["program"] == program and row["varied"] == "elements" and row["us"]
     }
-    if least not in found or most not in found:
+    if least not in result or most not in result:
         return None
-    (n0, c0), (n1, c1) = found[least], found[most]
+    (n0, c0), (n1, c1) = result[least], result[most]
     return math.log(c1 / c0) / math.log(n1 / n0)

@@ -19,15 +19,15 @@ STEPS = (5e-4, 2.5e-4)  # [s]
 def dissipation(store: Store, is_quick: bool, report: Callable[[str, float], None]) -> None:
     """Fill the section `dissipation`: rho, h [s], largest error of the orbit [m]; needs the
     reference that the race keeps."""
-    kept = store.section("reference")["run-down"]
-    truth = np.array(kept["x"]) + 1j * np.array(kept["y"])
-    problem = replace(run_down(), stop=kept["stop"])
+    stored = store.section("reference")["run-down"]
+    truth = np.array(stored["x"]) + 1j * np.array(stored["y"])
+    problem = replace(run_down(), stop=stored["stop"])
     for number, rho in enumerate(RADII[:: 4 if is_quick else 1]):
         for h in STEPS:
             name = f"rho = {rho:g}, h = {h:g} s"
             if name in store.section("dissipation"):
                 continue
             report(f"dissipation: {name}", number / len(RADII))
-            found = project.solve(choose("robust", rho=rho, h=h), problem)
-            error = float(np.abs(found.disc - truth).max())
+            result = project.solve(choose("robust", rho=rho, h=h), problem)
+            error = float(np.abs(result.disc - truth).max())
             store.keep("dissipation", name, {"rho": rho, "h": h, "orbit_max": error})

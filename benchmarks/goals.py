@@ -77,12 +77,12 @@ def _against_cvode(store: Store) -> Iterator[Line]:
 
 
 def _tolerances(store: Store) -> Iterator[Line]:
-    found = {row["tolerance"]: row for row in rows(store, _WHOLE) if row["tolerance"]}
+    result = {row["tolerance"]: row for row in rows(store, _WHOLE) if row["tolerance"]}
     before = None
     for tolerance in (1e-3, 1e-4, 1e-5):
-        if tolerance not in found:
+        if tolerance not in result:
             continue
-        error = found[tolerance]["orbit_relative"]
+        error = result[tolerance]["orbit_relative"]
         is_met = error <= 10 * tolerance and (before is None or error < before)
         yield (
             f"orbit error at tolerance {tolerance:g}",

@@ -77,15 +77,15 @@ def growth(
 
 def _methods() -> list[Method]:
     reduced = choose("robust", h=_H, reduction=_MODES)
-    found = [
+    result = [
         project.method("robust", choose("robust", h=_H)),
         replace(project.method("reduced", reduced), program=REDUCED),
     ]
     try:
         exudyn_peer.load()
     except Missing:
-        return found
-    return [*found, exudyn_peer.method(0.2, _H)]
+        return result
+    return [*result, exudyn_peer.method(0.2, _H)]
 
 
 def _row(method: Method, name: str, rotor: Rotor) -> dict:
@@ -108,7 +108,7 @@ def _measured(row: dict, method: Method, rotor: Rotor) -> dict:
             method.solve(replace(problem, stop=2 * _H, sample=_H))
         # matrices, equilibrium and modes are made once, and are not a step's cost
         start = timed(method.solve, replace(problem, stop=2 * _H, sample=_H))[0]
-        seconds, found = timed(method.solve, problem)
+        seconds, result = timed(method.solve, problem)
     except Diverged as error:
         return {**row, "failed": str(error)}
-    return {**row, "us": [*row["us"], 1e6 * (seconds - start) / (found.steps - 2)]}
+    return {**row, "us": [*row["us"], 1e6 * (seconds - start) / (result.steps - 2)]}

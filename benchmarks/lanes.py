@@ -19,9 +19,9 @@ from typing import NamedTuple
 
 import numpy as np
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.march.tape import Record
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu.fmi.binding import build_simulation
 from rotor_fmu.fmi.interface import interface
@@ -88,18 +88,20 @@ def machine_of(simulation: Simulation) -> tuple[Machine, list[np.ndarray]]:
     """What the lanes share, and the arrays that it points to."""
     s = simulation.structure
     contact, housing = s.laws[0][0], s.housings[0]
-    kept = [np.ascontiguousarray(x, dtype=float) for x in (s.M, s.C, s.K, s.G, s.weight.imag)]
-    kept += [np.ascontiguousarray(x, dtype=np.int64) for x in (s.unbalances.dof, s.interfaces.dof)]
+    references = [np.ascontiguousarray(x, dtype=float) for x in (s.M, s.C, s.K, s.G, s.weight.imag)]
+    references += [
+        np.ascontiguousarray(x, dtype=np.int64) for x in (s.unbalances.dof, s.interfaces.dof)
+    ]
     numbers = [*s.M.shape, len(s.unbalance)]
-    pointers = [a.ctypes.data_as(_POINTER if a.dtype == float else _INTEGERS) for a in kept]
+    pointers = [a.ctypes.data_as(_POINTER if a.dtype == float else _INTEGERS) for a in references]
     of_housing = [housing[name] for name in ("mass", "kx", "ky", "cx", "cy")]
     of_contact = [contact[name] for name in ("k", "c", "delta_c", "v_s", "journal_radius")]
     scheme = simulation._scheme
-    told = Machine(*numbers, *pointers)
-    told.housing[:], told.contact[:] = of_housing, of_contact
-    told.scheme[:] = [scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma]
-    told.g = float(s.numbers[0]["gravity"])
-    return told, kept
+    machine = Machine(*numbers, *pointers)
+    machine.housing[:], machine.contact[:] = of_housing, of_contact
+    machine.scheme[:] = [scheme.alpha_m, scheme.alpha_f, scheme.beta, scheme.gamma]
+    machine.g = float(s.numbers[0]["gravity"])
+    return machine, references
 
 
 class State(NamedTuple):
@@ -152,8 +154,8 @@ def apart(library: ctypes.CDLL, width: int) -> float:
     own.advance(0.6, 190.0)
     march(library, machine, lanes, 1000)
     exact = own.motion.q[:-1, None]
-    found = lanes["q"][0, : len(exact), 0] + 1j * lanes["q"][0, : len(exact), 1]
-    return float(np.abs(found - exact).max())
+    result = lanes["q"][0, : len(exact), 0] + 1j * lanes["q"][0, : len(exact), 1]
+    return float(np.abs(result - exact).max())
 
 
 class Whole(NamedTuple):
@@ -169,15 +171,15 @@ class Whole(NamedTuple):
 
 def run_down(own: Simulation) -> Whole:
     """Run a machine down as a study does, told its speed every 0.04 s."""
-    states, tapes, used = [], [own.drain()], 0.0
+    states, recordings, used = [], [own.drain()], 0.0
     for k in range(1, 1001):
         if len(states) < len(SPEEDS) and own.read("w") <= SPEEDS[len(states)]:
             states.append(state_of(own))
         begun = time.process_time()
         own.advance(0.04 * k, 400.0 - 0.4 * (k - 1))
         used += time.process_time() - begun
-        tapes.append(own.drain())
-    newton = np.diff(np.concatenate(tapes)[:, 1])
+        recordings.append(own.drain())
+    newton = np.diff(np.concatenate(recordings)[:, 1])
     repeated = own.read("solver.rejected")
     return Whole(states, newton, repeated, used / (len(newton) + repeated), machine_of(own))
 
@@ -234,7 +236,7 @@ def main() -> None:
         for _ in range(REPETITIONS):  # in turns, so that a busy machine slows all alike
             for width, library in libraries.items():
                 rows[width].append(timed(library, runs, width))
-    costs = {width: statistics.median(cost for cost, _ in found) for width, found in rows.items()}
+    costs = {width: statistics.median(cost for cost, _ in result) for width, result in rows.items()}
     for width, cost in costs.items():
         by_newton, by_steps = waited(runs, width)
         print(

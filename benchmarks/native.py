@@ -86,17 +86,17 @@ def rows(master: CMaster, folder: Path) -> list[tuple[str, str]]:
         REPETITIONS, lambda: master.process_cpu("rundown"), lambda: master.run("bare")
     )
     build = statistics.median(built_for_another_machine(folder) for _ in range(3))
-    found = [
+    result = [
         ("instantiate to first step, from C", f"{start / 1e3:.2f} ms"),
         ("run-down in a C master, whole process, over the kernels alone", f"{whole:.3f}"),
         ("build of an FMU of another machine", f"{build:.2f} s"),
     ]
     try:
         fmu = build_native(folder / "all")
-        found.append(("an FMU with all five platforms", f"{fmu.stat().st_size / 1e6:.2f} MB"))
+        result.append(("an FMU with all five platforms", f"{fmu.stat().st_size / 1e6:.2f} MB"))
     except CoreError as error:
-        found.append(("an FMU with all five platforms", str(error)))
-    return found
+        result.append(("an FMU with all five platforms", str(error)))
+    return result
 
 
 def main() -> None:
@@ -107,22 +107,22 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         master = CMaster(folder)
-        found = rows(master, folder)
+        result = rows(master, folder)
         if asked.wide:
             wide = wide_library(folder)
             gain = median_ratio(
                 REPETITIONS, lambda: master.run("bare", wide), lambda: master.run("bare")
             )
-            found.append(
+            result.append(
                 ("run-down by the library for x86-64-v3, over the one for all", f"{gain:.3f}")
             )
     if asked.numba:
         ratio = median_ratio(
             REPETITIONS, lambda: run_down_of("library"), lambda: run_down_of("numba")
         )
-        found.append(("run-down by the library, over numba's code", f"{ratio:.3f}"))
+        result.append(("run-down by the library, over numba's code", f"{ratio:.3f}"))
     print("| the native FMU | |\n| --- | ---: |")
-    for text, value in found:
+    for text, value in result:
         print(f"| {text} | {value} |")
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
 
 from .compare import OWN, rows
 from .growth import REDUCED
@@ -29,18 +29,18 @@ _SERIES = {
 
 def draw(store: Store, folder: Path) -> list[Path]:
     """The pictures that the results allow."""
-    found = []
+    result = []
     for problem, name in (
         ("run-down", "work_precision"),
         ("beginning", "work_precision_beginning"),
     ):
         if rows(store, problem):
-            found.append(save(work_precision(store, problem), folder / f"{name}.png"))
+            result.append(save(work_precision(store, problem), folder / f"{name}.png"))
     if any(row["x_peak_error"] is not None for row in rows(store, "run-down")):
-        found.append(save(peaks(store), folder / "work_precision_peaks.png"))
+        result.append(save(peaks(store), folder / "work_precision_peaks.png"))
     if store.section("growth"):
-        found.append(save(growth(store), folder / "growth.png"))
-    return found
+        result.append(save(growth(store), folder / "growth.png"))
+    return result
 
 
 def work_precision(store: Store, problem: str) -> Figure:

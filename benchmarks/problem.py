@@ -39,7 +39,7 @@ class Problem:
 
 @dataclass(frozen=True)
 class Orbit:
-    """What a program found: orbit of the last disc at the problem's times, shape (times,), complex
+    """What a program result: orbit of the last disc at the problem's times, shape (times,), complex
     [m]; steps; X = max |x| and Y = max |y - y at rest| after `PEAKS_AFTER` [m], None if too short.
     """
 
@@ -129,5 +129,5 @@ def orbit(problem: Problem, times: np.ndarray, disc: np.ndarray, steps: int) -> 
 def timed(solve: Callable[[Problem], Orbit], problem: Problem) -> tuple[float, Orbit]:
     """CPU seconds of this process for one run, and what it found."""
     begun = time.process_time()
-    found = solve(problem)
-    return time.process_time() - begun, found
+    result = solve(problem)
+    return time.process_time() - begun, result

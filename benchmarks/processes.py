@@ -87,8 +87,8 @@ def run_alone(program: str) -> None:
 
 def step_alone() -> float:
     """Microseconds a step of this project, as this process runs it."""
-    seconds, found = timed(project.method("", choose("robust", h=1e-4)).solve, beginning())
-    return 1e6 * seconds / found.steps
+    seconds, result = timed(project.method("", choose("robust", h=1e-4)).solve, beginning())
+    return 1e6 * seconds / result.steps
 
 
 def peak_memory() -> int:

@@ -21,24 +21,24 @@ Report = Callable[[str, float], None]  # (what, share done)
 
 def methods() -> tuple[list[Method], list[str]]:
     """What can be run here, and a line for each program that cannot."""
-    found, missing = [], []
+    result, missing = [], []
     for peer in PEERS:
         try:
-            found += peer.methods()
+            result += peer.methods()
         except Missing as error:
             missing.append(str(error))
-    return found, missing
+    return result, missing
 
 
 def race(store: Store, repetitions: int, is_quick: bool, report: Report) -> None:
     """Run every method on its problems `repetitions` times in turns; keep each result at once."""
-    found, missing = methods()
+    result, missing = methods()
     store.keep("missing", "programs", {"lines": missing})
     problems = [beginning(), run_down()]
     if is_quick:
         problems[1] = replace(problems[1], stop=_QUICK_STOP)
     for problem in problems:
-        chosen = [m for m in found if not m.only_short or problem.name == "beginning"]
+        chosen = [m for m in result if not m.only_short or problem.name == "beginning"]
         _race(store, problem, chosen, repetitions, report)
 
 
@@ -61,9 +61,9 @@ def _race(
             if isinstance(attempt, str):
                 row = {**_label(method), "failed": attempt, "cpu_s": []}
             else:
-                seconds, found = attempt
+                seconds, result = attempt
                 row = row or {**_label(method), "failed": None, "cpu_s": []}
-                row |= _errors(found, truth)
+                row |= _errors(result, truth)
                 row["cpu_s"] = [*row["cpu_s"], seconds]
             store.keep(problem.name, method.name, row)
 
@@ -89,37 +89,37 @@ def _label(method: Method) -> dict[str, str | float | None]:
 
 
 def _reference(store: Store, problem: Problem, report: Report) -> Orbit:
-    kept = store.section("reference").get(problem.name)
-    if kept is None:
+    stored = store.section("reference").get(problem.name)
+    if stored is None:
         report(f"{problem.name}: converged reference", 0.0)
         cvode.reference(replace(problem, stop=_WARM_UP, sample=_WARM_UP / 4))
-        seconds, found = timed(cvode.reference, problem)
-        kept = {
-            "x": found.disc.real.tolist(),
-            "y": found.disc.imag.tolist(),
-            "steps": found.steps,
-            "x_peak": found.x_peak,
-            "y_peak": found.y_peak,
+        seconds, result = timed(cvode.reference, problem)
+        stored = {
+            "x": result.disc.real.tolist(),
+            "y": result.disc.imag.tolist(),
+            "steps": result.steps,
+            "x_peak": result.x_peak,
+            "y_peak": result.y_peak,
             "cpu_s": seconds,
             "stop": problem.stop,
         }
-        store.keep("reference", problem.name, kept)
-    disc = np.array(kept["x"]) + 1j * np.array(kept["y"])
-    return Orbit(disc, kept["steps"], kept["x_peak"], kept["y_peak"])
+        store.keep("reference", problem.name, stored)
+    disc = np.array(stored["x"]) + 1j * np.array(stored["y"])
+    return Orbit(disc, stored["steps"], stored["x_peak"], stored["y_peak"])
 
 
-def _errors(found: Orbit, truth: Orbit) -> dict[str, float | int | None]:
+def _errors(result: Orbit, truth: Orbit) -> dict[str, float | int | None]:
     """Of the orbit, its largest and its root mean square [m]; of X and Y, relative [1]."""
-    error = np.abs(found.disc - truth.disc)
+    error = np.abs(result.disc - truth.disc)
     signal = np.abs(truth.disc - truth.disc[0]).max()
     figures = {
-        "steps": found.steps,
+        "steps": result.steps,
         "orbit_max": float(error.max()),
         "orbit_rms": float(np.sqrt((error**2).mean())),
         "orbit_relative": float(error.max() / signal),
     }
     for name in ("x_peak", "y_peak"):
-        value, exact = getattr(found, name), getattr(truth, name)
+        value, exact = getattr(result, name), getattr(truth, name)
         figures[name] = value
         figures[f"{name}_error"] = None if exact is None else value / exact - 1
     return figures

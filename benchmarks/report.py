@@ -154,25 +154,25 @@ def _step_cost_table(store: Store) -> str:
 
 
 def _dissipation_table(store: Store) -> str:
-    found = list(store.section("dissipation").values())
-    steps = sorted({row["h"] for row in found}, reverse=True)
+    result = list(store.section("dissipation").values())
+    steps = sorted({row["h"] for row in result}, reverse=True)
     lines = [
         (
             f"{rho:g}",
             *(
                 f"{row['orbit_max'] * 1e6:.3g}"
                 for h in steps
-                for row in found
+                for row in result
                 if row["rho"] == rho and row["h"] == h
             ),
         )
-        for rho in sorted({row["rho"] for row in found})
+        for rho in sorted({row["rho"] for row in result})
     ]
     return table(("rho", *(f"orbit error, h = {h * 1e3:g} ms [µm]" for h in steps)), lines)
 
 
 def _growth_table(store: Store) -> str:
-    found = store.section("growth").values()
+    result = store.section("growth").values()
     lines = [
         (
             row["program"],
@@ -182,7 +182,7 @@ def _growth_table(store: Store) -> str:
             row["failed"] or f"{median(row['us']):.1f}",
         )
         for row in sorted(
-            found,
+            result,
             key=lambda r: (r["program"], r["varied"] == "bearings", r["dofs"]),
         )
     ]

@@ -44,10 +44,10 @@ def _measured(row: dict, method: Method | str, problem: Problem) -> dict:
     try:
         if not row["us"]:
             method.solve(replace(problem, stop=0.16, sample=0.04))
-        seconds, found = timed(method.solve, problem)
+        seconds, result = timed(method.solve, problem)
     except Diverged as error:
         return {**row, "failed": str(error)}
-    return {**row, "us": [*row["us"], 1e6 * seconds / found.steps]}
+    return {**row, "us": [*row["us"], 1e6 * seconds / result.steps]}
 
 
 def _own(preset: str, h: float) -> Method:
@@ -77,9 +77,9 @@ def main() -> None:
         def keep(self, _: str, name: str, row: dict) -> None:
             self.rows[name] = row
 
-    kept = Kept()
-    step_cost(kept, 5, lambda what, share: None)
-    for name, row in kept.rows.items():
+    stored = Kept()
+    step_cost(stored, 5, lambda what, share: None)
+    for name, row in stored.rows.items():
         print(f"{name:45s}", row["failed"] or f"{median(row['us']):8.2f} us a step")
 
 

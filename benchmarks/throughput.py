@@ -21,10 +21,10 @@ from rich.console import Console
 from rotor_fmu import studies
 from rotor_fmu.errors import run, writable_folder
 from rotor_fmu.runs.job import write_json, write_text
-from rotor_fmu.studies.conduct import Progress, conduct
-from rotor_fmu.studies.engines import Where, engine
+from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.machine.runs import MachineRuns
 from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import Progress, run_study
 from rotor_fmu.studies.study import Study
 
 from .report import table
@@ -67,30 +67,30 @@ def main(
         folder = Path(name)
         study = study_of(folder, runs)
         few = study_of(folder, max(10, runs // 10))
-        found, ready = {LOOP: alone(few)}, readied(few)
-        _say(LOOP, found[LOOP])
+        result, ready = {LOOP: alone(few)}, readied(few)
+        _say(LOOP, result[LOOP])
         engines = {
-            "one process": Where(jobs=1),
-            f"{cores} processes": Where(jobs=cores),
-            f"Dask, {cores} workers": Where(cluster=cores),
+            "one process": ExecutorConfig(jobs=1),
+            f"{cores} processes": ExecutorConfig(jobs=cores),
+            f"Dask, {cores} workers": ExecutorConfig(cluster=cores),
         }
         for engine_name, where in engines.items():
-            found[engine_name] = measured(study, folder / engine_name, where)
-            _say(engine_name, found[engine_name])
+            result[engine_name] = measured(study, folder / engine_name, where)
+            _say(engine_name, result[engine_name])
         rows = [studies.open(folder / engine_name) for engine_name in engines]
         are_equal = all(other.identical(rows[0]) for other in rows[1:])
-    page = page_of(found, cores, runs, are_equal, ready)
-    told = {engine_name: one._asdict() for engine_name, one in found.items()}
+    page = page_of(result, cores, runs, are_equal, ready)
+    described = {engine_name: one._asdict() for engine_name, one in result.items()}
     write_json(
-        {"measured": told, "runs": runs, "equal": are_equal, "ready_s": ready},
+        {"measured": described, "runs": runs, "equal": are_equal, "ready_s": ready},
         out / "throughput.json",
     )
     write_text(page, out / "throughput.md")
     typer.echo(page)
 
 
-def _say(name: str, found: Measured) -> None:
-    _console.print(f"{name}: {found.rate:.3g} runs a second, {found.cpu:.3g} s of CPU a run")
+def _say(name: str, result: Measured) -> None:
+    _console.print(f"{name}: {result.rate:.3g} runs a second, {result.cpu:.3g} s of CPU a run")
 
 
 def study_of(folder: Path, runs: int) -> Study:
@@ -121,7 +121,7 @@ def readied(study: Study) -> float:
     return (time.process_time() - begun) / len(values)
 
 
-def measured(study: Study, folder: Path, where: Where) -> Measured:
+def measured(study: Study, folder: Path, where: ExecutorConfig) -> Measured:
     """A study in an engine, its rate from the first rows to the last."""
     before = os.times()
     seen: list[tuple[float, int]] = []
@@ -129,7 +129,7 @@ def measured(study: Study, folder: Path, where: Where) -> Measured:
     def report(progress: Progress) -> None:
         seen.append((time.perf_counter(), progress.now))
 
-    conduct(study, folder, partial(engine, where), report)
+    run_study(study, folder, partial(engine, where), report)
     (begun, first), (ended, last) = next(x for x in seen if x[1]), seen[-1]
     after = os.times()
     cpu = after.children_user + after.children_system
@@ -138,12 +138,12 @@ def measured(study: Study, folder: Path, where: Where) -> Measured:
 
 
 def page_of(
-    found: dict[str, Measured], cores: int, runs: int, are_equal: bool, ready: float
+    result: dict[str, Measured], cores: int, runs: int, are_equal: bool, ready: float
 ) -> str:
     """The results as a page of Markdown."""
-    one = found["one process"].rate
+    one = result["one process"].rate
     lines = []
-    for name, (rate, cpu) in found.items():
+    for name, (rate, cpu) in result.items():
         used = 1 if name in (LOOP, "one process") else cores
         lines.append((name, f"{rate:.2f}", f"{rate / used:.2f}", f"{rate / one:.2f}", f"{cpu:.3f}"))
     head = ("engine", "runs a second", "and core", "to one process", "CPU a run [s]")

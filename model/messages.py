@@ -9,10 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .doubts import DOUBTS, UNFINISHED
 from .settings import messages as settings
 from .spelling import choice
 from .stability import sentences as whirls
+from .warnings import RUN_WARNINGS, UNFINISHED
 
 GOOD = settings.GOOD
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
@@ -59,7 +59,7 @@ _SENTENCES = {
     "MOVES_AT_REST": _positional(whirls.AT_REST, how=whirls.MOVES_AWAY),
     "HIDES": _positional(whirls.HIDES, way=_WAY, does=_DOES),
     "UNSTABLE": _positional(whirls.UNSTABLE, way=_WAY),
-    **{doubt.since: _positional(doubt.words) for doubt in DOUBTS},
+    **{warning.since: _positional(warning.words) for warning in RUN_WARNINGS},
 }
 SENTENCES = (*settings.SENTENCES, *_SENTENCES.values())
 # Of each the code that a machine reads, empty of what no run says that goes on.
@@ -68,7 +68,7 @@ _CODES = {
     "MOVES_AT_REST": "unstable-at-rest",
     "HIDES": "hidden-instability",
     "UNSTABLE": "unstable",
-    **{doubt.since: doubt.code for doubt in DOUBTS},
+    **{warning.since: warning.code for warning in RUN_WARNINGS},
 }
 CODES = (*settings.CODES, *(_CODES.get(name, "") for name in _SENTENCES))
 _FIRST = len(settings.SENTENCES)
@@ -88,8 +88,8 @@ _FIRST = len(settings.SENTENCES)
     MOVES_AT_REST,
     HIDES,
     UNSTABLE,
-    DOUBTFUL,  # the first of `DOUBTS`
-) = range(_FIRST, _FIRST + len(_SENTENCES) - len(DOUBTS) + 1)
+    FIRST_RUN_WARNING,  # the first of `RUN_WARNINGS`
+) = range(_FIRST, _FIRST + len(_SENTENCES) - len(RUN_WARNINGS) + 1)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:

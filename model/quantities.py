@@ -12,10 +12,10 @@ from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
-from .refusal import Refusal
+from .errors import UserInputError
 
 
-class QuantityError(Refusal, ValueError):
+class QuantityError(UserInputError, ValueError):
     """A number that cannot be; the message names the quantity, its value and what is allowed."""
 
 
@@ -84,14 +84,14 @@ def quantity(
     may_be_list: bool = False,
 ) -> Any:
     """A field of a data class that is a `Quantity`."""
-    told = Quantity(unit, text, rule, is_parameter, may_be_list=may_be_list)
-    return field(default=default, metadata={"quantity": told})
+    declared = Quantity(unit, text, rule, is_parameter, may_be_list=may_be_list)
+    return field(default=default, metadata={"quantity": declared})
 
 
 def switch(text: str, default: Any = MISSING, *, is_parameter: bool = False) -> Any:
     """A field of a data class that is true or false."""
-    told = Quantity("1", text, ANY, is_parameter, is_switch=True)
-    return field(default=default, metadata={"quantity": told})
+    declared = Quantity("1", text, ANY, is_parameter, is_switch=True)
+    return field(default=default, metadata={"quantity": declared})
 
 
 def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> Any:
@@ -107,28 +107,28 @@ def quantities(kind: Any) -> Mapping[str, Quantity]:
     return {f.name: f.metadata["quantity"] for f in fields(kind) if "quantity" in f.metadata}
 
 
-def check(shown: str, told: Quantity, value: Any) -> None:
+def check(shown: str, declared: Quantity, value: Any) -> None:
     """Raise `QuantityError`, calling it `shown`, unless `value` may be that of the quantity."""
-    if told.is_switch:
+    if declared.is_switch:
         if not isinstance(value, bool):
             raise QuantityError(f"{shown} = {value!r}: must be true or false")
         return
-    if told.may_be_list and isinstance(value, (tuple, list)):
+    if declared.may_be_list and isinstance(value, (tuple, list)):
         for i, item in enumerate(value, 1):
-            check(f"{shown}[{i}]", replace(told, may_be_list=False), item)
+            check(f"{shown}[{i}]", replace(declared, may_be_list=False), item)
         return
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        kinds = "a number or a list of numbers" if told.may_be_list else "a number"
+        kinds = "a number or a list of numbers" if declared.may_be_list else "a number"
         raise QuantityError(f"{shown} = {value!r}: must be {kinds}")
     is_finite = isinstance(value, int) or math.isfinite(value)
     if is_finite and abs(value) > LARGEST:
         raise QuantityError(f"{shown}: must not exceed {LARGEST:g} in size")
-    if not is_finite or not told.rule.allows(value):
-        unit = "" if told.unit == "1" else f" {told.unit}"
-        raise QuantityError(f"{shown} = {value:g}{unit}: {told.rule.words}")
+    if not is_finite or not declared.rule.allows(value):
+        unit = "" if declared.unit == "1" else f" {declared.unit}"
+        raise QuantityError(f"{shown} = {value:g}{unit}: {declared.rule.words}")
 
 
 def check_all(where: str, item: Any) -> None:
     """`check` every quantity of a data class's instance, called `where`."""
-    for name, told in quantities(item).items():
-        check(f"{where}.{name}", told, getattr(item, name))
+    for name, declared in quantities(item).items():
+        check(f"{where}.{name}", declared, getattr(item, name))

@@ -9,26 +9,26 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from . import messages, outcomes
-from .code import Code, calls, chosen
-from .doubts import DOUBTS
-from .kernels.compiled import INTERPRETED_WARNING, plain
+from .backend import Backend, entry_points, selected_backend
+from .errors import UserInputError
+from .kernels.jit import INTERPRETED_WARNING, interpreted
 from .machine.rotor import Rotor
-from .march import march
-from .march.block import LAYOUT, RunData, new_block
-from .march.equilibrium import HELD
-from .march.observe import observed_names
-from .march.tape import Record, channels_of
-from .refusal import Refusal
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .spelling import TOLD, Message, spell
-from .stability.whirls import Whirl, whirls_found
+from .spelling import MOST_ARGUMENTS, Message, spell
+from .stability.whirls import Whirl, growing_whirls
 from .step.step import Motion
 from .structure.assembly import interface_names
 from .structure.reduction import assembled
 from .structure.structure import Structure
+from .time_loop import time_loop
+from .time_loop.block import LAYOUT, RunData, new_block
+from .time_loop.equilibrium import HELD
+from .time_loop.observe import observed_names
+from .time_loop.recorder import Record, channels_of
+from .warnings import RUN_WARNINGS
 
 
-class EquilibriumError(Refusal, RuntimeError):
+class EquilibriumError(UserInputError, RuntimeError):
     """No static equilibrium was found."""
 
 
@@ -94,10 +94,10 @@ class Simulation:
         channels = channels_of(rotor, taped)
         rows = taped.rows if channels else 0
         self._block = new_block(structure, len(self.names), len(channels), rows)
-        self._run: RunData = LAYOUT.look(self._block)
-        self._code = calls(self._block)
-        self._run.tape.channels[:] = channels
-        self._run.tape.head[0].least = taped.angle
+        self._run: RunData = LAYOUT.view_in_python(self._block)
+        self._entry_points = entry_points(self._block)
+        self._run.recorder.channels[:] = channels
+        self._run.recorder.head[0].least = taped.angle
         self._run.method.numbers[0] = settings.numbers
 
         numbers = self._run.memory.record[0]
@@ -111,16 +111,19 @@ class Simulation:
             self._run.memory.loads[:] = loads
         # views of single fields: a record's attributes cost a microsecond each
         self._time = self._run.memory.record["t"]
-        self._doubts = [(self._run.memory.record[doubt.since], doubt) for doubt in DOUBTS]
+        self._run_warnings = [
+            (self._run.memory.record[run_warning.since], run_warning)
+            for run_warning in RUN_WARNINGS
+        ]
         self._loads = self._run.memory.loads
         self._load_rates = self._run.memory.load_rates
         self._observed = self._run.reading.observed
-        self._told = np.zeros(TOLD)
+        self._arguments = np.zeros(MOST_ARGUMENTS)
         self._where = messages.closed_at(interface_names(rotor), self._run.structure.interfaces)
         whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
         self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
-        status = self._code.start(float(speed), float(drive), float(rate))
+        status = self._entry_points.start(float(speed), float(drive), float(rate))
         if status != HELD:
             raise EquilibriumError(self._sentence(outcomes.no_rest, self._run, status))
         self._warn_beyond(speed)
@@ -169,7 +172,7 @@ class Simulation:
         rate: float | None = None,
         load_rates: np.ndarray | None = None,
     ) -> None:
-        """March to time `to` [s].
+        """Advance to time `to` [s].
 
         drive: the speed now [rad/s], or a free rotor's drive torque [N.m]; loads: complex forces
         x + i y on the machine's ports, in the order of `Structure.load_dof`, now [N], of a base its
@@ -194,18 +197,20 @@ class Simulation:
         if loads is not None:
             self._loads[:] = loads
         self._load_rates[:] = 0.0 if load_rates is None else load_rates
-        status = self._code.advance(float(to), float(drive), math.nan if rate is None else rate)
-        if status != march.DONE:
+        status = self._entry_points.advance(
+            float(to), float(drive), math.nan if rate is None else rate
+        )
+        if status != time_loop.DONE:
             raise StepFailure(self._failure(status))
         if self._ranges:
             self._warn_beyond(float(self._run.memory.record["omega"][0]))
         if not self._surveyed_from[0] <= abs(self._speed[0]) <= self._surveyed_to[0]:
             self._survey(False)
-        for entry in tuple(self._doubts):
-            since, doubt = entry
+        for entry in tuple(self._run_warnings):
+            since, warning = entry
             if since[0] == since[0]:
-                self._doubts.remove(entry)
-                self._warn(Message(doubt.words.format(since[0]), doubt.code))
+                self._run_warnings.remove(entry)
+                self._warn(Message(warning.words.format(since[0]), warning.code))
 
     def snapshot(self) -> np.ndarray:
         """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
@@ -214,10 +219,10 @@ class Simulation:
     def restore(self, snapshot: np.ndarray | bytes) -> None:
         """Go back to a snapshot, or to its bytes, of this or of an equal simulation."""
         self._state[:] = np.frombuffer(snapshot, np.uint8)
-        self._code.look()
-        tape = self._run.tape
-        tape.head[0].written = np.searchsorted(
-            tape.rows[: tape.head[0].written, 0], self.time, "right"
+        self._entry_points.refresh_outputs()
+        recorder = self._run.recorder
+        recorder.head[0].written = np.searchsorted(
+            recorder.rows[: recorder.head[0].written, 0], self.time, "right"
         )
 
     def drain(self) -> np.ndarray:
@@ -228,9 +233,9 @@ class Simulation:
         the most rows were due in between, every second was dropped, and so on. A restored snapshot
         takes back what was recorded after it, except what was drained.
         """
-        tape = self._run.tape
-        head = tape.head[0]
-        rows = tape.rows[: head.written].copy()
+        recorder = self._run.recorder
+        head = recorder.head[0]
+        rows = recorder.rows[: head.written].copy()
         head.written = 0
         head.spacing = head.least
         head.covered = 0.0
@@ -239,11 +244,11 @@ class Simulation:
     @property
     def _whirls(self) -> tuple[Whirl, ...]:
         """The growing whirls that were found last, the fastest first."""
-        return whirls_found(self.structure, self._run.survey)
+        return growing_whirls(self.structure, self._run.survey)
 
     def _survey(self, is_start: bool) -> None:
         """Look for growing whirls up to the present speed; warn of those that the steps hide."""
-        self._code.survey(float(self._speed[0]), is_start)
+        self._entry_points.survey(float(self._speed[0]), is_start)
         survey = self._run.survey
         grows = self._sentence(outcomes.growth_at_rest, complex(survey.rest[0]))
         if grows:
@@ -261,7 +266,7 @@ class Simulation:
 
     def _warn_if_interpreted(self) -> None:
         global _has_said_interpreted
-        if chosen() is Code.PYTHON and not _has_said_interpreted:
+        if selected_backend() is Backend.PYTHON and not _has_said_interpreted:
             _has_said_interpreted = True
             self._warn(Message(INTERPRETED_WARNING, "interpreted"))
 
@@ -274,11 +279,11 @@ class Simulation:
 
     def _failure(self, status: int) -> str:
         """Why a step failed."""
-        self._code.survey(float(self._run.memory.record[0].surveyed_at), False)
+        self._entry_points.survey(float(self._run.memory.record[0].surveyed_at), False)
         return self._sentence(outcomes.failure, self._run, status)
 
     def _sentence(self, kernel: Callable[..., int], *arguments: object) -> Message:
         """What a kernel of `outcomes` has to say, "" where it is nothing."""
-        code = plain(kernel)(*arguments, self._told)
-        text = spell(messages.SENTENCES[code].replace("{where}", self._where), self._told)
+        code = interpreted(kernel)(*arguments, self._arguments)
+        text = spell(messages.SENTENCES[code].replace("{where}", self._where), self._arguments)
         return Message(text, messages.CODES[code])

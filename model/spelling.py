@@ -10,16 +10,16 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-TOLD = 16  # numbers of a sentence, at most
+MOST_ARGUMENTS = 16  # numbers of a sentence, at most
 _PLACE = re.compile(r"\{(\?[^{}]*|[d]|\.?\d*g)\}")
 
 
 def spell(pattern: str, numbers: Iterable[float]) -> str:
     """A sentence with its numbers."""
-    told = iter(numbers)
+    arguments = iter(numbers)
 
     def shown(place: re.Match[str]) -> str:
-        kind, number = place[1], next(told)
+        kind, number = place[1], next(arguments)
         if kind.startswith("?"):
             return kind[1:].split("|")[int(number)]
         return f"{int(number):d}" if kind == "d" else f"{number:{kind}}"

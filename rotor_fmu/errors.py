@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .model.refusal import Refusal
+from .model.errors import UserInputError
 
 if TYPE_CHECKING:
     import typer
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
-class InputError(Refusal, ValueError):
+class InputError(UserInputError, ValueError):
     """What a user gave that cannot be; names the thing, its value and what is allowed.
 
     >>> import rotor_fmu as rf
@@ -57,7 +57,7 @@ def run(app: Callable[..., int | None]) -> None:
         if not error.format_message():  # the help was printed, nothing being asked
             sys.exit(0)
         _end(_one_line(error), BAD_INPUT)
-    except Refusal as error:
+    except UserInputError as error:
         _end(str(error), BAD_INPUT)
     except OSError as error:
         _end(_unreachable(error), FAILED)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
-from rotor_fmu.model.code import waits_for_compiler
+from rotor_fmu.model.backend import waits_for_compiler
 
 from rotor_fmu.fmi.packing.python_fmu import build
 

@@ -55,7 +55,7 @@ class Run:
         y = solved(equations, q, start.v[:n], self.times, RTOL_OF_EXAMPLES)
         return self._at_contacts(y[:, :n] + 1j * y[:, n : 2 * n])
 
-    def found(self, settings: Settings) -> tuple[str, np.ndarray]:
+    def solve(self, settings: Settings) -> tuple[str, np.ndarray]:
         """Status and orbits of this project's run."""
         said: list[str] = []
         sim = self._simulation(settings, said=said)
@@ -85,7 +85,7 @@ class RigWindow:
         """CVODE's orbit [m]; shift: of everything at the start [m]."""
         return self.window.reference(RTOL, shift)
 
-    def found(self, settings: Settings) -> tuple[str, np.ndarray]:
+    def solve(self, settings: Settings) -> tuple[str, np.ndarray]:
         """Status and orbit of this project's run."""
         return "ok", self.window.orbit(settings)[0]
 

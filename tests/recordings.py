@@ -48,7 +48,7 @@ def write_study(folder, runs=60, planned=80, kind="random"):
     # parts overlap where a merge was cut short
     pq.write_table(table.slice(runs // 3), folder / "rows" / "a.parquet")
     pq.write_table(table.slice(0, runs // 2), folder / "rows" / "b.parquet")
-    kept = {"text": "largest x", "unit": "m", "dimension": "", "coordinate": []}
+    retained = {"text": "largest x", "unit": "m", "dimension": "", "coordinate": []}
     curve = {"text": "amplitude", "unit": "m", "dimension": "speed", "coordinate": grid}
     law = {"distribution": "uniform", "parameters": {"low": 0.0, "high": 1.0}}
     about = {
@@ -62,7 +62,7 @@ def write_study(folder, runs=60, planned=80, kind="random"):
             ],
         },
         "columns": [
-            {"name": "peak", "coordinate_unit": "1", **kept},
+            {"name": "peak", "coordinate_unit": "1", **retained},
             {"name": "amplitude", "coordinate_unit": "rad/s", **curve},
         ],
     }

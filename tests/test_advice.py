@@ -8,7 +8,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import StepFailure
 
 from .test_simulation import unstable
-from .test_whip import doubts_on_the_rig
+from .test_whip import warnings_on_the_rig
 from .test_work import rubbing
 from .whip import overhung_machine, run_down
 
@@ -40,45 +40,45 @@ MENDED = {
 def test_a_run_that_takes_too_much_work_gets_on_with_the_advice_for_its_trouble(advice):
     trouble, bearing, settings = MENDED[advice]
     before = SLOW[trouble]
-    told = outcome(rubbing(**before[0]), choose(**before[1]), 0.01)
-    assert advice in told[-1]
-    assert "stopped after 10000000 iterations" in told[-1]
-    told = outcome(rubbing(**before[0] | bearing), choose(**before[1] | settings), 0.01)
-    assert not [message for message in told if "iterations" in message]
+    output = outcome(rubbing(**before[0]), choose(**before[1]), 0.01)
+    assert advice in output[-1]
+    assert "stopped after 10000000 iterations" in output[-1]
+    output = outcome(rubbing(**before[0] | bearing), choose(**before[1] | settings), 0.01)
+    assert not [message for message in output if "iterations" in message]
 
 
 def test_steps_too_coarse_are_mended_by_a_smaller_least_step_or_a_larger_tolerance():
     coarse = {"tolerance": 1e-5, "h_min": 1e-3, "h": 1e-3}
-    (told,) = outcome(rig(), choose(**coarse), 0.1)
-    assert "take a smaller solver.h_min, or a larger solver.tolerance" in told
+    (output,) = outcome(rig(), choose(**coarse), 0.1)
+    assert "take a smaller solver.h_min, or a larger solver.tolerance" in output
     assert outcome(rig(), choose(**coarse | {"h_min": 1e-9}), 0.1) == []
     larger = outcome(rig(), choose(**coarse | {"tolerance": 1.0}), 0.1)
     assert not [message for message in larger if "solver.h_min" in message]
 
 
 def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step():
-    *_, told = doubts_on_the_rig(choose("moderate"))
-    assert told.startswith("false state")
-    assert "take the preset robust, or a smaller solver.h" in told
-    assert doubts_on_the_rig(choose("robust")) == []
-    assert doubts_on_the_rig(choose("moderate", h=1e-4)) == []
+    *_, output = warnings_on_the_rig(choose("moderate"))
+    assert output.startswith("false state")
+    assert "take the preset robust, or a smaller solver.h" in output
+    assert warnings_on_the_rig(choose("robust")) == []
+    assert warnings_on_the_rig(choose("moderate", h=1e-4)) == []
 
 
 @pytest.mark.parametrize(
-    ("told", "advice", "followed"),
+    ("output", "advice", "followed"),
     [
         (unstable(), "take alpha_m <= alpha_f <= 0.5", choose("paper")),
         (replace(unstable(), h=1e-3), "or the preset robust", choose("robust", h=1e-3)),
     ],
 )
-def test_a_scheme_that_diverges_is_mended_by_what_is_advised(told, advice, followed):
-    assert advice in outcome(rig(), told, 0.5, interval=0.5)[-1]
+def test_a_scheme_that_diverges_is_mended_by_what_is_advised(output, advice, followed):
+    assert advice in outcome(rig(), output, 0.5, interval=0.5)[-1]
     assert not [message for message in outcome(rig(), followed, 0.5) if "unstable" in message]
 
 
 def test_an_overdamped_rub_is_seen_by_the_preset_controlled_and_by_a_smaller_step():
-    told = outcome(overhung_machine(), choose("robust"), 1.0)
-    (overdamped,) = (message for message in told if message.startswith("overdamped"))
+    output = outcome(overhung_machine(), choose("robust"), 1.0)
+    (overdamped,) = (message for message in output if message.startswith("overdamped"))
     assert "take the preset controlled, or a smaller solver.h" in overdamped
     for settings in (choose("controlled"), choose("robust", h=2e-5)):
         assert outcome(overhung_machine(), settings, 1.0) == []

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rotor_fmu.model.march.tape import recordable
+from rotor_fmu.model.time_loop.recorder import recordable
 
 import rotor_fmu as rf
 
@@ -21,9 +21,9 @@ RIG = rf.load()
 @pytest.mark.parametrize("name", MODULES)
 def test_the_examples_of_the_docstrings_run(name):
     module = importlib.import_module(f"rotor_fmu.{name}")
-    found = doctest.testmod(module)
-    assert found.attempted
-    assert not found.failed
+    outcome = doctest.testmod(module)
+    assert outcome.attempted
+    assert not outcome.failed
 
 
 def test_every_public_name_is_documented_with_an_example_that_runs():
@@ -94,11 +94,11 @@ def test_orbit_spectrum_and_orders_are_those_of_the_part_named(result):
 
 def test_a_result_comes_back_from_its_folder(result, tmp_path):
     result.save(tmp_path)
-    found = rf.read_run(tmp_path)
-    assert found.machine.toml == RIG.toml
-    assert found.units == result.units
-    assert np.array_equal(found["disc[3].x"], result["disc[3].x"])
-    assert np.array_equal(found.orbit().z, result.orbit().z)
+    outcome = rf.read_run(tmp_path)
+    assert outcome.machine.toml == RIG.toml
+    assert outcome.units == result.units
+    assert np.array_equal(outcome["disc[3].x"], result["disc[3].x"])
+    assert np.array_equal(outcome.orbit().z, result.orbit().z)
 
 
 def test_notebooks_are_shown_a_picture_and_the_facts(result):

@@ -19,7 +19,7 @@ from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
-from rotor_fmu.linear.doubts import doubts
+from rotor_fmu.linear.machine_warnings import machine_warnings
 from rotor_fmu.machine_file.reading import machine_text
 
 from .parts.machines import shaft
@@ -134,8 +134,8 @@ def mutated(seed):
         if kind <= 2 and equals:
             numbers = list(re.finditer(r"-?\d[\d.e+-]*", value))
             if numbers and rng.random() < 0.7:
-                found = rng.choice(numbers)
-                value = f"{value[: found.start()]}{rng.choice(ODD)}{value[found.end() :]}"
+                result = rng.choice(numbers)
+                value = f"{value[: result.start()]}{rng.choice(ODD)}{value[result.end() :]}"
             else:
                 value = f" {rng.choice(ODD)}"
             lines[at] = f"{key}={value}"
@@ -164,7 +164,7 @@ def mutated(seed):
 def used(text):
     """What becomes of a file: read, judged, described, started and run for some steps."""
     rotor = parse_rotor(text)
-    doubts(rotor)
+    machine_warnings(rotor)
     documents(rotor, interface(rotor), "Machine", needs_python=True, fmi=2)
     try:
         modes(rotor, 100.0)
@@ -223,16 +223,16 @@ def test_what_is_mutated_is_sound(base):
 
 @pytest.mark.usefixtures("hangs_end")
 def test_forty_mutated_machine_files_are_read_or_refused_in_one_line():
-    found = [outcome(seed) for seed in range(40)]
-    assert 0 < sum(reason is None for reason in found) < 40
+    result = [outcome(seed) for seed in range(40)]
+    assert 0 < sum(reason is None for reason in result) < 40
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("hangs_end")
 @pytest.mark.parametrize("block", range(10))
 def test_five_hundred_mutated_machine_files_are_read_or_refused_in_one_line(block):
-    found = [outcome(seed) for seed in range(100 + 50 * block, 150 + 50 * block)]
-    assert 0 < sum(reason is None for reason in found) < 50
+    result = [outcome(seed) for seed in range(100 + 50 * block, 150 + 50 * block)]
+    assert 0 < sum(reason is None for reason in result) < 50
 
 
 @pytest.mark.parametrize("seed", [179, 583, 637])
@@ -273,36 +273,36 @@ def said(text, **options):
 @pytest.mark.parametrize("speed", [0.0, 300.0])
 def test_a_machine_unstable_at_rest_is_warned_of_with_the_mode_and_its_log_dec(made, speed):
     text = HELD + bearing(1, **made) + bearing(3, **made)
-    found = modes(parse_rotor(text), 0.0)
-    worst = found.log_dec.argmin()
-    assert found.log_dec[worst] < 0
-    (told,) = (m for m in said(text, speed=speed) if "at rest" in m)
-    assert doubts(parse_rotor(text)) == [told]
-    hz, decrement = map(float, re.search(r"of (\S+) Hz .* decrement being (\S+);", told).groups())
-    assert hz == pytest.approx(found.damped[worst] / (2 * math.pi), rel=1e-3)
-    assert decrement == pytest.approx(found.log_dec[worst], rel=1e-2)
+    result = modes(parse_rotor(text), 0.0)
+    worst = result.log_dec.argmin()
+    assert result.log_dec[worst] < 0
+    (output,) = (m for m in said(text, speed=speed) if "at rest" in m)
+    assert machine_warnings(parse_rotor(text)) == [output]
+    hz, decrement = map(float, re.search(r"of (\S+) Hz .* decrement being (\S+);", output).groups())
+    assert hz == pytest.approx(result.damped[worst] / (2 * math.pi), rel=1e-3)
+    assert decrement == pytest.approx(result.log_dec[worst], rel=1e-2)
 
 
 def test_a_machine_that_leaves_its_equilibrium_is_warned_of():
     text = HELD + bearing(1, k=-1e5) + bearing(3, k=-1e5)
-    (told,) = (m for m in said(text) if "at rest" in m)
-    assert "without oscillating" in told
-    assert doubts(parse_rotor(text)) == [told]
+    (output,) = (m for m in said(text) if "at rest" in m)
+    assert "without oscillating" in output
+    assert machine_warnings(parse_rotor(text)) == [output]
 
 
 def test_a_stable_machine_is_not_doubted():
     for text in (rig_toml(), *BASES[1:4], HELD + bearing(1) + bearing(3)):
-        assert doubts(parse_rotor(text)) == []
+        assert machine_warnings(parse_rotor(text)) == []
         assert not [m for m in said(text, speed=100.0) if "at rest" in m]
 
 
 def test_a_machine_that_nothing_holds_is_refused_unless_it_is_released_in_the_air():
-    (told,) = doubts(parse_rotor(HELD))
-    assert "is not held" in told
+    (output,) = machine_warnings(parse_rotor(HELD))
+    assert "is not held" in output
     with pytest.raises(EquilibriumError, match="held at 0 of its nodes"):
         said(HELD)
     released = f"{HELD}[start]\ny = 0.0\n"
-    assert doubts(parse_rotor(released)) == []
+    assert machine_warnings(parse_rotor(released)) == []
     assert said(released) == []
 
 

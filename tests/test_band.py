@@ -4,7 +4,7 @@ which takes less time than a compiler and has the same bits (test_code.py)."""
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels import band
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 
 EPS = np.finfo(float).eps
 SIZES = [(1, 0), (2, 1), (4, 3), (16, 3), (30, 1), (25, 7), (12, 11), (40, 0)]
@@ -42,7 +42,7 @@ def test_product_is_that_of_the_dense_matrix(case):
     n = len(dense)
     x, before = random_vector(rng, n, kind), random_vector(rng, n, kind)
     y = before.copy()
-    plain(band.add_product)(band.to_band(dense, half_bandwidth), x, y)
+    interpreted(band.add_product)(band.to_band(dense, half_bandwidth), x, y)
     expected = before + dense @ x
     terms = np.abs(before) + np.abs(dense) @ np.abs(x)
     assert np.all(np.abs(y - expected) <= 8 * n * EPS * terms)
@@ -52,7 +52,7 @@ def test_factors_multiply_to_the_matrix(case):
     _, dense, half_bandwidth, _ = case
     n = len(dense)
     factors = band.to_band(dense, half_bandwidth)
-    plain(band.factorize)(factors)
+    interpreted(band.factorize)(factors)
     L = np.tril(band.to_dense(factors), -1) + np.eye(n)
     D = np.diag(1 / factors[:, 0])
     # Higham, sec. 9.3; complex numbers round a few times more
@@ -65,9 +65,9 @@ def test_solution_is_that_of_the_dense_matrix(case):
     rng, dense, half_bandwidth, kind = case
     right = random_vector(rng, len(dense), kind)
     factors = band.to_band(dense, half_bandwidth)
-    plain(band.factorize)(factors)
+    interpreted(band.factorize)(factors)
     x = right.copy()
-    plain(band.solve)(factors, x)
+    interpreted(band.solve)(factors, x)
     expected = np.linalg.solve(dense, right)
     rounding = 8 * len(dense) * EPS * np.linalg.cond(dense, np.inf)
     assert np.abs(x - expected).max() <= rounding * np.abs(expected).max()
@@ -78,7 +78,7 @@ def test_a_real_matrix_multiplies_a_complex_vector():
     dense = random_matrix(rng, 9, 3, float)
     x = random_vector(rng, 9, complex)
     y = np.zeros(9, dtype=complex)
-    plain(band.add_product)(band.to_band(dense, 3), x, y)
+    interpreted(band.add_product)(band.to_band(dense, 3), x, y)
     assert np.all(np.abs(y - dense @ x) <= 8 * 9 * EPS * (np.abs(dense) @ np.abs(x)))
 
 
@@ -88,7 +88,7 @@ def test_form_is_that_of_the_dense_matrix():
         dense = random_matrix(rng, n, half_bandwidth, float)
         x, y = random_vector(rng, n, complex), random_vector(rng, n, complex)
         expected = x.conj() @ dense @ y
-        assert plain(band.form)(band.to_band(dense, half_bandwidth), x, y) == pytest.approx(
+        assert interpreted(band.form)(band.to_band(dense, half_bandwidth), x, y) == pytest.approx(
             expected
         )
 
@@ -97,12 +97,12 @@ def test_form_is_that_of_the_dense_matrix():
 def test_leading_zeros_of_the_right_hand_side_can_be_skipped(first):
     rng = np.random.default_rng(5)
     factors = band.to_band(random_matrix(rng, 9, 3, complex), 3)
-    plain(band.factorize)(factors)
+    interpreted(band.factorize)(factors)
     x = random_vector(rng, 9, complex)
     x[:first] = 0
     whole = x.copy()
-    plain(band.solve)(factors, whole)
-    plain(band.solve)(factors, x, first)
+    interpreted(band.solve)(factors, whole)
+    interpreted(band.solve)(factors, x, first)
     np.testing.assert_array_equal(x, whole)
 
 
@@ -111,8 +111,8 @@ def test_real_factors_solve_for_complex_right_hand_sides():
     dense = random_matrix(rng, 9, 3, float)
     right = random_vector(rng, 9, complex)
     factors = band.to_band(dense, 3)
-    plain(band.factorize)(factors)
+    interpreted(band.factorize)(factors)
     x = right.copy()
-    plain(band.solve)(factors, x)
+    interpreted(band.solve)(factors, x)
     # of a definite matrix the factors are no larger than it
     assert np.abs(dense @ x - right).max() <= 8 * 9 * EPS * (np.abs(dense) @ np.abs(x)).max()

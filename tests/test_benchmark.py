@@ -69,8 +69,8 @@ def test_more_bearings_stand_between_the_first_and_the_last():
 def test_this_project_and_cvode_find_the_same_beginning_of_the_run_down():
     problem = replace(beginning(), stop=0.06)
     truth = cvode.reference(problem)
-    found = project.solve(choose("moderate", h=5e-5), problem)
-    assert np.abs(found.disc - truth.disc).max() < 1e-7
+    result = project.solve(choose("moderate", h=5e-5), problem)
+    assert np.abs(result.disc - truth.disc).max() < 1e-7
     assert np.abs(truth.disc - truth.disc[0]).max() > 5e-5
 
 
@@ -105,19 +105,19 @@ def test_a_stopped_race_goes_on_where_it_was(tmp_path, monkeypatch):
     silent = lambda what, share: None  # noqa: E731
     with pytest.raises(KeyboardInterrupt):
         race.race(Store(tmp_path, "full", 2), 2, False, silent)
-    kept = Store(tmp_path, "full", 2)
-    assert kept.is_resumed
-    assert len(kept.section("beginning")["this project, paper"]["cpu_s"]) == 2
-    race.race(kept, 2, False, silent)
+    retained = Store(tmp_path, "full", 2)
+    assert retained.is_resumed
+    assert len(retained.section("beginning")["this project, paper"]["cpu_s"]) == 2
+    race.race(retained, 2, False, silent)
     for problem in ("beginning", "run-down"):
-        rows = kept.section(problem)
+        rows = retained.section(problem)
         assert len(rows["this project, paper"]["cpu_s"]) == 2
         assert rows["ROSS, never"]["failed"] == "diverged at t = 0.01 s"
     done = [replace(method, solve=never_called) for method in chosen]
     monkeypatch.setattr(race, "methods", lambda: (done, []))
     race.race(Store(tmp_path, "full", 2), 2, False, silent)
     assert not Store(tmp_path, "quick", 1).is_resumed
-    written = write_report(kept, tmp_path)
+    written = write_report(retained, tmp_path)
     assert {path.name for path in written} >= {"table.md", "results.json", "work_precision.png"}
     assert "diverged at t = 0.01 s" in (tmp_path / "table.md").read_text(encoding="utf-8")
 

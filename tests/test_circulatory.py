@@ -51,8 +51,8 @@ def threshold(rotor, low, high):
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_eigenvalues_cross_at_the_classical_threshold(ratio):
     expected = classical_threshold(ratio)
-    found = threshold(whirling(ratio), 0.5 * expected, 2 * expected)
-    assert found == pytest.approx(expected, rel=0.01)
+    result = threshold(whirling(ratio), 0.5 * expected, 2 * expected)
+    assert result == pytest.approx(expected, rel=0.01)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)

@@ -45,12 +45,12 @@ def command(tmp_path, monkeypatch, capfd):
 
 
 @pytest.fixture
-def refusal(tmp_path, monkeypatch, capsys):
+def input_error(tmp_path, monkeypatch, capsys):
     """The one line that a refused command prints; it must leave nothing behind."""
-    return refusal_by(main, tmp_path, monkeypatch, capsys)
+    return input_error_by(main, tmp_path, monkeypatch, capsys)
 
 
-def refusal_by(main, tmp_path, monkeypatch, capsys):
+def input_error_by(main, tmp_path, monkeypatch, capsys):
     """The same of the commands of another program, whose entry point is `main`."""
 
     def refuse(*arguments):
@@ -102,8 +102,8 @@ def refusal_by(main, tmp_path, monkeypatch, capsys):
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
     ],
 )
-def test_bad_options_are_refused_in_one_line(refusal, arguments, expected):
-    assert expected in refusal("run-down", *arguments)
+def test_bad_options_are_refused_in_one_line(input_error, arguments, expected):
+    assert expected in input_error("run-down", *arguments)
 
 
 def test_help_names_every_command_and_loads_none(tmp_path):
@@ -127,8 +127,8 @@ def test_nothing_asked_prints_help_alone(command):
     assert "Usage:" in done.stdout
 
 
-def test_a_misspelt_command_is_told_its_neighbour(refusal):
-    assert "'buidl'. Did you mean 'build'?" in refusal("buidl")
+def test_a_misspelt_command_is_told_its_neighbour(input_error):
+    assert "'buidl'. Did you mean 'build'?" in input_error("buidl")
 
 
 @pytest.mark.parametrize(
@@ -148,9 +148,9 @@ def test_a_misspelt_command_is_told_its_neighbour(refusal):
         ("time,speed\n0,four\n", "line 2: speed = four"),
     ],
 )
-def test_bad_signals_are_refused_in_one_line(refusal, tmp_path, text, expected):
+def test_bad_signals_are_refused_in_one_line(input_error, tmp_path, text, expected):
     (tmp_path / "signals.csv").write_text(text)
-    assert expected in refusal("run-down", "--input", "signals.csv")
+    assert expected in input_error("run-down", "--input", "signals.csv")
 
 
 @pytest.mark.parametrize(
@@ -163,11 +163,13 @@ def test_bad_signals_are_refused_in_one_line(refusal, tmp_path, text, expected):
         ("0.043,", "0.0,", "length = 0 m: must be > 0"),
     ],
 )
-def test_bad_rotors_are_refused_in_one_line_by_every_command(refusal, tmp_path, old, new, expected):
+def test_bad_rotors_are_refused_in_one_line_by_every_command(
+    input_error, tmp_path, old, new, expected
+):
     assert old in rig_toml()
     (tmp_path / "rotor.toml").write_text(rig_toml().replace(old, new))
     for command in ("run-down", "build"):
-        line = refusal(command, "--rotor", "rotor.toml")
+        line = input_error(command, "--rotor", "rotor.toml")
         assert expected in line
         assert "rotor.toml" in line
 

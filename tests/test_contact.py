@@ -5,11 +5,11 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts import LAWS, clearance_contact
 from rotor_fmu.model.parts.clearance_contact import CLEARANCE_CONTACT
-from rotor_fmu.model.protocol.law import Kinematics, Weights
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.structure.assembly import assemble
 
 BEARING = assemble(rig()).laws[LAWS.index(CLEARANCE_CONTACT)][0]
@@ -29,15 +29,15 @@ BRANCHES = {
 
 def contact_force(part, d, d_dot, omega):
     """Force, normal force, penetration, its rate and sliding speed."""
-    found = plain(clearance_contact.contact_force)(part, Kinematics(d, d_dot, omega, omega))
-    return found.force, found.normal, found.penetration, found.rate, found.sliding
+    result = interpreted(clearance_contact.contact_force)(part, Kinematics(d, d_dot, omega, omega))
+    return result.force, result.normal, result.penetration, result.rate, result.sliding
 
 
 def contact_tangent(part, d, d_dot, omega, by_position, by_velocity):
     """Force and tangent (p, q) of the law, which has no states of its own."""
     none = np.zeros(0)
     kinematics, weights = Kinematics(d, d_dot, omega, omega), Weights(by_position, by_velocity, 0.0)
-    return plain(CLEARANCE_CONTACT.tangent)(part, none, kinematics, weights, none, none)
+    return interpreted(CLEARANCE_CONTACT.tangent)(part, none, kinematics, weights, none, none)
 
 
 def force_at(penetration, rate=0.0, sliding=0.0, angle=-math.pi / 2):

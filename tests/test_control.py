@@ -6,16 +6,19 @@ import numpy as np
 import pytest
 import scipy.linalg
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.march import paper_control
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.time_loop import paper_control
 
 from .machines import balanced, first_order, overhung
 
-error_indicator = plain(paper_control.error_indicator)
-next_step, shorter_step = plain(paper_control.next_step), plain(paper_control.shorter_step)
+error_indicator = interpreted(paper_control.error_indicator)
+next_step, shorter_step = (
+    interpreted(paper_control.next_step),
+    interpreted(paper_control.shorter_step),
+)
 
 OMEGA = 150.0
 PAPER = {"method": "generalized-alpha", "alpha_f": 0.1, "alpha_m": 0.08}

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 import rotor_fmu
-
-from .checkout import ROOT
+from tools.checkout import ROOT
 
 DIGESTS = """
 import sys

@@ -184,7 +184,7 @@ def entries(*parts):
 def test_an_entry_is_its_own_whatever_stands_beside_it(kind, other):
     part, names, _ = KINDS[kind]
     beside, alike = KINDS[other][2]
-    found, expected = entries(part, beside), entries(part, alike)
+    result, expected = entries(part, beside), entries(part, alike)
     for name in names:
-        assert abs(found[name]) > 0
-        assert found[name] == pytest.approx(expected[name], rel=1e-5)
+        assert abs(result[name]) > 0
+        assert result[name] == pytest.approx(expected[name], rel=1e-5)

@@ -107,8 +107,8 @@ def test_the_rest_does_not_depend_on_how_finely_the_shaft_is_divided(parts):
         ),
         parts=tuple(map(moved, RIG.parts)),
     )
-    found, expected = (rest(rotor).imag[disc_dofs(rotor)] for rotor in (fine, RIG))
-    np.testing.assert_allclose(found, expected, rtol=1e-7)
+    result, expected = (rest(rotor).imag[disc_dofs(rotor)] for rotor in (fine, RIG))
+    np.testing.assert_allclose(result, expected, rtol=1e-7)
 
 
 SOFT = {"clearance": 1e-6, "k": 1e4, "ky": 2e3}  # by 17 mm, half of what a machine reaches

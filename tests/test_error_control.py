@@ -4,22 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.march import error_control
-from rotor_fmu.model.march.block import LAYOUT, new_block
-from rotor_fmu.model.march.error_control import GROWTH, SHRINKAGE
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.settings import SettingsError, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.time_loop import error_control
+from rotor_fmu.model.time_loop.block import LAYOUT, new_block
+from rotor_fmu.model.time_loop.error_control import GROWTH, SHRINKAGE
 
 from .machines import DISCS, balanced, overhung
 from .whip import overhung_machine
 
-next_length = plain(error_control.next_length)
-repeated_length = plain(error_control.repeated_length)
+next_length = interpreted(error_control.next_length)
+repeated_length = interpreted(error_control.repeated_length)
 
 
 def orbit(settings, stop=1.0, interval=0.02, speed=205.0, rate=-10.0, rotor=None):
@@ -38,8 +38,8 @@ def test_errors_fall_with_the_tolerance_and_keep_to_ten_times_of_it():
     size = np.abs(exact).max()
     assert fine.read("bearing[1].contact") == 1.0
     for tolerance in (1e-2, 1e-3, 1e-4):
-        found, sim = orbit(choose(tolerance=tolerance))
-        error = np.abs(found - exact).max() / size
+        result, sim = orbit(choose(tolerance=tolerance))
+        error = np.abs(result - exact).max() / size
         assert 0.03 * tolerance < error < 10 * tolerance
         assert sim.read("solver.steps") < fine.read("solver.steps") / 2
 
@@ -202,7 +202,7 @@ def test_a_step_cut_short_neither_shortens_nor_hinders_the_next():
 
 
 def test_a_repeated_step_ends_where_a_journal_touches():
-    run = LAYOUT.look(new_block(assemble(rig()), 0))
+    run = LAYOUT.view_in_python(new_block(assemble(rig()), 0))
     structure, old, new = run.structure, run.motion, run.trial
     dof, clearance = structure.interfaces[0].dof, rig().bearings[0].clearance
     old.q[dof], new.q[dof] = 0.7 * clearance * 1j, 1.3 * clearance * 1j

@@ -34,14 +34,14 @@ def test_the_dropped_compressor_touches_after_the_time_of_free_fall(dropped):
 
 
 def test_friction_speeds_the_races_up_and_the_ledger_of_the_drop_closes(dropped):
-    told = dropped["run"](duration=0.1, every=1e-3)
+    output = dropped["run"](duration=0.1, every=1e-3)
     for k in (1, 2):
-        race = told[f"touchdown_bearing[{k}].race"]
-        assert (race[told["t"] < 0.007] == 0).all()
+        race = output[f"touchdown_bearing[{k}].race"]
+        assert (race[output["t"] < 0.007] == 0).all()
         # friction under half the weight, less the drag: 0.15 * 131 N * 0.03 m - 0.02 N.m
         assert race[-1] == pytest.approx((0.1 - 0.0071) * 0.57 / 1.5e-4, rel=0.15)
-    lost = sum(value[-1] for name, value in told.items() if name.endswith("_loss"))
-    assert abs(told["energy.residual"][-1]) < 1e-4 * lost
+    lost = sum(value[-1] for name, value in output.items() if name.endswith("_loss"))
+    assert abs(output["energy.residual"][-1]) < 1e-4 * lost
 
 
 # --- jeffcott_rub ---
@@ -91,10 +91,10 @@ def test_the_imported_machine_is_what_the_command_makes_of_the_file_from_ross(tm
 @pytest.mark.parametrize("file", ["imported.toml", "rubbing.toml"])
 def test_modes_of_the_imported_machine_are_those_of_ross(from_ross, file):
     rotor = from_ross["machine"](file)
-    for speed, told in ROSS_SAYS["on_pedestals.json"]["modal"].items():
-        found = modes(rotor, float(speed), count=10, contacts="open")
-        np.testing.assert_allclose(found.natural, told["natural"], rtol=1e-6)
-        np.testing.assert_allclose(found.log_dec, told["log_dec"], rtol=1e-6)
+    for speed, output in ROSS_SAYS["on_pedestals.json"]["modal"].items():
+        result = modes(rotor, float(speed), count=10, contacts="open")
+        np.testing.assert_allclose(result.natural, output["natural"], rtol=1e-6)
+        np.testing.assert_allclose(result.log_dec, output["log_dec"], rtol=1e-6)
 
 
 def test_the_seals_added_to_the_rotor_from_ross_hold_it_back(from_ross):
@@ -114,7 +114,7 @@ def test_the_rigs_file_is_the_machine_that_commands_take_by_themselves():
 
 def test_the_rig_runs_down_through_both_peaks_of_the_converged_run():
     rig = script("paper_rig", "run_down.py")
-    told = rig["run"](stop=26.0)
+    output = rig["run"](stop=26.0)
     # fixed steps of 0.1 ms: 393.0 um at 27.64 Hz, 442.2 um at 31.40 Hz
     for name, size, hz in ((rig["NAMES"][0], 393.0e-6, 27.64), (rig["NAMES"][1], 442.2e-6, 31.40)):
-        assert rig["peak"](told, name) == pytest.approx((size, hz), rel=0.01)
+        assert rig["peak"](output, name) == pytest.approx((size, hz), rel=0.01)

@@ -9,8 +9,7 @@ import tomllib
 import pytest
 
 from rotor_fmu.errors import InputError, optional
-
-from .checkout import ROOT, names
+from tools.checkout import ROOT, names
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 INTERNAL = {"rotor_fmu", "rotor_fmu_slave", "rotor_fmu_wrapper"}
@@ -26,15 +25,15 @@ PACKAGES = {"llvmlite": "numba", "dask": "distributed"}
 
 def packages(requirements):
     """Names of requirements, and of those of the project's own extras."""
-    found = set()
+    result = set()
     for requirement in requirements:
         own = re.fullmatch(r"rotor-fmu\[(.*)\]", requirement)
         if own:
             for extra in own[1].split(","):
-                found |= packages(PROJECT["optional-dependencies"][extra])
+                result |= packages(PROJECT["optional-dependencies"][extra])
         else:
-            found.add(re.match(r"[A-Za-z0-9_-]+", requirement)[0].lower())
-    return found
+            result.add(re.match(r"[A-Za-z0-9_-]+", requirement)[0].lower())
+    return result
 
 
 REQUIRED = packages(PROJECT["dependencies"])

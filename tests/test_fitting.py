@@ -8,18 +8,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import to_dense
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.march import error_control
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.step import fitting
+from rotor_fmu.model.time_loop import error_control
 
 from .machines import disc_dofs, overhung, unbalance_vector
 
 COMPRESSOR = Path(__file__).parents[1] / "examples" / "drop" / "compressor.toml"
-fitted, unfitted = plain(fitting.fitted), plain(fitting.unfitted)
+fitted, unfitted = interpreted(fitting.fitted), interpreted(fitting.unfitted)
 
 SCHEMES = [
     chung_hulbert(0.3),
@@ -100,13 +100,15 @@ def test_a_rotor_that_turns_falls_as_any_other_body():
     ids=["a slow whirl", "a slow swing", "a whirl backward", "a shake, at most the rotation"],
 )
 def test_the_pace_of_a_motion_is_its_angular_frequency(motion, expected):
-    assert pace_of(motion, turning(slowest=10.0), 400.0) == pytest.approx(expected, rel=0.01)
+    assert characteristic_frequency_of(motion, turning(slowest=10.0), 400.0) == pytest.approx(
+        expected, rel=0.01
+    )
 
 
 @pytest.mark.parametrize("omega", [0.0, 40.0])
 def test_a_rotor_that_swings_freely_below_its_lowest_frequency_has_the_pace_of_that(omega):
-    found = pace_of(lambda t: np.cos(290 * t), turning(slowest=290.0), omega)
-    assert found == pytest.approx(290.0, rel=0.01)
+    result = characteristic_frequency_of(lambda t: np.cos(290 * t), turning(slowest=290.0), omega)
+    assert result == pytest.approx(290.0, rel=0.01)
 
 
 def turning(slowest):
@@ -117,11 +119,11 @@ def turning(slowest):
 
 
 def pace_after(machine, omega, h, old, new, before):
-    measures = plain(error_control.measure)(machine.weights, 1.0 + 0j, old, new)
-    return plain(fitting.pace_after)(machine, omega, h, measures, before)
+    measures = interpreted(error_control.measure)(machine.weights, 1.0 + 0j, old, new)
+    return interpreted(fitting.characteristic_frequency_after)(machine, omega, h, measures, before)
 
 
-def pace_of(motion, machine, omega):
+def characteristic_frequency_of(motion, machine, omega):
     def at(t, d=1e-5):
         v = (motion(t + d) - motion(t - d)) / (2 * d)
         a = (motion(t + d) - 2 * motion(t) + motion(t - d)) / d**2
@@ -140,8 +142,8 @@ def test_a_pace_is_learnt_over_a_revolution_and_lost_within_a_radian():
     assert pace_after(machine, 100.0, 1e-3, *shake, 400.0) == pytest.approx(
         400.0 + 0.1 / (2 * math.pi) * (100.0**2 - 400.0)
     )
-    kept = 400.0 + 0.1 * (400.0 * 9.81**2 / (9.81**2 + 400.0 * (0.1005 * 9.81) ** 2) - 400.0)
-    assert pace_after(machine, 100.0, 1e-3, *fall, 400.0) == pytest.approx(kept)
+    retained = 400.0 + 0.1 * (400.0 * 9.81**2 / (9.81**2 + 400.0 * (0.1005 * 9.81) ** 2) - 400.0)
+    assert pace_after(machine, 100.0, 1e-3, *fall, 400.0) == pytest.approx(retained)
     assert pace_after(machine, 100.0, 1e-3, rest, rest, 400.0) == 400.0
 
 

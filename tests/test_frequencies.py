@@ -71,8 +71,8 @@ def test_the_rig_pinned_in_its_housings_has_the_frequencies_of_ross(omega):
 @pytest.mark.parametrize("omega", [0, 200, 400])
 def test_the_rig_on_its_contact_springs_has_the_frequencies_of_ross(omega):
     expected = ROSS["values"][f"contact_stiffness_2e8_{omega}"]
-    found = whirl(*in_contact(assemble(rig()), 2e8), omega)[0][:8]
-    np.testing.assert_allclose(found, expected, rtol=1e-11)
+    result = whirl(*in_contact(assemble(rig()), 2e8), omega)[0][:8]
+    np.testing.assert_allclose(result, expected, rtol=1e-11)
 
 
 def test_the_rig_has_the_two_lowest_frequencies_of_the_paper():

@@ -7,12 +7,14 @@ import random
 import mpmath
 import pytest
 from rotor_fmu.model.kernels import functions
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 
 # interpreted, which is bit for bit the compiled (test_code.py)
-angle, direction, modulus = map(plain, (functions.angle, functions.direction, functions.modulus))
-exponential, logarithm = plain(functions.exponential), plain(functions.logarithm)
-power, root = plain(functions.power), plain(functions.root)
+angle, direction, modulus = map(
+    interpreted, (functions.angle, functions.direction, functions.modulus)
+)
+exponential, logarithm = interpreted(functions.exponential), interpreted(functions.logarithm)
+power, root = interpreted(functions.power), interpreted(functions.root)
 
 TRIALS = 2000
 

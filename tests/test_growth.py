@@ -78,10 +78,10 @@ def seen_growth(rotor, speed, root, tolerance):
         np.linspace(-5e-3, 5e-3, 201),
         key=lambda d: sum(rest((root.real, root.imag * (1 + d))) ** 2),
     )
-    found = least_squares(
+    result = least_squares(
         rest, (root.real, root.imag * (1 + near)), x_scale=(root.real, 1e-3 * abs(root.imag))
     )
-    return float(found.x[0]), said
+    return float(result.x[0]), said
 
 
 @pytest.mark.parametrize(

@@ -4,16 +4,16 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.march.block import LAYOUT, new_block
 from rotor_fmu.model.parts.clearance_contact import contact_force
-from rotor_fmu.model.protocol.law import Kinematics, Weights
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.step.excitation import spin_of
 from rotor_fmu.model.step.interface_problem import TOLERANCE, solve_dense, solve_interfaces
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.dense import clearance_contacts
+from rotor_fmu.model.time_loop.block import LAYOUT, new_block
 
 from tests.dense import dense_matrices
 
@@ -21,12 +21,12 @@ STRUCTURE = assemble(rig())
 BEARINGS = clearance_contacts(STRUCTURE)
 CLEARANCE, STIFFNESS = BEARINGS.clearance[0], BEARINGS.k[0]
 SCHEMES = (newmark(), hht(0.2), generalized_alpha(0.1, 0.08), chung_hulbert(0.2))
-INTERPRETED = plain(solve_interfaces)
+INTERPRETED = interpreted(solve_interfaces)
 
 
 def new_problem():
     """An empty problem of the rig's interfaces, as it lies in a run's memory."""
-    return LAYOUT.look(new_block(STRUCTURE, 0)).problem
+    return LAYOUT.view_in_python(new_block(STRUCTURE, 0)).problem
 
 
 def solved(problem, omega, b_d, b_v, solve=INTERPRETED):
@@ -72,7 +72,7 @@ def out_of_balance(problem, omega, b_d, b_v):
     """w - w_free - W F(w), as displacements in units of the clearance."""
     forces = np.array(
         [
-            plain(contact_force)(bearing, Kinematics(d, d_dot, omega, omega)).force
+            interpreted(contact_force)(bearing, Kinematics(d, d_dot, omega, omega)).force
             for bearing, d, d_dot in zip(
                 BEARINGS,
                 problem.d0 + b_d * problem.w,
@@ -148,10 +148,10 @@ def test_elimination_with_pivoting_solves_what_numpy_solves(m):
     if m > 1:
         a[0, 0] = 0.0  # needs the pivoting
     x = b.copy()
-    assert plain(solve_dense)(a.copy(), x)
+    assert interpreted(solve_dense)(a.copy(), x)
     np.testing.assert_allclose(x, np.linalg.solve(a, b), rtol=1e-9)
 
 
 @pytest.mark.parametrize("entry", [0.0, math.nan])
 def test_elimination_reports_a_singular_matrix(entry):
-    assert not plain(solve_dense)(np.full((3, 3), entry), np.ones(3))
+    assert not interpreted(solve_dense)(np.full((3, 3), entry), np.ones(3))

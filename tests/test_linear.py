@@ -67,10 +67,10 @@ PRINTED = {
 def test_natural_frequencies_are_the_textbooks_to_the_digits_printed(case):
     rotor, at_rest, turning = PRINTED[case]
     for speed, printed in ((0.0, at_rest), (4000 * RPM, turning)):
-        found = modes(rotor, speed).natural
+        result = modes(rotor, speed).natural
         # not all that lie between them are printed, and of 716.786 the last digit was cut off
         for omega in printed:
-            assert np.abs(found - omega).min() < 0.0065
+            assert np.abs(result - omega).min() < 0.0065
 
 
 def test_damped_frequencies_are_the_textbooks_to_the_digits_printed():
@@ -82,8 +82,8 @@ def test_damped_frequencies_are_the_textbooks_to_the_digits_printed():
         (turning.natural, [13.70, 14.09, 43.61, 52.18]),
         (turning.damped, [13.68, 14.07, 41.98, 50.65]),
     ]
-    for found, printed in cases:
-        np.testing.assert_allclose(found[: len(printed)] / (2 * math.pi), printed, atol=0.0051)
+    for result, printed in cases:
+        np.testing.assert_allclose(result[: len(printed)] / (2 * math.pi), printed, atol=0.0051)
 
 
 def test_circles_turn_either_way_at_speed_and_neither_at_rest():
@@ -95,10 +95,10 @@ def test_circles_turn_either_way_at_speed_and_neither_at_rest():
 
 def test_shapes_satisfy_the_equation_of_motion():
     rotor = two_discs(6, Support(1, 1e6, 3e3), Support(7, 1e6, 3e3))
-    machine, found = LinearMachine(rotor), modes(rotor, 300.0)
+    machine, result = LinearMachine(rotor), modes(rotor, 300.0)
     linear = machine.at(300.0)
-    for i, value in enumerate(found.eigenvalues):
-        planes = [found.x[i], found.y[i], found.slope_x[i], found.slope_y[i]]
+    for i, value in enumerate(result.eigenvalues):
+        planes = [result.x[i], result.y[i], result.slope_x[i], result.slope_y[i]]
         u = np.stack(planes, axis=1).ravel()
         terms = [value**2 * linear.M @ u, value * linear.D @ u, linear.K @ u]
         assert np.abs(sum(terms)).max() < 1e-7 * max(np.abs(t).max() for t in terms)
@@ -163,13 +163,13 @@ def test_unbalance_moves_jeffcotts_disc_as_it_should():
     rest = static(Rotor(light, (half, half), parts))
     omega = math.sqrt(9.81 / -rest.y[1])
     speeds = omega * np.array([0.3, 1.0, 2.5])
-    found = unbalance_response(rotor, speeds)
+    result = unbalance_response(rotor, speeds)
     exact = mass * e * np.exp(0.4j) * speeds**2
     exact /= mass * (omega**2 - speeds**2) + 1j * speeds * damping
-    np.testing.assert_allclose(found.x[:, 1], exact, rtol=1e-4)
-    np.testing.assert_allclose(found.y[:, 1], -1j * exact, rtol=1e-4)
-    np.testing.assert_allclose(found.forward[:, 1], exact, rtol=1e-4)
-    assert np.abs(found.backward).max() < 1e-9 * np.abs(exact).max()
+    np.testing.assert_allclose(result.x[:, 1], exact, rtol=1e-4)
+    np.testing.assert_allclose(result.y[:, 1], -1j * exact, rtol=1e-4)
+    np.testing.assert_allclose(result.forward[:, 1], exact, rtol=1e-4)
+    assert np.abs(result.backward).max() < 1e-9 * np.abs(exact).max()
 
 
 def test_bearings_bear_the_unbalance_and_the_inertia():
@@ -183,33 +183,33 @@ def test_bearings_bear_the_unbalance_and_the_inertia():
     )
     sections = tuple(Section.cylinder(0.25, 0.05, light) for _ in range(6))
     speed, amount = 300.0, 1e-3 * np.exp(0.2j)
-    found = unbalance_response(Rotor(light, sections, (*parts, Unbalance(3, 1e-3, 0.2))), [speed])
-    assert found.supports == ("support[1]", "support[2]")
+    result = unbalance_response(Rotor(light, sections, (*parts, Unbalance(3, 1e-3, 0.2))), [speed])
+    assert result.supports == ("support[1]", "support[2]")
     for plane, share in (("x", 1.0), ("y", -1j)):
-        borne = getattr(found, f"load_{plane}")[0].sum()
-        u = getattr(found, plane)[0]
+        borne = getattr(result, f"load_{plane}")[0].sum()
+        u = getattr(result, plane)[0]
         pull = share * amount + 20.0 * u[2] + 30.0 * u[4]
         assert borne == pytest.approx(speed**2 * pull, rel=1e-6)
 
 
 def test_pinned_bearings_of_the_rig_carry_its_weight():
     machine = LinearMachine(rig())
-    found = static(rig())
-    assert found.contacts == "pinned"
+    result = static(rig())
+    assert result.contacts == "pinned"
     s = machine.structure
     weight = s.numbers[0].gravity * s.mass_sum[::2].sum()
-    assert found.load_y.sum() == pytest.approx(-weight, rel=1e-9)
-    np.testing.assert_allclose(found.housing_y, found.y[[1, 7]])
+    assert result.load_y.sum() == pytest.approx(-weight, rel=1e-9)
+    np.testing.assert_allclose(result.housing_y, result.y[[1, 7]])
 
 
 def test_what_the_pins_of_the_rig_bear_under_unbalance_its_housings_bear_too():
-    found = unbalance_response(rig(), [100.0])
+    result = unbalance_response(rig(), [100.0])
     for plane in "xy":
         housing = rig().bearings[0]
         k, c = (getattr(housing, f"{of}{plane}") for of in "kc")
-        z = getattr(found, f"housing_{plane}")[0]
+        z = getattr(result, f"housing_{plane}")[0]
         borne = (k + 100j * c - 100.0**2 * housing.mass) * z
-        np.testing.assert_allclose(getattr(found, f"load_{plane}")[0], borne, rtol=1e-6)
+        np.testing.assert_allclose(getattr(result, f"load_{plane}")[0], borne, rtol=1e-6)
 
 
 def test_a_machine_that_nothing_holds_is_refused_but_for_its_modes():

@@ -11,9 +11,9 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.machine.writing import toml_text
 
 from rotor_fmu.cli import app
+from rotor_fmu.cli.linear import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
-from rotor_fmu.linear.command import one_speed, speed_range
 from rotor_fmu.machine_file.reading import machine_text
 
 ROSS = Path(__file__).parent / "reference" / "ross"
@@ -59,9 +59,9 @@ def test_numbers_of_the_rig_are_those_of_the_paper(command):
 
 
 def test_json_says_all_in_si(command):
-    told = json.loads(command("unbalance", "--json", "--speed", "30Hz"))
-    found = answers.unbalance_response(rig(), [60 * math.pi])
-    np.testing.assert_allclose(np.array(told["x"]) @ [1, 1j], found.x)
+    output = json.loads(command("unbalance", "--json", "--speed", "30Hz"))
+    result = answers.unbalance_response(rig(), [60 * math.pi])
+    np.testing.assert_allclose(np.array(output["x"]) @ [1, 1j], result.x)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -72,15 +72,15 @@ def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
         ["import-ross", str(ROSS / "on_pedestals.json"), "--out", str(machine)],
         standalone_mode=False,
     )
-    told = command("modes", "--rotor", str(machine))
-    assert told.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
+    output = command("modes", "--rotor", str(machine))
+    assert output.splitlines()[-9:-1] == direct.splitlines()[-9:-1]
 
 
 def test_a_notebook_shows_a_table_and_a_picture():
-    found = answers.modes(rig(), 100.0, count=2)
-    assert isinstance(found, Modes)
-    assert found._repr_html_().startswith("<table><caption>Modes at 100 rad/s")
-    assert found._repr_png_().startswith(PNG)
+    result = answers.modes(rig(), 100.0, count=2)
+    assert isinstance(result, Modes)
+    assert result._repr_html_().startswith("<table><caption>Modes at 100 rad/s")
+    assert result._repr_png_().startswith(PNG)
 
 
 def test_speeds_are_read_in_any_unit():

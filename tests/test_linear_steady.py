@@ -43,13 +43,13 @@ def test_amplitude_and_phase_are_reached_within_ten_tolerances(tolerance, speed)
     at_rest = static(rotor, speed)
     np.testing.assert_allclose(moved.mean(axis=0).imag, at_rest.y, rtol=10 * tolerance)
     mark = np.exp(-1j * speed * times)
-    found = unbalance_response(rotor, [speed])
-    scale = found.major.max()
+    result = unbalance_response(rotor, [speed])
+    scale = result.major.max()
     for plane, part in (("x", moved.real), ("y", moved.imag)):
         amplitude = 2 * (part * mark[:, None]).mean(axis=0)
-        assert np.abs(amplitude - getattr(found, plane)[0]).max() < 10 * tolerance * scale
+        assert np.abs(amplitude - getattr(result, plane)[0]).max() < 10 * tolerance * scale
         for place, node in (("disc[1]", 2), ("disc[2]", 3)):
             size, phase = (sim.read(f"{place}.{plane}_1x{of}") for of in ("", "_phase"))
-            lead = getattr(found, f"phase_{plane}")[0, node - 1]
-            right = abs(getattr(found, plane)[0, node - 1]) * np.exp(1j * lead)
+            lead = getattr(result, f"phase_{plane}")[0, node - 1]
+            right = abs(getattr(result, plane)[0, node - 1]) * np.exp(1j * lead)
             assert abs(size * np.exp(1j * phase) - right) < 10 * tolerance * scale

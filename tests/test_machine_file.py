@@ -17,9 +17,9 @@ import rotor_fmu as rf
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.machine_picture import machine_figure
+from rotor_fmu.machine_file.declared_tables import own_tables, part_tables
 from rotor_fmu.machine_file.reading import machine_text
 from rotor_fmu.machine_file.schema import schema
-from rotor_fmu.machine_file.tables import own_tables, part_tables
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -84,7 +84,7 @@ def test_every_key_of_the_page_is_known_to_the_reader():
 
 
 @pytest.fixture
-def told(tmp_path, monkeypatch, capsys):
+def output(tmp_path, monkeypatch, capsys):
     """What `rotor-fmu example` prints or, refused, says."""
 
     def tell(*arguments):
@@ -98,26 +98,26 @@ def told(tmp_path, monkeypatch, capsys):
     return tell
 
 
-def test_every_example_is_listed_printed_and_copied(told, tmp_path):
-    _, listed, _ = told()
+def test_every_example_is_listed_printed_and_copied(output, tmp_path):
+    _, listed, _ = output()
     names = [line.split()[0] for line in listed.splitlines()]
     assert {"drive_train", "drop", "from_ross", "jeffcott_rub"} <= set(names)
-    assert parse_rotor(told("jeffcott_rub")[1]).name
+    assert parse_rotor(output("jeffcott_rub")[1]).name
     for name in names:
-        assert told(name, "--out", "mine")[0] == 0
+        assert output(name, "--out", "mine")[0] == 0
         copied = {path.name for path in (tmp_path / "mine" / name).iterdir()}
         own = {path.name for path in (EXAMPLES / name).iterdir()} - {"__pycache__"}
         assert copied == own
 
 
-def test_an_example_is_never_copied_over_something(told, tmp_path):
+def test_an_example_is_never_copied_over_something(output, tmp_path):
     (tmp_path / "drop").mkdir()
-    status, _, said = told("drop", "--out", ".")
+    status, _, said = output("drop", "--out", ".")
     assert (status, said) == (2, "rotor-fmu: --out .: drop is there already\n")
 
 
-def test_an_unknown_example_is_told_its_neighbour(told):
-    status, _, said = told("jefcott")
+def test_an_unknown_example_is_told_its_neighbour(output):
+    status, _, said = output("jefcott")
     assert status == 2
     assert said.endswith("did you mean jeffcott_rub?\n")
 

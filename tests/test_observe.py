@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
-from rotor_fmu.model.march.observe import observed
 from rotor_fmu.model.parts.clearance_contact import contact_angle, contact_force
-from rotor_fmu.model.protocol.law import Kinematics
+from rotor_fmu.model.parts.law import Kinematics
 from rotor_fmu.model.quantities import ALL, NOTHING, SPEED
 from rotor_fmu.model.rest import rest
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.dense import clearance_contacts
+from rotor_fmu.model.time_loop.observe import observed
 
 from .machines import disc_dofs, overhung
 from .parts.machines import shaft

@@ -79,8 +79,8 @@ def orders_of_convergence(rotor, settings, exact, **spin):
     """Of displacements and velocities, as the step is halved."""
     errors = []
     for h in (1e-5, 5e-6):
-        found = integrated(rotor, choose("robust", **settings, h=h), **spin)
-        errors.append(np.abs(found - exact).max(axis=(0, 2)) / np.abs(exact).max(axis=(0, 2)))
+        result = integrated(rotor, choose("robust", **settings, h=h), **spin)
+        errors.append(np.abs(result - exact).max(axis=(0, 2)) / np.abs(exact).max(axis=(0, 2)))
     assert np.all(errors[1] < 1e-4)
     return np.log2(errors[0] / errors[1])
 
@@ -118,8 +118,8 @@ def test_the_unbalance_response_settles_at_that_of_the_frequency_domain(omega):
     # q = A exp(i Omega t) in M q'' + (C - i Omega G) q' + K q = U Omega^2 exp(i Omega t)
     dynamic = K - omega**2 * M + 1j * omega * (C - 1j * omega * G)
     amplitude = np.linalg.solve(dynamic, omega**2 * unbalance_vector(s))
-    found = settled(rotor, omega, revolutions=100)
-    np.testing.assert_allclose(found, amplitude, atol=1e-3 * np.abs(amplitude).max())
+    result = settled(rotor, omega, revolutions=100)
+    np.testing.assert_allclose(result, amplitude, atol=1e-3 * np.abs(amplitude).max())
 
 
 @pytest.mark.parametrize("ratio", [0.5, 0.8, 1.25, 4.0])
@@ -132,6 +132,6 @@ def test_jeffcotts_rotor_whirls_on_the_circle_of_the_textbook(ratio):
     rotor = jeffcott(e=e, damping=2 * zeta * natural * moving)
     # behind the shaft's centre below resonance, beyond it the mass centre lies inside: -e
     circle = mass / moving * e * ratio**2 / (1 - ratio**2 + 2j * zeta * ratio)
-    found = settled(rotor, ratio * natural, revolutions=60 * max(1, ratio))
+    result = settled(rotor, ratio * natural, revolutions=60 * max(1, ratio))
     disc = disc_dofs(rotor)[0]
-    assert abs(found[disc] - circle) < 0.02 * abs(circle)
+    assert abs(result[disc] - circle) < 0.02 * abs(circle)

@@ -9,8 +9,8 @@ import pytest
 
 from rotor_fmu import vibration
 from rotor_fmu.files import write_text
+from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
-from rotor_fmu.report.places import Recorded
 from rotor_fmu.report.study import study_page
 
 from .recordings import recorded, write_study
@@ -121,7 +121,7 @@ def pages(tmp_path_factory):
     for name, runs in shown.items():
         write_text(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
     write_study(folder / "study")
-    from rotor_fmu.look.reading import read_study
+    from rotor_fmu.plotting.reading import read_study
 
     write_text(study_page(*read_study(folder / "study")), folder / "study.html")
     return folder
@@ -219,10 +219,10 @@ def test_the_slider_is_worked_by_the_keys(silent, pages):
 
     page.run("document.getElementById('station').focus()")
     before = int(page.find("station").get_property("value"))
-    told = page.text("reading")
+    output = page.text("reading")
     page.find("station").send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
     assert int(page.find("station").get_property("value")) == before - 2
-    assert page.text("reading") != told
+    assert page.text("reading") != output
     page.find("in").send_keys(Keys.ENTER)
     assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
 
@@ -234,9 +234,9 @@ def test_values_under_the_cursor_are_those_recorded(silent, pages):
     for t in (0.0, 1.234, 3.3333, 5.999):
         page.set("cursor", t)
         i = int(np.argmin(np.abs(run.t - t)))
-        told = page.text("value")
-        assert told.startswith(f"disc 2 x at {run.t[i]:.6f} s")
-        assert float(told.split(": ")[1].split()[0]) == pytest.approx(x[i], abs=0.002)
+        output = page.text("value")
+        assert output.startswith(f"disc 2 x at {run.t[i]:.6f} s")
+        assert float(output.split(": ")[1].split()[0]) == pytest.approx(x[i], abs=0.002)
     page.set("signal", "1", "change")
     page.wait("time.label === 'disc 2 y'")
     page.set("cursor", 1.234)
@@ -295,9 +295,9 @@ def test_another_place_is_drawn_with_its_clearance(silent, pages):
 def test_two_runs_lie_over_each_other_at_one_speed(silent, pages):
     page = Page(silent, pages / "two.html")
     page.click_at("over.bode", 35.0, 50.0)
-    told = page.text("reading")
-    assert "one, disc 2 at 3" in told
-    assert "two, disc 2 at 3" in told
+    output = page.text("reading")
+    assert "one, disc 2 at 3" in output
+    assert "two, disc 2 at 3" in output
     names = page.run("return document.querySelector('#bode .legend').textContent")
     assert "one: 1x of x" in names
     assert "two: 1x of x" in names
@@ -310,8 +310,8 @@ def test_pictures_over_speed_move_together(silent, pages):
     page = Page(silent, pages / "one.html")
     page.run("over.bode.plot.x_range.setv({ start: 30, end: 40 })")
     for chart in ("phase", "whirl", "force", "angle", "energy"):
-        found = page.run(f"const r = over.{chart}.plot.x_range; return [r.start, r.end]")
-        assert found == [30, 40], chart
+        result = page.run(f"const r = over.{chart}.plot.x_range; return [r.start, r.end]")
+        assert result == [30, 40], chart
 
 
 @pytest.mark.slow
@@ -342,16 +342,18 @@ def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
     cells = page.run(
         "return [...document.querySelectorAll('#picked td')].map((c) => c.textContent)"
     )
-    told = dict(zip(cells[::2], cells[1::2], strict=True))
-    assert told["id"] == "id017"
-    assert float(told["mu [-]"]) == pytest.approx(columns["mu"][row], rel=1e-4)
-    assert float(told["clearance [µm]"]) == pytest.approx(1e6 * columns["clearance"][row], rel=1e-4)
+    output = dict(zip(cells[::2], cells[1::2], strict=True))
+    assert output["id"] == "id017"
+    assert float(output["mu [-]"]) == pytest.approx(columns["mu"][row], rel=1e-4)
+    assert float(output["clearance [µm]"]) == pytest.approx(
+        1e6 * columns["clearance"][row], rel=1e-4
+    )
     axes = "return [map.chart.plot, map.curve.plot].flatMap((p) => [p.below[0], p.left[0]])"
     labels = page.run(f"{axes}.map((a) => a.axis_label.text)")
     assert labels == ["mu [-]", "clearance [µm]", "speed [Hz]", "amplitude [µm]"]
     assert page.run("return map.bar.title.text") == "peak [µm]"
-    assert float(told["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
-    assert told["with its signals"] == "rotor-fmu study ... --select id017"
+    assert float(output["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
+    assert output["with its signals"] == "rotor-fmu study ... --select id017"
     hertz = page.run("return map.line.data.x")
     assert hertz == pytest.approx([w / (2 * math.pi) for w in (20.0, 30.0, 40.0)])
     page.find("after").click()

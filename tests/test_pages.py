@@ -22,8 +22,8 @@ NOT_HERE = re.compile(r"^make test.*$", re.MULTILINE)
 
 def blocks(page):
     """(language, text) of a page's fenced blocks that run, in turn."""
-    found = re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
-    return [(language, text) for language, text in found if language in (*RUN, "toml")]
+    result = re.findall(r"^```(\w*)\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    return [(language, text) for language, text in result if language in (*RUN, "toml")]
 
 
 def readable(page):

@@ -6,18 +6,18 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts.base import Body, Part
 from rotor_fmu.model.parts.unbalance import Unbalance
-from rotor_fmu.model.protocol.part import Body, Part
 from rotor_fmu.model.quantities import QuantityError, quantity
 from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.parameter_locations import parameter_locations
 from rotor_fmu.model.structure.parameters import prepare
-from rotor_fmu.model.structure.places import places
 
 
 def member(structure, path):
     name, _, rest = path.partition("[")
-    found = getattr(structure, name)
-    return found[int(rest.rstrip("]"))] if rest else found
+    result = getattr(structure, name)
+    return result[int(rest.rstrip("]"))] if rest else result
 
 
 def same(one, other):
@@ -34,15 +34,15 @@ def machine():
 
 
 def test_every_parameter_has_a_place(machine):
-    assert [*places(machine)] == [name for name, _, _ in machine.parameters()]
-    assert all(places(machine).values())
+    assert [*parameter_locations(machine)] == [name for name, _, _ in machine.parameters()]
+    assert all(parameter_locations(machine).values())
 
 
 def test_a_value_at_its_place_is_the_machine_with_that_value(machine):
-    for name, told, value in machine.parameters():
-        changed = (not value) if told.is_switch else 1.25 * value + 0.01
+    for name, declared, value in machine.parameters():
+        changed = (not value) if declared.is_switch else 1.25 * value + 0.01
         structure = assemble(machine)
-        for place in places(machine)[name]:
+        for place in parameter_locations(machine)[name]:
             member(structure, place.member)[place.row][place.field] = changed
         prepare(structure)
         same(structure, assemble(machine.with_value(str(name), changed)))
@@ -61,4 +61,4 @@ def test_a_parameter_of_a_matrix_is_refused(machine):
 
     heavier = replace(machine, parts=(*machine.parts, Weight(3, 1.0)))
     with pytest.raises(QuantityError, match=r"mass: is no parameter of an assembled machine"):
-        places(heavier)
+        parameter_locations(heavier)

@@ -5,8 +5,8 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
-from rotor_fmu.look.reading import read_run
-from rotor_fmu.report.figures import KINDS
+from rotor_fmu.plotting.reading import read_run
+from rotor_fmu.report.signal_plots import KINDS
 
 from .recordings import recorded
 
@@ -24,8 +24,8 @@ def plot(*arguments):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_kind_is_drawn_into_the_runs_folder(kind, folder):
-    found = plot(kind, folder)
-    assert found.exit_code == 0, found.output
+    result = plot(kind, folder)
+    assert result.exit_code == 0, result.output
     assert (folder / f"{kind}.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -47,15 +47,15 @@ def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):
 )
 def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, sentence, tmp_path):
     arguments = [str(tmp_path) if a == "." else a for a in arguments]
-    found = plot(*arguments)
-    assert isinstance(found.exception, InputError)
-    assert sentence in str(found.exception)
+    result = plot(*arguments)
+    assert isinstance(result.exception, InputError)
+    assert sentence in str(result.exception)
 
 
 def test_a_place_that_the_recording_has_not_is_told_its_nearest(folder):
-    found = plot("bode", folder, "--place", "disk[2]")
+    result = plot("bode", folder, "--place", "disk[2]")
     assert "--place disk[2]: the recording has no such place; did you mean disc[2]?" in str(
-        found.exception
+        result.exception
     )
 
 

@@ -13,7 +13,9 @@ def words_of(preset, *sets, stop=0.2, step=None):
     """What is said at each communication point of a run of the rig in its resonance."""
     job = prepare(None, preset, ["speed=185", *sets], None, stop, step)
     said = []
-    run_direct(job.rotor, job, lambda t, look: said.append(steps(look(), job.step, job.settings)))
+    run_direct(
+        job.rotor, job, lambda t, observe: said.append(steps(observe(), job.step, job.settings))
+    )
     return said
 
 
@@ -42,13 +44,13 @@ def test_progress_is_told_every_now_and_then(monkeypatch, capsys, is_terminal):
     monkeypatch.setattr(type(progress._console), "is_terminal", is_terminal)
     looks = []
 
-    def look():
+    def observe():
         looks.append(1)
         return {"solver.h_last": 4e-6, "contact[1].fn": 2.0}
 
-    with shown("a run", 10.0, 4e-3, choose("controlled")) as tell:
+    with shown("a run", 10.0, 4e-3, choose("controlled")) as report:
         for t in range(6):
-            tell(float(t), look)
+            report(float(t), observe)
     err = capsys.readouterr().err
     if is_terminal:
         assert len(looks) == 6

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from rotor_fmu.model.march.tape import Record
+from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.runs.job import prepare
@@ -12,11 +12,11 @@ def test_a_recording_comes_back_from_its_file_as_it_was(tmp_path):
     t = np.linspace(0.0, 1.0, 7)
     given = Recording(t, {"phi": t**2, "w": 2 * t}, {"phi": "rad", "w": "rad/s"}, {"status": "ok"})
     given.save(tmp_path / "recording.npz")
-    found = load_recording(tmp_path / "recording.npz")
-    assert np.array_equal(found.t, t)
-    assert list(found.columns) == ["phi", "w"]
-    assert np.array_equal(found.columns["phi"], t**2)
-    assert (found.units, found.about) == (given.units, given.about)
+    result = load_recording(tmp_path / "recording.npz")
+    assert np.array_equal(result.t, t)
+    assert list(result.columns) == ["phi", "w"]
+    assert np.array_equal(result.columns["phi"], t**2)
+    assert (result.units, result.about) == (given.units, given.about)
     assert [path.name for path in tmp_path.iterdir()] == ["recording.npz"]
 
 

@@ -128,7 +128,7 @@ def natural(rotor, modes):
 
 def warnings_of(rotor, modes, *speeds):
     """What is said of a reduction at the start and after each speed [rad/s]."""
-    messages, told = [], []
+    messages, output = [], []
     sim = Simulation(
         rotor,
         choose("robust", reduction=modes),
@@ -137,20 +137,20 @@ def warnings_of(rotor, modes, *speeds):
         warn=messages.append,
     )
     for i, speed in enumerate((*speeds[1:], speeds[-1])):
-        told.append([m for m in messages if m.startswith("solver.reduction")])
+        output.append([m for m in messages if m.startswith("solver.reduction")])
         messages.clear()
         sim.advance(1e-3 * (i + 1), speed)
-    return told
+    return output
 
 
 def test_a_mode_that_a_reduction_moves_is_said_with_both_frequencies():
     full, few = natural(LONG, 0), natural(LONG, 1)
     assert few[2] > 2 * full[2]
-    ((told,),) = warnings_of(LONG, 1, 500.0)
-    hertz = [float(number) for number in re.findall(r"([\d.]+) Hz", told)]
+    ((output,),) = warnings_of(LONG, 1, 500.0)
+    hertz = [float(number) for number in re.findall(r"([\d.]+) Hz", output)]
     np.testing.assert_allclose(hertz, [full[2], few[2]], rtol=1e-3)
-    assert "reduction = 1 is too coarse: mode 3 of the shaft, " in told
-    enough = int(re.search(r"take at least (\d+), or 0$", told)[1])
+    assert "reduction = 1 is too coarse: mode 3 of the shaft, " in output
+    enough = int(re.search(r"take at least (\d+), or 0$", output)[1])
     off = [natural(LONG, modes)[2] / full[2] - 1 for modes in (enough - 1, enough)]
     assert off[0] > 0.02 > off[1]
     assert warnings_of(LONG, enough, 500.0) == [[]]
@@ -158,13 +158,13 @@ def test_a_mode_that_a_reduction_moves_is_said_with_both_frequencies():
 
 def test_it_is_said_once_when_the_speed_comes_to_half_of_the_frequency():
     half = np.pi * natural(LONG, 0)[2]
-    told = warnings_of(LONG, 1, 0.0, 0.9 * half, -1.1 * half, 1.2 * half, 0.5 * half)
-    assert [len(now) for now in told] == [0, 0, 1, 0, 0]
+    output = warnings_of(LONG, 1, 0.0, 0.9 * half, -1.1 * half, 1.2 * half, 0.5 * half)
+    assert [len(now) for now in output] == [0, 0, 1, 0, 0]
 
 
 def test_of_the_rig_contacts_open_and_pinned_are_told_apart():
-    (told,) = warnings_of(rig(), 1, 2200.0)
-    assert [text.partition(" with contacts ")[2].partition(",")[0] for text in told] == [
+    (output,) = warnings_of(rig(), 1, 2200.0)
+    assert [text.partition(" with contacts ")[2].partition(",")[0] for text in output] == [
         *["open"] * 3,
         *["pinned"] * 3,
     ]
@@ -176,5 +176,5 @@ def test_of_the_rig_contacts_open_and_pinned_are_told_apart():
 def test_a_mode_that_is_lost_is_said():
     full, few = natural(LONG, 0), natural(LONG, 1)
     lost = len(few)
-    told = warnings_of(LONG, 1, np.pi * full[lost] * 0.99, np.pi * full[lost] * 1.01)
-    assert f"mode {lost + 1} of the shaft, {full[lost]:.4g} Hz, is lost, and" in told[1][0]
+    output = warnings_of(LONG, 1, np.pi * full[lost] * 0.99, np.pi * full[lost] * 1.01)
+    assert f"mode {lost + 1} of the shaft, {full[lost]:.4g} Hz, is lost, and" in output[1][0]

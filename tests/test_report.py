@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
-from rotor_fmu.look.reading import read_study
+from rotor_fmu.plotting.reading import read_study
+from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
 from rotor_fmu.report.page import runs_page, write_report
-from rotor_fmu.report.places import Recorded
 from rotor_fmu.report.signals import extremes
 from rotor_fmu.report.study import study_page
 
@@ -29,8 +29,8 @@ def report(*arguments):
 
 def block(text, name):
     """What a page's block of data holds."""
-    found = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', text, re.S)
-    return json.loads(found.group(1))
+    result = re.search(rf'<script type="application/json" id="{name}">(.*?)</script>', text, re.S)
+    return json.loads(result.group(1))
 
 
 @pytest.mark.parametrize("bits", [COARSE, FINE])
@@ -44,10 +44,10 @@ def test_packed_numbers_come_back_within_half_a_step(bits, kind):
         "unknown": np.array([1.0, np.nan, 3.0, np.inf]),
     }[kind]
     pack = packed(values, bits)
-    found = unpacked(pack)
+    result = unpacked(pack)
     is_known = np.isfinite(values)
-    assert np.array_equal(np.isfinite(found), is_known)
-    assert np.all(np.abs(found - values)[is_known] <= 0.501 * pack["step"] + 1e-15)
+    assert np.array_equal(np.isfinite(result), is_known)
+    assert np.all(np.abs(result - values)[is_known] <= 0.501 * pack["step"] + 1e-15)
     if is_known.sum() > 1:
         span = np.ptp(values[is_known])
         assert pack["step"] == pytest.approx(span / (2**bits - 2), abs=1e-30)
@@ -55,12 +55,12 @@ def test_packed_numbers_come_back_within_half_a_step(bits, kind):
 
 def test_thinned_signals_keep_their_extremes():
     values = np.random.default_rng(1).normal(size=10_007)
-    kept = extremes(values, 100)
-    assert np.all(np.diff(kept) > 0)
-    assert len(kept) <= 202
-    assert values[kept].max() == values.max()
+    retained = extremes(values, 100)
+    assert np.all(np.diff(retained) > 0)
+    assert len(retained) <= 202
+    assert values[retained].max() == values.max()
     for part in np.array_split(np.arange(len(values)), 90):
-        inside = kept[(kept >= part[0] - 101) & (kept <= part[-1] + 101)]
+        inside = retained[(retained >= part[0] - 101) & (retained <= part[-1] + 101)]
         assert values[inside].max() >= values[part].max()
 
 
@@ -159,8 +159,8 @@ def test_two_runs_of_one_name_are_told_apart(tmp_path):
         (tmp_path / name / "run").mkdir(parents=True)
         recorded().save(tmp_path / name / "run" / "recording.npz")
     out = tmp_path / "report.html"
-    found = report(tmp_path / "soft" / "run", tmp_path / "stiff" / "run", "--out", out)
-    assert found.exit_code == 0, found.output
+    result = report(tmp_path / "soft" / "run", tmp_path / "stiff" / "run", "--out", out)
+    assert result.exit_code == 0, result.output
     names = [run["name"] for run in block(out.read_text(encoding="utf-8"), "data")["runs"]]
     assert names == ["soft/run", "stiff/run"]
 
@@ -168,8 +168,8 @@ def test_two_runs_of_one_name_are_told_apart(tmp_path):
 def test_a_studys_rows_are_told_once_each(tmp_path):
     columns = write_study(tmp_path / "study")
     out = tmp_path / "report.html"
-    found = report(tmp_path / "study", "--out", out)
-    assert found.exit_code == 0, found.output
+    result = report(tmp_path / "study", "--out", out)
+    assert result.exit_code == 0, result.output
     text = out.read_text(encoding="utf-8")
     data = block(text, "data")
     assert data["pages"] == {}
@@ -183,8 +183,8 @@ def test_a_studys_rows_are_told_once_each(tmp_path):
 def test_a_map_of_morris_tells_no_quantiles(tmp_path):
     for kind in ("random", "morris"):
         write_study(tmp_path / kind, kind=kind)
-        found = report(tmp_path / kind, "--out", tmp_path / f"{kind}.html")
-        assert found.exit_code == 0, found.output
+        result = report(tmp_path / kind, "--out", tmp_path / f"{kind}.html")
+        assert result.exit_code == 0, result.output
         text = (tmp_path / f"{kind}.html").read_text(encoding="utf-8")
         cells = re.findall(r"<td>(.*?)</td>", re.search(r"<tr><td>peak</td>.*?</tr>", text).group())
         assert all(cell != "-" for cell in cells[2:7:4])  # least and largest
@@ -196,8 +196,8 @@ def test_a_run_made_again_with_its_signals_has_a_page_that_the_map_links(tmp_pat
     folder = tmp_path / "a study" / "runs" / "id007"
     folder.mkdir(parents=True)
     recorded().save(folder / "recording.npz")
-    found = report(tmp_path / "a study", "--out", tmp_path / "pages" / "report.html")
-    assert found.exit_code == 0, found.output
+    result = report(tmp_path / "a study", "--out", tmp_path / "pages" / "report.html")
+    assert result.exit_code == 0, result.output
     text = (tmp_path / "pages" / "report.html").read_text(encoding="utf-8")
     assert block(text, "data")["pages"] == {"id007": "../a%20study/runs/id007/report.html"}
     assert (folder / "report.html").read_text(encoding="utf-8").startswith("<!doctype html>")
@@ -233,9 +233,9 @@ def test_bad_input_is_one_line(prepare, arguments, sentence, tmp_path, monkeypat
         given.columns.pop("w")
     if prepare in ("run", "other"):
         given.save(folder / "recording.npz")
-    found = report(*arguments)
-    assert isinstance(found.exception, InputError), found.output
-    assert sentence in str(found.exception)
+    result = report(*arguments)
+    assert isinstance(result.exception, InputError), result.output
+    assert sentence in str(result.exception)
 
 
 @pytest.mark.slow

@@ -16,9 +16,9 @@ from rotor_fmu.model.quantities import QuantityError
 HERE = Path(__file__).parent / "reference"
 # of ROSS 2.3.0, and of 3.1.0 also between the speeds of its tables
 ANSWERS = {
-    f"{folder}/{file}": told
+    f"{folder}/{file}": output
     for folder in ("ross", "ross3")
-    for file, told in json.loads((HERE / f"{folder}_answers.json").read_text()).items()
+    for file, output in json.loads((HERE / f"{folder}_answers.json").read_text()).items()
 }
 CLOSE = 1e-6
 
@@ -28,30 +28,30 @@ def text_of(file):
 
 
 def machine(file):
-    found = parse_ross(text_of(file), is_json=file.endswith("json"))
-    return parse_rotor(toml_text(found.tables))
+    result = parse_ross(text_of(file), is_json=file.endswith("json"))
+    return parse_rotor(toml_text(result.tables))
 
 
 @pytest.mark.parametrize("file", ANSWERS)
 def test_natural_frequencies_and_log_decs_are_those_of_ross(file):
     rotor = machine(file)
-    for speed, told in ANSWERS[file]["modal"].items():
-        found = modes(rotor, float(speed), count=10)
-        np.testing.assert_allclose(found.natural, told["natural"], rtol=CLOSE)
-        np.testing.assert_allclose(found.log_dec, told["log_dec"], rtol=CLOSE)
+    for speed, output in ANSWERS[file]["modal"].items():
+        result = modes(rotor, float(speed), count=10)
+        np.testing.assert_allclose(result.natural, output["natural"], rtol=CLOSE)
+        np.testing.assert_allclose(result.log_dec, output["log_dec"], rtol=CLOSE)
         # and those that its own solver gives, among modes of torsion and along the axis
-        for omega in found.natural[:4]:
-            assert np.abs(np.array(told["run_modal"]) / omega - 1).min() < CLOSE
+        for omega in result.natural[:4]:
+            assert np.abs(np.array(output["run_modal"]) / omega - 1).min() < CLOSE
 
 
 @pytest.mark.parametrize("file", ANSWERS)
 def test_response_to_unbalance_is_that_of_ross(file):
-    told = ANSWERS[file]
-    unbalances = [(node + 1, amount, phase) for node, amount, phase in told["unbalances"]]
-    found = unbalance_response(machine(file), told["speeds"], unbalances=unbalances)
+    output = ANSWERS[file]
+    unbalances = [(node + 1, amount, phase) for node, amount, phase in output["unbalances"]]
+    result = unbalance_response(machine(file), output["speeds"], unbalances=unbalances)
     for axis in "xy":
-        expected = (np.array(told[axis]) @ [1, 1j]).T
-        np.testing.assert_allclose(getattr(found, axis), expected, rtol=CLOSE, atol=0)
+        expected = (np.array(output[axis]) @ [1, 1j]).T
+        np.testing.assert_allclose(getattr(result, axis), expected, rtol=CLOSE, atol=0)
 
 
 def test_where_formulations_differ_it_is_by_a_little_and_said_how():

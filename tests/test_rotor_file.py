@@ -23,7 +23,7 @@ def edited(old, new):
     return text
 
 
-def refusal(text):
+def input_error(text):
     """The message of the error that the text must raise."""
     with pytest.raises(QuantityError) as error:
         parse_rotor(text)
@@ -123,7 +123,7 @@ WRONG = [
     ("old", "new", "named"), WRONG, ids=[f"{old[:20]} to {new[:20]}" for old, new, _ in WRONG]
 )
 def test_a_wrong_file_is_refused_in_one_line_that_names_it(old, new, named):
-    message = refusal(edited(old, new))
+    message = input_error(edited(old, new))
     assert "\n" not in message
     for part in named:
         assert part in message
@@ -144,7 +144,7 @@ WRONG_PARTS = [
 
 @pytest.mark.parametrize(("part", "named"), WRONG_PARTS)
 def test_a_wrong_part_is_refused_in_one_line_that_names_it(part, named):
-    message = refusal(f"{TEXT}\n{part}\n")
+    message = input_error(f"{TEXT}\n{part}\n")
     assert "\n" not in message
     for words in named:
         assert words in message
@@ -172,7 +172,7 @@ def test_a_rotor_may_have_none_of_a_kind(kind):
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# nothing"])
 def test_an_empty_file_says_what_is_missing_first(text):
-    assert "[material] is missing" in refusal(text)
+    assert "[material] is missing" in input_error(text)
 
 
 JUNK = [

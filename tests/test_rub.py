@@ -89,21 +89,21 @@ def exact():
 
 def simulated(settings):
     sim = Simulation(rubbing(), settings, speed=SPEED, rate=RATE)
-    found, touching = [], []
+    result, touching = [], []
     for t in np.linspace(0, DURATION, STOPS + 1)[1:]:
         sim.advance(t, SPEED + RATE * sim.time)
-        found.append(sim.motion.q[:-1].copy())
+        result.append(sim.motion.q[:-1].copy())
         touching.append(sim.read("bearing[1].contact"))
-    return np.array(found), touching, sim
+    return np.array(result), touching, sim
 
 
 @pytest.mark.parametrize("preset", ["robust", "moderate", "paper"])
 def test_a_rub_converges_to_what_an_explicit_solver_finds(preset, exact):
     errors = []
     for h in (1e-5, 5e-6):
-        found, touching, _ = simulated(choose(preset, h=h))
+        result, touching, _ = simulated(choose(preset, h=h))
         assert 0 < sum(touching) < STOPS  # it does knock: touches here, flies there
-        errors.append((np.abs(found - exact).max(axis=0) / np.abs(exact).max(axis=0)).max())
+        errors.append((np.abs(result - exact).max(axis=0) / np.abs(exact).max(axis=0)).max())
     assert errors[1] < 1e-4
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
 

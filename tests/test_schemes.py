@@ -226,7 +226,7 @@ def test_determinants_of_the_amplification_matrices():
         assert np.linalg.det(HOUBOLT.amplification(w)) == pytest.approx(1 / (2 + w**2))
 
 
-def _march(method, w, steps, xi=0.0):
+def _time_loop(method, w, steps, xi=0.0):
     """State (q, h v, h^2 a) after some steps from q = 1, v = 0 with the right acceleration."""
     state = np.array([1.0, 0.0, -(w**2)])
     for _ in range(steps):
@@ -236,7 +236,7 @@ def _march(method, w, steps, xi=0.0):
 
 def test_undamped_average_acceleration_keeps_the_energy():
     for w in (0.1, 1.3, 20.0):
-        q, hv, _ = _march(AVERAGE, w, 1000)
+        q, hv, _ = _time_loop(AVERAGE, w, 1000)
         assert hv**2 + (w * q) ** 2 == pytest.approx(w**2, rel=1e-11)
 
 
@@ -259,7 +259,7 @@ def test_a_marched_free_vibration_converges_with_the_same_order(name, order):
     xi, t = 0.1, 5.0
     rate = complex(-xi, math.sqrt(1 - xi**2))
     exact = ((1 - 1j * xi / rate.imag) * np.exp(rate * t)).real
-    errors = [abs(_march(EVERY[name], t / n, n, xi)[0] - exact) for n in (1000, 2000)]
+    errors = [abs(_time_loop(EVERY[name], t / n, n, xi)[0] - exact) for n in (1000, 2000)]
     assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.06)
 
 
@@ -276,10 +276,10 @@ EQUATION_13 = [(-0.5, 0.166667), (0, 0.414214), (0.2, 0.470691), (0.4, 0.497168)
 
 @pytest.mark.parametrize(("alpha_b", "alpha_h"), EQUATION_13)
 def test_equations_8_and_12_together_give_13(alpha_b, alpha_h):
-    found = schemes.energy_momentum_alpha_f(alpha_b)
-    assert found == pytest.approx(alpha_h, abs=1e-6)
-    scheme = schemes.generalized_alpha(found, alpha_b)
-    assert schemes.energy_momentum_beta(alpha_b, found) == pytest.approx(scheme.beta, abs=1e-12)
+    result = schemes.energy_momentum_alpha_f(alpha_b)
+    assert result == pytest.approx(alpha_h, abs=1e-6)
+    scheme = schemes.generalized_alpha(result, alpha_b)
+    assert schemes.energy_momentum_beta(alpha_b, result) == pytest.approx(scheme.beta, abs=1e-12)
     assert schemes.rebound(scheme) == pytest.approx(1)
 
 
@@ -357,15 +357,15 @@ def test_unconditional_stability_is_paper_as_condition_for_second_order():
 
 def test_unconditional_stability_is_an_infinite_limit_for_any_member():
     rng = np.random.default_rng(1)
-    found = set()
+    result = set()
     for _ in range(200):
         scheme = schemes.general(
             *rng.uniform(-1, 0.6, 2), rng.uniform(0.05, 1.5), rng.uniform(0.3, 1.8)
         )
         is_stable = schemes.is_unconditionally_stable(scheme)
         assert is_stable == math.isinf(spectral.stability_limit(scheme))
-        found.add(is_stable)
-    assert found == {True, False}
+        result.add(is_stable)
+    assert result == {True, False}
 
 
 @pytest.mark.parametrize(

@@ -53,10 +53,10 @@ def test_a_snapshot_continues_in_an_equal_simulation_to_the_bit(carried):
 def test_a_snapshot_is_a_copy():
     sim = Simulation(RIG, speed=400.0)
     saved = sim.snapshot()
-    kept = saved.tobytes()
+    retained = saved.tobytes()
     sim.advance(0.1, 400.0, LOADS)
-    assert saved.tobytes() == kept
-    assert sim.snapshot().tobytes() != kept
+    assert saved.tobytes() == retained
+    assert sim.snapshot().tobytes() != retained
 
 
 def test_where_the_stops_lie_does_not_matter_at_constant_speed():

@@ -6,8 +6,8 @@ from rotor_fmu.model.linear import campbell, modes, static, unbalance_response
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.linear.doubts import doubts
-from rotor_fmu.linear.tables import modes_table
+from rotor_fmu.linear.linear_tables import modes_table
+from rotor_fmu.linear.machine_warnings import machine_warnings
 
 LENGTH, DIAMETER, DENSITY = 1.0, 0.1, 1.0
 MASS, I_D, I_P = 10.0, 0.1, 0.2
@@ -56,11 +56,11 @@ def rigid_roots():
 @pytest.mark.parametrize("shaft", ["", "eta_v = 1e-4\nrotating_damping = true\neta_h = 1e-3"])
 def test_a_stiff_and_light_shaft_has_the_modes_of_a_rigid_rotor(elements, shaft):
     exact = rigid_roots()
-    found = modes(machine(2e18, elements, shaft=shaft), SPEED, count=4)
-    np.testing.assert_allclose(found.eigenvalues, exact, rtol=2e-8)
-    np.testing.assert_allclose(found.log_dec, -2 * np.pi * exact.real / exact.imag, rtol=1e-7)
-    assert found.is_sound.all()
-    assert found.whirl[2:] == ("backward", "forward")
+    result = modes(machine(2e18, elements, shaft=shaft), SPEED, count=4)
+    np.testing.assert_allclose(result.eigenvalues, exact, rtol=2e-8)
+    np.testing.assert_allclose(result.log_dec, -2 * np.pi * exact.real / exact.imag, rtol=1e-7)
+    assert result.is_sound.all()
+    assert result.whirl[2:] == ("backward", "forward")
 
 
 def test_the_modes_come_nearer_to_the_rigid_ones_as_the_shaft_stiffens():
@@ -74,23 +74,23 @@ def test_the_modes_come_nearer_to_the_rigid_ones_as_the_shaft_stiffens():
 @pytest.mark.parametrize("young", [2.1e11, 2e18])
 def test_the_lowest_frequency_of_a_machine_does_not_depend_on_rounding(young):
     lowest = assemble(machine(young, 60)).numbers[0].lowest_omega
-    found = modes(machine(young, 4), 0.0, count=1).natural[0]
-    assert lowest == pytest.approx(found, rel=2e-4)
+    result = modes(machine(young, 4), 0.0, count=1).natural[0]
+    assert lowest == pytest.approx(result, rel=2e-4)
 
 
 def test_a_rigid_rotor_answers_to_unbalance_as_it_should():
     amount, z = 1e-4, 0.25
     more = f"[[unbalance]]\nz = {z}\namount = {amount}\n"
-    found = unbalance_response(machine(2e18, 20, more), [SPEED])
+    result = unbalance_response(machine(2e18, 20, more), [SPEED])
     arm = z - LENGTH / 2
     push = amount * SPEED**2
     along = push / (2 * K + 2j * SPEED * C - SPEED**2 * TOTAL)
     tilted = (K + 1j * SPEED * C) * LENGTH**2 / 2 - SPEED**2 * (DIAMETRAL - POLAR)
     tilt = push * arm / tilted
-    exact = along + tilt * (found.z - LENGTH / 2)
-    np.testing.assert_allclose(found.forward[0], exact, rtol=1e-7)
+    exact = along + tilt * (result.z - LENGTH / 2)
+    np.testing.assert_allclose(result.forward[0], exact, rtol=1e-7)
     ends = (K + 1j * SPEED * C) * exact[[0, -1]]
-    np.testing.assert_allclose(found.load_x[0], ends, rtol=1e-7)
+    np.testing.assert_allclose(result.load_x[0], ends, rtol=1e-7)
 
 
 @pytest.mark.parametrize("elements", [20, 60, 500])
@@ -118,12 +118,12 @@ def test_modes_of_a_steel_shaft_of_many_elements_are_found():
 
 def test_modes_that_rounding_hides_are_said_and_are_no_instability():
     rotor = machine(2e26, 4)
-    found = modes(rotor, SPEED)
-    assert found.is_sound[:4].all()
-    assert not found.is_sound[4:].any()
-    np.testing.assert_allclose(found.eigenvalues[:4], rigid_roots(), rtol=1e-9)
-    title = modes_table(found).title
+    result = modes(rotor, SPEED)
+    assert result.is_sound[:4].all()
+    assert not result.is_sound[4:].any()
+    np.testing.assert_allclose(result.eigenvalues[:4], rigid_roots(), rtol=1e-9)
+    title = modes_table(result).title
     assert "of mode 5, 6, 7, 8 rounding leaves residuals up to" in title
     assert "rounding" not in modes_table(modes(machine(2e18, 4), SPEED, count=4)).title
     assert campbell(rotor, [0.0, SPEED]).threshold is None
-    assert doubts(rotor) == []
+    assert machine_warnings(rotor) == []

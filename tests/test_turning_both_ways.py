@@ -78,9 +78,9 @@ def test_blocks_of_turns_do_not_reach_across_a_reversal():
     assert track.speed == pytest.approx(100 - 10 * track.t, abs=1e-3)
     # 500 rad each way hold 78 or 79 whole turns, blocks of 4 three less
     assert [np.count_nonzero(track.speed > 0), np.count_nonzero(track.speed < 0)] == [75, 75]
-    found = vibration.cascade(t, phi, z, turns=8)
+    result = vibration.cascade(t, phi, z, turns=8)
     assert (
-        np.abs(found.amplitude.max(axis=1) - np.where(found.speed > 0, 30e-6, 12e-6)).max() < 1e-9
+        np.abs(result.amplitude.max(axis=1) - np.where(result.speed > 0, 30e-6, 12e-6)).max() < 1e-9
     )
     spot = vibration.orbit(t, phi, z, -50.0)
     assert np.abs(spot.z) == pytest.approx(12e-6, rel=1e-4)
@@ -103,10 +103,10 @@ def test_contacts_and_powers_have_their_turns_both_ways():
     t = np.arange(0, 20.0, 2e-4)
     phi = 100 * t - 5 * t**2
     fn = np.where(np.mod(phi, TURN) < TURN / 4, 8.0, 0.0)
-    found = vibration.contact(t, phi, np.mod(phi, TURN), fn)
-    fast = np.abs(found.speed) > 50
-    assert found.share[fast] == pytest.approx(0.25, abs=0.01)
-    assert (found.speed > 0).sum() == pytest.approx((found.speed < 0).sum(), abs=1)
+    result = vibration.contact(t, phi, np.mod(phi, TURN), fn)
+    fast = np.abs(result.speed) > 50
+    assert result.share[fast] == pytest.approx(0.25, abs=0.01)
+    assert (result.speed > 0).sum() == pytest.approx((result.speed < 0).sum(), abs=1)
     _, speed, powers = vibration.power_by_sink(t, phi, {"friction": 3.0 * t})
     assert powers["friction"] == pytest.approx(3.0)
     assert speed.min() < -90
@@ -119,16 +119,16 @@ def test_a_whirl_of_its_own_frequency_is_the_circle_that_it_is(order):
     whirl = vibration.whirl(t, 250 * t, z)
     assert whirl.sense == pytest.approx(math.copysign(1, order), abs=2e-4)
     assert whirl.order == pytest.approx(order, rel=1e-3)
-    found = vibration.displacement(t, 250 * t, z)
-    assert found.s_max == pytest.approx(50e-6, rel=7e-3)
-    assert found.x_pp == pytest.approx(100e-6, rel=1e-3)
-    assert found.y_pp == pytest.approx(100e-6, rel=1e-3)
+    result = vibration.displacement(t, 250 * t, z)
+    assert result.s_max == pytest.approx(50e-6, rel=7e-3)
+    assert result.x_pp == pytest.approx(100e-6, rel=1e-3)
+    assert result.y_pp == pytest.approx(100e-6, rel=1e-3)
 
 
 def test_displacements_of_a_single_turn_are_those_about_its_mean():
     t = np.linspace(0, 0.04, 400)
-    found = vibration.displacement(t, 200 * t, 2e-4 + 30e-6 * np.exp(200j * t))
-    assert found.s_max == pytest.approx(30e-6, rel=1e-3)
+    result = vibration.displacement(t, 200 * t, 2e-4 + 30e-6 * np.exp(200j * t))
+    assert result.s_max == pytest.approx(30e-6, rel=1e-3)
 
 
 def two_resonances(speed, apart):
@@ -164,10 +164,10 @@ def swept(q, rate):
         return [y[1], accelerated - (1 - w * w + 1j * rate + 2j * zeta * w) * y[0]]
 
     start = begin**2 / (1 - begin**2 + 2j * zeta * begin)
-    found = solve_ivp(
+    result = solve_ivp(
         slope, (0, 2 * span / abs(rate)), [start, 0j], rtol=1e-6, atol=1e-8, max_step=3.0
     )
-    return begin + rate * found.t, np.abs(found.y[0]), found.t
+    return begin + rate * result.t, np.abs(result.y[0]), result.t
 
 
 @pytest.mark.parametrize("way", [1, -1])
@@ -189,17 +189,17 @@ def test_a_ramp_that_passes_a_resonance_too_fast_is_marked(way):
 def test_a_journal_that_goes_all_round_has_a_range_and_no_mean_angle():
     t = np.arange(0, 6.0, 5e-4)
     psi = np.mod(200 * t, TURN)
-    found = vibration.contact(t, 200 * t, psi, np.full_like(t, 3.0))
-    assert np.isnan(found.angle).all()
-    assert found.spread == pytest.approx(1.0, abs=0.02)
-    assert np.degrees(found.width).min() > 345
+    result = vibration.contact(t, 200 * t, psi, np.full_like(t, 3.0))
+    assert np.isnan(result.angle).all()
+    assert result.spread == pytest.approx(1.0, abs=0.02)
+    assert np.degrees(result.width).min() > 345
     # a touch about 10 degrees, across the right
     fn = np.where(np.cos(psi - 0.17) > math.cos(1.0), 3.0, 0.0)
-    found = vibration.contact(t, 200 * t, psi, fn)
+    result = vibration.contact(t, 200 * t, psi, fn)
     step = 200 * 5e-4
-    assert np.mod(found.angle + 1, TURN) == pytest.approx(1.17, abs=step)
-    assert found.low == pytest.approx(0.17 - 1 + TURN, abs=step)
-    assert found.width == pytest.approx(2.0, abs=2 * step)
+    assert np.mod(result.angle + 1, TURN) == pytest.approx(1.17, abs=step)
+    assert result.low == pytest.approx(0.17 - 1 + TURN, abs=step)
+    assert result.width == pytest.approx(2.0, abs=2 * step)
 
 
 def test_orders_that_the_rows_are_too_few_for_are_not_told():
@@ -207,9 +207,9 @@ def test_orders_that_the_rows_are_too_few_for_are_not_told():
     track = vibration.order_track(t, 200 * t, 1e-6 * np.exp(200j * t))
     assert np.isnan(track.major(2.0)).all()
     assert track.major(1.0) == pytest.approx(1e-6, rel=0.02)
-    found = vibration.full_spectrum(t, 200 * t, 1e-6 * np.exp(200j * t), 200.0)
-    assert np.isnan(found.amplitude[np.abs(found.order) >= 2]).all()
-    assert found.order[np.nanargmax(found.amplitude)] == 1.0
+    result = vibration.full_spectrum(t, 200 * t, 1e-6 * np.exp(200j * t), 200.0)
+    assert np.isnan(result.amplitude[np.abs(result.order) >= 2]).all()
+    assert result.order[np.nanargmax(result.amplitude)] == 1.0
     few = np.arange(0, 5.0, TURN / 200 / 2)
     with pytest.raises(vibration.TooFewRows, match="has 2 recorded rows a turn; order 1 needs"):
         vibration.order_track(few, 200 * few, np.exp(200j * few), (1.0,))
@@ -232,12 +232,12 @@ def test_what_is_not_finite_is_left_out():
 @pytest.mark.parametrize("speed", [220.0, -220.0])
 def test_phases_of_a_steady_whirl_are_those_of_the_harmonic_problem(speed):
     rotor = machine()
-    found = unbalance_response(rotor, [speed])
-    x, y = (part[0, NODES[1] - 1] for part in (found.x, found.y))
+    result = unbalance_response(rotor, [speed])
+    x, y = (part[0, NODES[1] - 1] for part in (result.x, result.y))
     t = np.linspace(0, 0.5, 5000)
     whirl = np.exp(1j * speed * t)
     z = (x * whirl).real + 1j * (y * whirl).real
     track = vibration.order_track(t, speed * t, z, (1.0,))
-    assert np.angle(track.x()) == pytest.approx(found.phase_x[0, 1], abs=1e-4)
-    assert np.angle(track.y()) == pytest.approx(found.phase_y[0, 1], abs=1e-4)
-    assert track.minor() == pytest.approx(found.minor[0, 1], rel=1e-4)
+    assert np.angle(track.x()) == pytest.approx(result.phase_x[0, 1], abs=1e-4)
+    assert np.angle(track.y()) == pytest.approx(result.phase_y[0, 1], abs=1e-4)
+    assert track.minor() == pytest.approx(result.minor[0, 1], rel=1e-4)

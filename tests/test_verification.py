@@ -12,8 +12,8 @@ from rotor_fmu import studies
 from rotor_fmu.cli import app
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.verification import CONFIRMED, NOT_CONFIRMED, SENSITIVE, compare
-from rotor_fmu.studies.conduct import conduct
 from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import run_study
 
 from .studies.functions import here, quiet
 
@@ -103,7 +103,7 @@ X = {{ peak = "disc[3].x" }}
 def test_a_study_says_how_far_each_run_is_from_a_finer_one(tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
-    conduct(read_study(path), tmp_path / "out", here, quiet)
+    run_study(read_study(path), tmp_path / "out", here, quiet)
     data = studies.open(tmp_path / "out")
     near, far = data.verification.values
     assert near < 0.01 < 0.05 < far

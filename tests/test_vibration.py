@@ -71,22 +71,22 @@ def test_a_resonance_has_the_amplification_of_one_over_two_zeta():
 def test_full_spectrum_tells_forward_from_backward():
     t, phi = run_down(10.0)
     z = 5e-5j + 40e-6 * np.exp(1j * phi) + 10e-6 * np.exp(-1j * phi) + 5e-6 * np.exp(-0.5j * phi)
-    found = vibration.full_spectrum(t, phi, z, 350.0)
-    at = {round(k, 6): a for k, a in zip(found.order, found.amplitude, strict=True)}
-    assert found.speed == pytest.approx(350.0, abs=2.0)
+    result = vibration.full_spectrum(t, phi, z, 350.0)
+    at = {round(k, 6): a for k, a in zip(result.order, result.amplitude, strict=True)}
+    assert result.speed == pytest.approx(350.0, abs=2.0)
     assert at[1.0] == pytest.approx(40e-6, rel=1e-3)
     assert at[-1.0] == pytest.approx(10e-6, rel=1e-3)
     assert at[-0.5] == pytest.approx(5e-6, rel=1e-3)
     assert at[0.5] < 1e-9
     assert at[0.0] < 1e-9
-    assert found.frequency[np.argmax(found.amplitude)] == pytest.approx(found.speed)
+    assert result.frequency[np.argmax(result.amplitude)] == pytest.approx(result.speed)
 
 
 def test_orders_do_not_leak_past_the_neighbouring_lines():
     t, phi = run_down(10.0)
-    found = vibration.full_spectrum(t, phi, 1e-4 * np.exp(1j * phi), 350.0)
-    far = np.abs(found.order - 1.0) > 1.5 * found.resolution
-    assert found.amplitude[far].max() < 1e-8
+    result = vibration.full_spectrum(t, phi, 1e-4 * np.exp(1j * phi), 350.0)
+    far = np.abs(result.order - 1.0) > 1.5 * result.resolution
+    assert result.amplitude[far].max() < 1e-8
     # between two lines Hann's window takes at most 15 %
     between = vibration.full_spectrum(t, phi, 1e-4 * np.exp(1j * (1 + 1 / 32) * phi), 350.0)
     assert 0.84e-4 < between.amplitude.max() < 0.86e-4
@@ -107,42 +107,42 @@ def test_cascade_follows_an_order_and_a_frequency_of_its_own():
     t, phi = run_down(30.0)
     own = 250.0
     z = 30e-6 * np.exp(1j * phi) + 10e-6 * np.exp(-1j * own * t)
-    found = vibration.cascade(t, phi, z, lines=40)
-    assert found.amplitude.shape == (40, len(found.order))
-    forward = found.order > 0
-    ahead = np.argmax(np.where(forward, found.amplitude, 0), axis=1)
-    assert found.order[ahead] == pytest.approx(1.0)
-    back = np.argmax(np.where(forward, 0, found.amplitude), axis=1)
-    line = 1.01 * found.speed / 16
-    assert np.all(np.abs(found.frequency[np.arange(40), back] + own) < line)
+    result = vibration.cascade(t, phi, z, lines=40)
+    assert result.amplitude.shape == (40, len(result.order))
+    forward = result.order > 0
+    ahead = np.argmax(np.where(forward, result.amplitude, 0), axis=1)
+    assert result.order[ahead] == pytest.approx(1.0)
+    back = np.argmax(np.where(forward, 0, result.amplitude), axis=1)
+    line = 1.01 * result.speed / 16
+    assert np.all(np.abs(result.frequency[np.arange(40), back] + own) < line)
 
 
 @pytest.mark.parametrize(("sense", "order"), [(1, 1.0), (-1, -1.0), (0, 0.0)])
 def test_sense_of_whirl_of_circles_and_of_a_line(sense, order):
     t, phi = run_down(5.0)
     z = {1: np.exp(1j * phi), -1: np.exp(-1j * phi), 0: np.cos(phi) + 0j}[sense] * 1e-5
-    found = vibration.whirl(t, phi, 3e-4 + z)
-    assert found.sense == pytest.approx(sense, abs=1e-3)
-    assert found.order == pytest.approx(order, abs=1e-2)
+    result = vibration.whirl(t, phi, 3e-4 + z)
+    assert result.sense == pytest.approx(sense, abs=1e-3)
+    assert result.order == pytest.approx(order, abs=1e-2)
 
 
 def test_sense_and_order_of_a_backward_whip():
     t, phi = run_down(5.0, step=1.5e-4)
-    found = vibration.whirl(t, phi, 1e-4 * np.exp(-5j * phi))
-    assert found.sense == pytest.approx(-1, abs=1e-3)
-    assert found.order == pytest.approx(-5, rel=1e-2)
+    result = vibration.whirl(t, phi, 1e-4 * np.exp(-5j * phi))
+    assert result.sense == pytest.approx(-1, abs=1e-3)
+    assert result.order == pytest.approx(-5, rel=1e-2)
 
 
 def test_orbit_begins_at_the_mark_and_holds_whole_turns():
     t, phi = run_down(10.0)
     z = 40e-6 * np.exp(1j * (phi - 0.5)) + 10e-6 * np.exp(-1j * phi)
-    found = vibration.orbit(t, phi, z, 350.0, turns=2)
+    result = vibration.orbit(t, phi, z, 350.0, turns=2)
     at_mark = 40e-6 * np.exp(-0.5j) + 10e-6
-    assert np.abs(found.marks - at_mark).max() < 1e-9
-    assert found.z[0] == found.marks[0]
-    assert np.abs(found.z).max() == pytest.approx(50e-6, rel=1e-3)
-    assert np.abs(found.z).min() == pytest.approx(30e-6, rel=3e-3)
-    assert found.t[-1] - found.t[0] == pytest.approx(2 * TURN / 350.0, rel=0.02)
+    assert np.abs(result.marks - at_mark).max() < 1e-9
+    assert result.z[0] == result.marks[0]
+    assert np.abs(result.z).max() == pytest.approx(50e-6, rel=1e-3)
+    assert np.abs(result.z).min() == pytest.approx(30e-6, rel=3e-3)
+    assert result.t[-1] - result.t[0] == pytest.approx(2 * TURN / 350.0, rel=0.02)
 
 
 def test_poincare_points_of_a_motion_of_two_turns_alternate():
@@ -156,30 +156,30 @@ def test_poincare_points_of_a_motion_of_two_turns_alternate():
 def test_displacements_of_an_ellipse():
     t, phi = run_down(5.0)
     z = 2e-4 + 30e-6 * np.cos(phi) + 20e-6j * np.sin(phi)
-    found = vibration.displacement(t, phi, z)
-    assert found.x_pp == pytest.approx(60e-6, rel=2e-3)
-    assert found.y_pp == pytest.approx(40e-6, rel=2e-3)
-    assert found.s_max == pytest.approx(30e-6, rel=2e-3)
+    result = vibration.displacement(t, phi, z)
+    assert result.x_pp == pytest.approx(60e-6, rel=2e-3)
+    assert result.y_pp == pytest.approx(40e-6, rel=2e-3)
+    assert result.s_max == pytest.approx(30e-6, rel=2e-3)
 
 
 def test_a_contact_that_touches_a_quarter_of_each_turn():
     t, phi = run_down(10.0, step=5e-5)
     psi = np.mod(phi, TURN)
     touches = (psi > np.pi) & (psi < 1.5 * np.pi)
-    found = vibration.contact(t, phi, psi, 40.0 * touches)
-    assert found.share == pytest.approx(0.25, abs=0.01)
-    assert found.mean == pytest.approx(10.0, rel=0.04)
-    assert found.peak == pytest.approx(40.0)
-    assert found.angle == pytest.approx(1.25 * np.pi, abs=0.02)
+    result = vibration.contact(t, phi, psi, 40.0 * touches)
+    assert result.share == pytest.approx(0.25, abs=0.01)
+    assert result.mean == pytest.approx(10.0, rel=0.04)
+    assert result.peak == pytest.approx(40.0)
+    assert result.angle == pytest.approx(1.25 * np.pi, abs=0.02)
     # mean of exp(i psi) over a quarter is 2 sqrt(2) / pi long
-    assert found.spread == pytest.approx(1 - 2 * np.sqrt(2) / np.pi, abs=0.01)
+    assert result.spread == pytest.approx(1 - 2 * np.sqrt(2) / np.pi, abs=0.01)
 
 
 def test_without_a_touch_there_is_no_angle():
     t, phi = run_down(2.0)
-    found = vibration.contact(t, phi, np.zeros_like(t), np.zeros_like(t))
-    assert not found.share.any()
-    assert np.isnan(found.angle).all()
+    result = vibration.contact(t, phi, np.zeros_like(t), np.zeros_like(t))
+    assert not result.share.any()
+    assert np.isnan(result.angle).all()
 
 
 def test_power_by_sink_is_what_was_dissipated_in_the_turn():
@@ -227,7 +227,7 @@ def test_a_slow_run_down_without_contact_follows_the_linear_response_to_unbalanc
     late = np.flatnonzero(track.t > 4.0)[::40]
     linear = unbalance_response(rotor, track.speed[late])
     node = rotor.discs[1].node - 1
-    for found, truth in ((track.x(), linear.x[:, node]), (track.y(), linear.y[:, node])):
-        difference = np.abs(found[late] - truth) / np.abs(truth).max()
+    for result, truth in ((track.x(), linear.x[:, node]), (track.y(), linear.y[:, node])):
+        difference = np.abs(result[late] - truth) / np.abs(truth).max()
         assert difference.max() < 0.02
-        assert np.median(np.abs(np.angle(found[late] / truth))) < 0.02
+        assert np.median(np.abs(np.angle(result[late] / truth))) < 0.02

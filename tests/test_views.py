@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.march.tape import Record
+from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu.runs.job import clear, execute_recorded, prepare
 from rotor_fmu.runs.recording import Recording

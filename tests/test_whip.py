@@ -59,7 +59,7 @@ RIGHT = {
 }
 
 
-def doubts_on_the_rig(settings):
+def warnings_on_the_rig(settings):
     said = []
     sim = Simulation(rig(), settings, speed=400.0, rate=-10.0, warn=said.append)
     for k in range(250):
@@ -69,11 +69,11 @@ def doubts_on_the_rig(settings):
 
 @pytest.mark.parametrize("name", RIGHT)
 def test_of_no_fine_run_of_the_rig_anything_is_said(name):
-    assert doubts_on_the_rig(RIGHT[name]) == []
+    assert warnings_on_the_rig(RIGHT[name]) == []
 
 
 @pytest.mark.parametrize(
-    ("settings", "doubts"),
+    ("settings", "warnings"),
     [
         (PRESETS["paper"], ["too coarse in contact"]),
         (PRESETS["paper-adaptive"], ["too coarse in contact"]),
@@ -81,15 +81,15 @@ def test_of_no_fine_run_of_the_rig_anything_is_said(name):
         (PRESETS["moderate"], ["too coarse in contact", "false state"]),
     ],
 )
-def test_of_coarse_steps_that_is_said_and_of_one_preset_the_false_state(settings, doubts):
-    said = doubts_on_the_rig(settings)
-    assert [message.partition(" since t = ")[0] for message in said] == doubts
+def test_of_coarse_steps_that_is_said_and_of_one_preset_the_false_state(settings, warnings):
+    said = warnings_on_the_rig(settings)
+    assert [message.partition(" since t = ")[0] for message in said] == warnings
 
 
 def test_when_the_rub_is_overdamped_is_part_of_the_state():
     sim, _ = run_down(overhung_machine(), choose("robust"), 1.0, lambda message: None)
-    kept, at = sim.snapshot(), sim.read("solver.overdamped_at")
+    retained, at = sim.snapshot(), sim.read("solver.overdamped_at")
     other = Simulation(overhung_machine(), choose("robust"), speed=400.0, warn=lambda m: None)
     assert other.read("solver.overdamped_at") == -1.0
-    other.restore(kept)
+    other.restore(retained)
     assert other.read("solver.overdamped_at") == at >= 0.0

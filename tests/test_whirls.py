@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.schemes.family import chung_hulbert, hht, newmark
 from rotor_fmu.model.settings import PRESETS, choose
@@ -15,7 +15,10 @@ from .machines import jeffcott, jeffcott_stiffness
 from .whip import OVERHUNG, overhung_machine, run_down
 from .windows import rig
 
-resolving_step, seen_growth = plain(resolution.resolving_step), plain(resolution.seen_growth)
+resolving_step, seen_growth = (
+    interpreted(resolution.resolving_step),
+    interpreted(resolution.seen_growth),
+)
 SPEED, CLEARANCE = 400.0, 1e-4
 ZETA, BETA = 0.05, 20.0
 MASS = 7800.0 * math.pi / 4 * 0.3**2 * 0.05  # of the Jeffcott rotor's disc [kg]
@@ -39,9 +42,9 @@ def whirls(rotor, settings=PRESETS["controlled"], speed=SPEED):
 
 @pytest.mark.parametrize(("ratio", "is_growing"), [(0.97, False), (1.03, True), (1.15, True)])
 def test_a_jeffcott_rotor_may_whip_above_blacks_coefficient_of_friction(ratio, is_growing):
-    found = whirls(rubbing_jeffcott(ratio))
-    assert bool(found) == is_growing
-    for whirl in found:
+    result = whirls(rubbing_jeffcott(ratio))
+    assert bool(result) == is_growing
+    for whirl in result:
         k = jeffcott_stiffness()
         frequency = math.sqrt((1 + BETA) * k / MASS)
         assert whirl.is_backward
@@ -59,9 +62,9 @@ def test_against_the_rotation_means_the_same_for_a_shaft_that_turns_the_other_wa
 def test_the_overhung_machine_has_the_root_that_an_eigenvalue_solver_finds():
     """11.37 + 7976i at 400 rad/s: dense matrices of the machine with F = -k (1 + i mu) d at the
     journal, written out and solved apart from this code."""
-    found = [w for w in whirls(overhung_machine()) if w.speed == SPEED]
-    assert found[0].root == pytest.approx(11.3704 + 7976.255j, rel=1e-5)
-    assert found[0].is_backward
+    result = [w for w in whirls(overhung_machine()) if w.speed == SPEED]
+    assert result[0].root == pytest.approx(11.3704 + 7976.255j, rel=1e-5)
+    assert result[0].is_backward
     assert whirls(overhung_machine(mu=0.02)) == ()
 
 

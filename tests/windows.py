@@ -66,11 +66,11 @@ class Window:
         sim.restore(self.snapshot)
         sim._run.memory.record[0].h = settings.h  # a state brings its own wished length along
         before = sim.read("solver.steps")
-        found = [_last_disc(sim)]
+        result = [_last_disc(sim)]
         for t in self.begin + self.times[1:]:
             sim.advance(t, SPEED + RATE * sim.time)
-            found.append(_last_disc(sim))
-        return np.array(found), int(sim.read("solver.steps") - before)
+            result.append(_last_disc(sim))
+        return np.array(result), int(sim.read("solver.steps") - before)
 
 
 def _last_disc(sim: Simulation) -> complex:

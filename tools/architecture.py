@@ -13,7 +13,6 @@ from textwrap import shorten
 ROOT = Path(__file__).parents[1]
 PLACES = {"rotor_fmu.model": ROOT / "model", "rotor_fmu": ROOT / "rotor_fmu"}
 PICTURE = ROOT / "docs" / "figures" / "architecture.svg"
-COMMAND_LINE = "rotor_fmu.cli"
 
 # From the machine file to the FMU: functions in the order in which a build ends them, what each
 # makes, and of what. A test follows a build and compares.
@@ -23,7 +22,7 @@ FLOW = (
     ("rotor_fmu.library.build", "library", "solver library", "kernels, fmi/c"),
     ("rotor_fmu.fmi.description", "complete", "modelDescription.xml", "variables"),
     ("rotor_fmu.model.structure.reduction", "assembled", "matrices", "parts"),
-    ("rotor_fmu.model.march.block", "new_block", "block of memory", "matrices, settings"),
+    ("rotor_fmu.model.time_loop.block", "new_block", "block of memory", "matrices, settings"),
     ("rotor_fmu.fmi.machine_table", "table_bytes", "machine.table", "block, variables"),
     ("rotor_fmu.fmi.packing.archive", "write_archive", "RotorBearing.fmu", "all of these"),
 )
@@ -31,29 +30,29 @@ FLOW = (
 
 def modules() -> dict[str, Path]:
     """Every module of the project by its name."""
-    found = {}
+    result = {}
     for name, folder in PLACES.items():
         for file in folder.rglob("*.py"):
             parts = file.relative_to(folder).with_suffix("").parts
-            found[".".join((name, *parts)).removesuffix(".__init__")] = file
-    return found
+            result[".".join((name, *parts)).removesuffix(".__init__")] = file
+    return result
 
 
 def imports(name: str, file: Path, known: dict[str, Path]) -> set[str]:
     """The modules of the project that a module imports; what is for type checkers alone too."""
     home = name if file.name == "__init__.py" else name.rpartition(".")[0]
-    found = set()
+    result = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names}
+            result |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             base = node.module or ""
             if node.level:
                 parts = home.split(".")
                 up = parts[: len(parts) + 1 - node.level]
                 base = ".".join([*up, base]).strip(".")
-            found |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
-    return {module for module in found if module in known and module != name}
+            result |= {base, *(f"{base}.{alias.name}" for alias in node.names)}
+    return {module for module in result if module in known and module != name}
 
 
 def package(name: str) -> str:
@@ -64,7 +63,7 @@ def package(name: str) -> str:
 
 
 def arrows() -> Counter[tuple[str, str]]:
-    """How many imports go from one package to another, the command line's late ones among them."""
+    """How many imports go from one package to another."""
     known = modules()
     counted: Counter[tuple[str, str]] = Counter()
     for name, file in known.items():
@@ -73,16 +72,7 @@ def arrows() -> Counter[tuple[str, str]]:
             # a package's own name stands for what it holds
             if pair[0] != pair[1] and pair[1] not in ("rotor_fmu", "rotor_fmu.model"):
                 counted[pair] += 1
-    counted.update((COMMAND_LINE, package(target)) for target in late_imports())
     return counted
-
-
-def late_imports() -> list[str]:
-    """Modules that the command line imports when one of their commands is called."""
-    from rotor_fmu.cli import COMMANDS
-
-    places = (place for panel in COMMANDS.values() for place in panel.values())
-    return [f"rotor_fmu.{place.partition(':')[0]}" for place in places]
 
 
 def order() -> list[str]:
@@ -120,8 +110,8 @@ _STYLE = (
 
 def picture() -> str:
     """The flow from machine file to FMU, and which package imports which, as SVG."""
-    found, known = arrows(), modules()
-    shown = [n for n in order() if known[n].name == "__init__.py" or n == COMMAND_LINE]
+    result, known = arrows(), modules()
+    shown = [n for n in order() if known[n].name == "__init__.py"]
     shown.remove("rotor_fmu")
     shown.sort(key=lambda name: not name.startswith("rotor_fmu.model"))
     height = _TOP + _CELL * len(shown) + 20
@@ -150,7 +140,7 @@ def picture() -> str:
         lines += [
             f'<circle class="{_colour(below)}" cx="{_LEFT + _CELL * n + 9}" cy="{y + 9}" r="5"/>'
             for n, below in enumerate(shown)
-            if (name, below) in found
+            if (name, below) in result
         ]
         text = shorten(summary(name), _TEXT, placeholder=" ...")
         lines.append(
@@ -196,9 +186,9 @@ def _box(x: float, y: float, width: float, height: float, texts: tuple[str, ...]
 
 def main() -> None:
     """Print the packages from the ground up with what they import, and write the picture."""
-    found = arrows()
+    result = arrows()
     for name in order():
-        below = sorted(b.removeprefix("rotor_fmu.") for a, b in found if a == name)
+        below = sorted(b.removeprefix("rotor_fmu.") for a, b in result if a == name)
         print(f"{name.removeprefix('rotor_fmu.'):20s} {', '.join(below)}")
     PICTURE.write_text(picture(), encoding="utf-8")
     print(PICTURE)

@@ -53,8 +53,8 @@ _DESCRIPTION = "rotor_fmu/fmi/description.py"
 _PACKING = "rotor_fmu/fmi/packing"
 _PYTHON_FMU = f"{_PACKING}/python_fmu.py"
 _DOCUMENTS = f"{_PACKING}/documents.py"
-_ENERGY = "model/march/energy.py"
-_OBSERVE = "model/march/observe.py"
+_ENERGY = "model/time_loop/energy.py"
+_OBSERVE = "model/time_loop/observe.py"
 
 MUTANTS = (
     # the description

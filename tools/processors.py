@@ -45,8 +45,8 @@ def passed(of_tree):
     """Names of the settings that this tree has passed."""
     if not PASSED.is_file():
         return []
-    told = json.loads(PASSED.read_text())
-    return told["passed"] if told["tree"] == of_tree else []
+    described = json.loads(PASSED.read_text())
+    return described["passed"] if described["tree"] == of_tree else []
 
 
 def passes(name, arguments):

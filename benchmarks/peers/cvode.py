@@ -39,10 +39,10 @@ def solve(order: int, rtol: float, problem: Problem) -> Orbit:
     atol = rtol * np.repeat([_OF_DISPLACEMENTS, _OF_VELOCITIES], machine.size)
     start = real_state(still, 0 * still)
     try:
-        found = sundials.solve(machine, start, times, rtol, atol, order)
+        result = sundials.solve(machine, start, times, rtol, atol, order)
     except sundials.SundialsError as error:
         raise Diverged(str(error)) from error
-    return orbit(problem, times, machine.disc(found.states), found.steps)
+    return orbit(problem, times, machine.disc(result.states), result.steps)
 
 
 def reference(problem: Problem) -> Orbit:

@@ -14,7 +14,7 @@ def quiet() -> Iterator[None]:
     """Nothing reaches standard output and error from here, whoever writes it."""
     sys.stdout.flush()
     sys.stderr.flush()
-    kept = [os.dup(number) for number in (1, 2)]
+    stored = [os.dup(number) for number in (1, 2)]
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
         for number in (1, 2):
@@ -25,7 +25,7 @@ def quiet() -> Iterator[None]:
     finally:
         sys.stdout.flush()
         sys.stderr.flush()
-        for number, before in zip((1, 2), kept, strict=True):
+        for number, before in zip((1, 2), stored, strict=True):
             os.dup2(before, number)
             os.close(before)
         os.close(nowhere)

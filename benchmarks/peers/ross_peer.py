@@ -52,6 +52,6 @@ def solve(h: float, problem: Problem) -> Orbit:
         fill_force(t, y + given.rest, ydot, given.forces, force)
         return given.M, given.C + (SPEED + RATE * t) * given.G, given.K, force - held
 
-    found = newmark(system, times, size) + given.rest
-    disc = found[:, given.disc] + 1j * found[:, given.disc + size // 2]
+    result = newmark(system, times, size) + given.rest
+    disc = result[:, given.disc] + 1j * result[:, given.disc + size // 2]
     return orbit(problem, times, disc, len(times) - 1)

@@ -42,7 +42,7 @@ class Solution:
 @cache
 def _libraries() -> dict[str, ctypes.CDLL]:
     """SUNDIALS' shared libraries as the installed scikit-sundae has them."""
-    found = {}
+    result = {}
     try:
         files = importlib.metadata.files("scikit-sundae") or ()
     except importlib.metadata.PackageNotFoundError as error:
@@ -50,11 +50,11 @@ def _libraries() -> dict[str, ctypes.CDLL]:
     for file in files:
         for name in _NAMES:
             if file.name.startswith(f"libsundials_{name}-"):
-                found[name] = str(file.locate())
-    missing = [name for name in _NAMES if name not in found]
+                result[name] = str(file.locate())
+    missing = [name for name in _NAMES if name not in result]
     if missing:
         raise ImportError(f"this scikit-sundae brings no library of SUNDIALS' {missing[0]}")
-    return {name: ctypes.CDLL(found[name], ctypes.RTLD_GLOBAL) for name in _NAMES}
+    return {name: ctypes.CDLL(result[name], ctypes.RTLD_GLOBAL) for name in _NAMES}
 
 
 def load() -> None:

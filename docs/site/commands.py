@@ -29,12 +29,12 @@ A warning names the modes that too few of them would move.
 def _functions(name: str, place: str) -> Iterator[tuple[str, Callable[..., Any]]]:
     """A command, or those of a group, and the functions behind them."""
     module, _, attribute = place.partition(":")
-    found = getattr(import_module(f"rotor_fmu.{module}"), attribute)
-    if isinstance(found, typer.Typer):
-        for command in found.registered_commands:
+    result = getattr(import_module(f"rotor_fmu.cli.{module}"), attribute)
+    if isinstance(result, typer.Typer):
+        for command in result.registered_commands:
             yield f"{name} {command.name}", command.callback
     else:
-        yield name, found
+        yield name, result
 
 
 def _entry(name: str, function: Callable[..., Any]) -> list[str]:

@@ -23,10 +23,10 @@ from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.cosimulation.partner import lay_out
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
-from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_panels, save
+from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_panels, save
+from rotor_fmu.output_options import with_output_options
 from rotor_fmu.runs.job import clear, fmu_in, write_json
 from rotor_fmu.runs.run_down import interrupts_noted
-from rotor_fmu.telling import tells
 
 HERE = Path(__file__).resolve().parent
 COUPLING = Coupling(HERE / "drive_train.py")
@@ -57,7 +57,7 @@ class RunUp:
     rotor: dict[str, float]
 
 
-@tells
+@with_output_options
 def drive_train(
     ample: Annotated[float, typer.Option(help="Torque limit that passes, in N.m.")] = AMPLE,
     small: Annotated[float, typer.Option(help="Torque limit that does not, in N.m.")] = SMALL,

@@ -12,7 +12,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figures import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
 SPEED, CLEARANCE = 1000.0, 0.25e-3  # rad/s, m
@@ -43,15 +43,15 @@ def run(duration: float = 0.4, every: float = 1e-4) -> dict[str, np.ndarray]:
     return {"t": times, **dict(zip(sim.names, np.transpose(rows), strict=True))}
 
 
-def draw_orbit(told: dict[str, np.ndarray], path: Path) -> None:
+def draw_orbit(history: dict[str, np.ndarray], path: Path) -> None:
     """The journal in its left race, coloured by the time, inside the circle of the clearance."""
     figure, axes = new_figure(5.6, 4.8)
-    x, y = (1e3 * told[f"touchdown_bearing[1].{axis}"] for axis in "xy")
+    x, y = (1e3 * history[f"touchdown_bearing[1].{axis}"] for axis in "xy")
     angle = np.linspace(0, 2 * math.pi, 200)
     gap = 1e3 * CLEARANCE
     axes.plot(gap * np.cos(angle), gap * np.sin(angle), color=GREY)
     axes.plot(x, y, color=GREY, linewidth=0.4)
-    dots = axes.scatter(x, y, c=1e3 * told["t"], s=3, cmap="viridis", zorder=3)
+    dots = axes.scatter(x, y, c=1e3 * history["t"], s=3, cmap="viridis", zorder=3)
     axes.plot(0, 0, "+", color=ORANGE, zorder=4)
     axes.annotate("released", (0, 0), (0.02, 0.02), color=ORANGE)
     axes.set(xlabel="x in the race [mm]", ylabel="y in the race [mm]", aspect="equal")
@@ -59,24 +59,26 @@ def draw_orbit(told: dict[str, np.ndarray], path: Path) -> None:
     save(figure, path)
 
 
-def draw_time(told: dict[str, np.ndarray], path: Path) -> None:
+def draw_time(history: dict[str, np.ndarray], path: Path) -> None:
     """Race speed, contact force and energy over the time."""
     figure, first = new_figure(6.4, 7.2)
     first.remove()
     speed, force, energy = figure.subplots(3, 1, sharex=True)
-    t = 1e3 * told["t"]
-    speed.plot(t, told["w"], color=GREY, label="rotor")
-    speed.plot(t, told["touchdown_bearing[1].race"], color=BLUE, label="left race")
-    speed.plot(t, told["touchdown_bearing[2].race"], "--", color=ORANGE, label="right race")
+    t = 1e3 * history["t"]
+    speed.plot(t, history["w"], color=GREY, label="rotor")
+    speed.plot(t, history["touchdown_bearing[1].race"], color=BLUE, label="left race")
+    speed.plot(t, history["touchdown_bearing[2].race"], "--", color=ORANGE, label="right race")
     speed.set(ylabel="speed [rad/s]")
-    force.plot(t, told["touchdown_bearing[1].fn"], color=BLUE, linewidth=0.7, label="left bearing")
+    force.plot(
+        t, history["touchdown_bearing[1].fn"], color=BLUE, linewidth=0.7, label="left bearing"
+    )
     force.set(ylabel="normal force [N]")
     for name, colour, label in (
         ("friction_loss", ORANGE, "lost to friction"),
         ("races", BLUE, "in the races"),
         ("drag_loss", GREY, "lost to the races' drag"),
     ):
-        energy.plot(t, told[f"energy.{name}"], color=colour, label=label)
+        energy.plot(t, history[f"energy.{name}"], color=colour, label=label)
     energy.set(ylabel="energy [J]", xlabel="time since release [ms]")
     for axes in (speed, force, energy):
         axes.grid(color="#dddddd", linewidth=0.6)
@@ -87,17 +89,17 @@ def draw_time(told: dict[str, np.ndarray], path: Path) -> None:
 
 def main(out: str = str(HERE)) -> None:
     """Both pictures."""
-    told = run()
-    draw_orbit(told, Path(out) / "orbit.png")
-    draw_time(told, Path(out) / "drop.png")
-    lost = sum(value[-1] for name, value in told.items() if name.endswith("_loss"))
+    history = run()
+    draw_orbit(history, Path(out) / "orbit.png")
+    draw_time(history, Path(out) / "drop.png")
+    lost = sum(value[-1] for name, value in history.items() if name.endswith("_loss"))
     print(
         f"first contact after {1e3 * first_contact():.2f} ms, free fall says "
         f"{1e3 * math.sqrt(2 * CLEARANCE / 9.81):.2f} ms"
     )
     print(
-        f"largest force {told['touchdown_bearing[1].fn'].max():.0f} N, {lost:.1f} J lost, "
-        f"ledger open by {abs(told['energy.residual'][-1]):.1e} J"
+        f"largest force {history['touchdown_bearing[1].fn'].max():.0f} N, {lost:.1f} J lost, "
+        f"ledger open by {abs(history['energy.residual'][-1]):.1e} J"
     )
 
 

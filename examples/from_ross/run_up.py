@@ -13,7 +13,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figures import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_figure, save
 from rotor_fmu.machine_file.reading import machine_text
 
 HERE = Path(__file__).resolve().parent
@@ -35,11 +35,11 @@ def run_up(rotor: Rotor, *names: str, duration: float = 6.0) -> dict[str, np.nda
     """Quantities over a run-up, by their names, and the speed as `w`."""
     rate = (STOP - START) / duration
     sim = Simulation(rotor, choose("robust", rho=0.9, h=5e-5), speed=START, rate=rate)
-    told = []
+    history = []
     for t in np.linspace(0, duration, round(2000 * duration) + 1):
         sim.advance(t, START + rate * sim.time)
-        told.append([sim.read(name) for name in ("w", *names)])
-    return dict(zip(("w", *names), np.transpose(told), strict=True))
+        history.append([sim.read(name) for name in ("w", *names)])
+    return dict(zip(("w", *names), np.transpose(history), strict=True))
 
 
 def draw(path: Path) -> None:

@@ -14,7 +14,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figures import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
 OMEGA, CLEARANCE = 100.0, 1e-3  # natural frequency [rad/s], clearance [m]
@@ -43,15 +43,15 @@ def sweep(start: float, stop: float, steps: int, settle: float = 150.0) -> np.nd
     sim = Simulation(
         rotor, choose("robust", rho=0.9, h=1e-4), speed=start * OMEGA, continues_speed=False
     )
-    found = []
+    result = []
     for speed in np.linspace(start, stop, steps):
         sim.advance(sim.time + settle / OMEGA, speed * OMEGA)
         radii = []
         for _ in range(40):
             sim.advance(sim.time + 2 * math.pi / (10 * speed * OMEGA), speed * OMEGA)
             radii.append(math.hypot(sim.read("disc.x"), sim.read("disc.y")) / CLEARANCE)
-        found.append((speed, np.mean(radii)))
-    return np.array(found)
+        result.append((speed, np.mean(radii)))
+    return np.array(result)
 
 
 def draw(path: Path) -> None:

@@ -24,10 +24,10 @@ from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.cosimulation.partner import lay_out
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
-from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, new_panels, save
+from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, new_panels, save
 from rotor_fmu.fmi.packing.python_fmu import FREE_FMU_NAME, build, is_current
+from rotor_fmu.output_options import with_output_options
 from rotor_fmu.runs.job import clear, write_json
-from rotor_fmu.telling import tells
 
 HERE = Path(__file__).resolve().parent
 COUPLING = Coupling(HERE / "magnetic_bearing.py")
@@ -52,7 +52,7 @@ RESULTS = ("summary.json", "run_up.png", "orbit.png", "drop.png")
 _console = Console(stderr=True)
 
 
-@tells
+@with_output_options
 def magnetic_bearing(
     speed: Annotated[float, typer.Option(help="Speed to reach, in rad/s.")] = TARGET,
     step: Annotated[float, typer.Option(help="Sample time of the controller, in s.")] = STEP,

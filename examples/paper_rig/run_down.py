@@ -12,7 +12,7 @@ import numpy as np
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figures import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
 SPEED, RATE, STOP = 400.0, -10.0, 40.0  # rad/s, rad/s2, s
@@ -31,26 +31,26 @@ def run(stop: float = STOP, every: float = 0.004) -> dict[str, np.ndarray]:
     return dict(zip(("hz", *NAMES), np.transpose(rows), strict=True))
 
 
-def peak(told: dict[str, np.ndarray], name: str) -> tuple[float, float]:
+def peak(history: dict[str, np.ndarray], name: str) -> tuple[float, float]:
     """The largest amplitude [m] once the start is over, and its speed [Hz]."""
-    late = told["hz"] < (SPEED + 2 * RATE) / (2 * math.pi)
-    at = int(np.argmax(np.where(late, told[name], 0.0)))
-    return float(told[name][at]), float(told["hz"][at])
+    late = history["hz"] < (SPEED + 2 * RATE) / (2 * math.pi)
+    at = int(np.argmax(np.where(late, history[name], 0.0)))
+    return float(history[name][at]), float(history["hz"][at])
 
 
-def draw(told: dict[str, np.ndarray], path: Path) -> None:
+def draw(history: dict[str, np.ndarray], path: Path) -> None:
     """Both amplitudes over the speed; below, where the journal touches its bearing."""
     figure, first = new_figure(6.4, 6.0)
     first.remove()
     axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     for name, colour, label in ((NAMES[0], BLUE, "horizontal"), (NAMES[1], ORANGE, "vertical")):
-        axes.plot(told["hz"], 1e6 * told[name], color=colour, linewidth=1.2, label=label)
+        axes.plot(history["hz"], 1e6 * history[name], color=colour, linewidth=1.2, label=label)
     for hz in PAPER:
         axes.axvline(hz, color=GREY, linestyle=":", linewidth=1.0)
     axes.plot([], color=GREY, linestyle=":", label="the paper's natural frequencies")
     axes.set(ylabel="amplitude of disc 3 [µm]", ylim=(0, None))
     axes.legend(frameon=False)
-    below.plot(told["hz"], np.degrees(told[NAMES[2]]), ".", color=BLUE, markersize=1.0)
+    below.plot(history["hz"], np.degrees(history[NAMES[2]]), ".", color=BLUE, markersize=1.0)
     below.set(
         xlabel="speed of rotation [Hz]", ylabel="contact angle [deg]", yticks=(0, 90, 180, 270, 360)
     )
@@ -63,10 +63,10 @@ def draw(told: dict[str, np.ndarray], path: Path) -> None:
 
 def main(out: str = str(HERE)) -> None:
     """The picture, and both peaks."""
-    told = run()
-    draw(told, Path(out) / "run_down.png")
+    history = run()
+    draw(history, Path(out) / "run_down.png")
     for name, axis in zip(NAMES, "xy", strict=False):
-        size, hz = peak(told, name)
+        size, hz = peak(history, name)
         print(f"{axis}: {1e6 * size:.1f} um at {hz:.2f} Hz")
 
 

@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from scipy.optimize import brentq
 
 from rotor_fmu import studies
-from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
 from rotor_fmu.studies.analysis import analyse, design_of, drawn_rows
 from rotor_fmu.studies.dataset import about_of
 from rotor_fmu.studies.design import Design
@@ -119,10 +119,10 @@ def tolerances(data: xarray.Dataset, design: Design, report: dict, path: Path) -
     figure, first = new_figure(8.0, 3.6)
     first.remove()
     left, right = figure.subplots(1, 2)
-    found = report["limits"]["X"]
+    result = report["limits"]["X"]
     left.hist(1e6 * data.X.values[drawn_rows(design, data.run.values)], bins=30, color=BLUE)
-    left.axvline(1e6 * found["limit"], color=ORANGE)
-    left.set_title(f"{found['share']:.1%} of the rigs pass the limit", loc="left", fontsize=10)
+    left.axvline(1e6 * result["limit"], color=ORANGE)
+    left.set_title(f"{result['share']:.1%} of the rigs pass the limit", loc="left", fontsize=10)
     left.set(xlabel="Horizontal peak X of disc 3 [µm]", ylabel="Rigs [-]")
     indices = report["sensitivity"]["X"]["indices"]
     at = np.arange(len(indices))

@@ -12,7 +12,7 @@ within the cone of friction (Kelvin and Voigt's element in series with Coulomb's
 
     f = k_t z + c_t z',    z' = v_t where |f| <= mu(v_t) n, else such that f = +- mu(v_t) n
 
-and friction is f along -i e; mu_t is f / n. Over a step z = free + b z' (`protocol.law`), so that
+and friction is f along -i e; mu_t is f / n. Over a step z = free + b z' (`parts.law`), so that
 what it would be if it stuck is known, and is mapped back onto the cone where it lies beyond.
 """
 
@@ -21,12 +21,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.compiled import called, compiled
 from ..kernels.functions import exponential, modulus
+from ..kernels.jit import jit, jit_not_inlined
 from .wall import touch
 
 
-@compiled
+@jit
 def friction(part, v_t):
     """mu_t, the signed coefficient of friction at a sliding speed [m/s], and its derivative."""
     root = math.sqrt(v_t * v_t + part.v_s * part.v_s)
@@ -41,7 +41,7 @@ def friction(part, v_t):
     return mu * s_t, mu * by_v - 2.0 * x / part.v_stribeck * rise * s_t
 
 
-@compiled
+@jit
 def _largest_friction(part, v_t):
     """mu(v_t) and its derivative."""
     if part.mu_rise == 0.0:
@@ -62,7 +62,7 @@ class Friction(NamedTuple):
     elongation: float
 
 
-@compiled
+@jit
 def rub(part, n, v_t, b, free):
     """`Friction` under a normal force n [N] at a sliding speed [m/s], z = free + b z'; b = 0 at an
     instant."""
@@ -81,19 +81,19 @@ def rub(part, n, v_t, b, free):
     return Friction(sense * mu, sense * falls, sense * mu, slid)
 
 
-@compiled
+@jit
 def stretching(part, rubbing, z):
     """z' [m/s] of a contact that sticks, at a friction force [N]; without a spring 0."""
     return (rubbing - part.k_t * z) / part.c_t if part.k_t > 0.0 else 0.0
 
 
-@compiled
+@jit
 def stretched(part, z):
     """Elastic energy of the tangential spring [J]."""
     return 0.5 * part.k_t * z * z
 
 
-@compiled
+@jit
 def outward(gradient):
     """How steep the clearance is where it is touched [1], and its unit normal in the frame along
     e."""
@@ -117,7 +117,7 @@ class Rubbing(NamedTuple):
     sliding: float
 
 
-@compiled
+@jit
 def rubbing(part, kinematics, surface, z):
     """`Rubbing` on a surface past which the journal's own moves with the speed `surface` [m/s] if
     its centre rests; z: elongation of the tangential spring [m]."""
@@ -135,7 +135,7 @@ def rubbing(part, kinematics, surface, z):
     return Rubbing(force, pressure, braking, damping, at.penetration, at.rate, v_t)
 
 
-@called
+@jit_not_inlined
 def _column(at, rubs, give, z, z_v):
     """dF in the frame along e by a displacement z and a velocity z_v; see `contact_tangent`."""
     steep, normal = outward(at.gradient)
@@ -152,10 +152,10 @@ def _column(at, rubs, give, z, z_v):
     return -(along + 1j * (d_friction * normal + rubs.coefficient * pressure * d_normal))
 
 
-@compiled
+@jit
 def contact_tangent(at, rubs, give, weights):
     """The pair p, q of a contact, at: its `Touch`, rubs: its `Friction`; give: what the surface
-    that is rubbed leaves of a change of the friction force [1]; weights: see `protocol.law`."""
+    that is rubbed leaves of a change of the friction force [1]; weights: see `parts.law`."""
     e, by_d, by_v = at.direction, weights.displacement, weights.velocity
     if at.gradient.imag != 0.0:
         by_a = _column(at, rubs, give, by_d + 0j, by_v + 0j)
@@ -176,7 +176,7 @@ def contact_tangent(at, rubs, give, weights):
     return p, q * e * e
 
 
-@compiled
+@jit
 def rubbing_tangent(part, kinematics, weights, surface, b, free):
     """Force of a contact on the journal [N], its tangent p, q, and z [m]; see `rub`."""
     at = touch(part, kinematics)

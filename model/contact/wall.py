@@ -20,8 +20,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..kernels.compiled import called, compiled
 from ..kernels.functions import angle, direction, modulus, power
+from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import ANY, NOT_NEGATIVE, Rule, quantity
 
 _EXPONENT = Rule(1.0, False, "must be from 1 to 3", most=3.0)
@@ -64,7 +64,7 @@ class ContactQuantities:
     c_t: float = quantity("N.s/m", "tangential damping of a journal that sticks", default=100.0)
 
 
-@compiled
+@jit
 def _clearance_at(part, d):
     """Clearance in the direction of d, and its first and second derivative by the angle [m]."""
     if part.wear == 0.0:
@@ -72,7 +72,7 @@ def _clearance_at(part, d):
     return _worn_at(part, d)
 
 
-@called
+@jit_not_inlined
 def _worn_at(part, d):
     """`_clearance_at` of a worn housing."""
     turned = direction(0.5 * (angle(d) - part.wear_angle))
@@ -87,7 +87,7 @@ def _worn_at(part, d):
     return part.clearance + depth, first, second
 
 
-@compiled
+@jit
 def elastic(part, delta):
     """Elastic force of a penetration [N], its derivative [N/m]."""
     if part.exponent == 1.0:
@@ -116,7 +116,7 @@ class Touch(NamedTuple):
     curvature: float
 
 
-@compiled
+@jit
 def touch(part, kinematics):
     """`Touch` of a journal; all but the penetration is 0 where it does not touch."""
     d = kinematics.displacement
@@ -142,7 +142,7 @@ def touch(part, kinematics):
     )
 
 
-@compiled
+@jit
 def contact_angle(d):
     """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
     psi = angle(d)
@@ -151,22 +151,22 @@ def contact_angle(d):
     return psi if psi < 2.0 * math.pi else 0.0
 
 
-@compiled
-def opening(part, d):
-    """See `protocol.law`."""
+@jit
+def gap(part, d):
+    """See `parts.law`."""
     return _clearance_at(part, d)[0] - modulus(d)
 
 
-@compiled
+@jit
 def length(part):
-    """See `protocol.law`."""
+    """See `parts.law`."""
     return part.clearance
 
 
-@compiled
+@jit
 def compression(part, d):
     """Elastic energy of a contact [J]."""
-    delta = -opening(part, d)
+    delta = -gap(part, d)
     if delta <= 0.0:
         return 0.0
     return elastic(part, delta)[0] * delta / (part.exponent + 1.0)

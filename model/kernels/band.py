@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .compiled import compiled
+from .jit import jit
 
 
 def to_band(dense: np.ndarray, half_bandwidth: int) -> np.ndarray:
@@ -33,7 +33,7 @@ def to_dense(band: np.ndarray) -> np.ndarray:
     return dense
 
 
-@compiled
+@jit
 def add_product(band, x, y):
     """y += A x, x and y of shape (n,)."""
     n, width = band.shape
@@ -46,7 +46,7 @@ def add_product(band, x, y):
             y[i + d] += band[i, d] * x[i]
 
 
-@compiled
+@jit
 def form(band, x, y):
     """x^H A y of a real matrix and complex vectors of shape (n,)."""
     n, width = band.shape
@@ -61,7 +61,7 @@ def form(band, x, y):
     return total
 
 
-@compiled
+@jit
 def factorize(band):
     """Overwrite A by its factors: band[:, 0] becomes 1 / D, band[:, 1:] the unit lower triangle."""
     n, width = band.shape
@@ -78,7 +78,7 @@ def factorize(band):
         band[j, 0] = inverse
 
 
-@compiled
+@jit
 def solve(factors, x, first=0):
     """Overwrite the right-hand side x, shape (n,), by A^-1 x; `factors` from `factorize`; x is zero
     before its entry `first`."""

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
-from .compiled import IS_COMPILED, OPTIONS, Kernel
+from .jit import IS_COMPILED, OPTIONS, Kernel
 
 ALIGNMENT = 64
 _HEADER_TYPE = np.dtype(np.int64)
@@ -72,9 +72,9 @@ class Layout:
         self.fields = [f for group in groups for _, fields in group.members() for f in fields]
         self._slot = {f.path: 1 + len(size_names) + i for i, f in enumerate(self.fields)}
         self.header_length = 1 + len(size_names) + len(self.fields)
-        self.look: Callable[[np.ndarray], Any] = self._view(_array)
+        self.view_in_python: Callable[[np.ndarray], Any] = self._view(_array)
         self.view: Callable[[Any], Any] = (
-            Kernel(self.look, self._made) if IS_COMPILED else self.look
+            Kernel(self.view_in_python, self._made) if IS_COMPILED else self.view_in_python
         )
 
     def offsets(self, sizes: Mapping[str, int]) -> dict[str, int]:
@@ -150,5 +150,5 @@ def _padded(size: int) -> int:
 def _array(block, offset, shape, dtype):
     """The array of this shape and type at an offset [bytes] in a block."""
     size = int(np.prod(shape)) * dtype.itemsize
-    found = block[offset : offset + size].view(dtype).reshape(shape)
-    return found.view(np.recarray) if dtype.names else found
+    result = block[offset : offset + size].view(dtype).reshape(shape)
+    return result.view(np.recarray) if dtype.names else result

@@ -21,7 +21,7 @@ from .cache import check_private, user_cache, warn_once
 
 _MODEL = Path(__file__).parents[1]
 _NAME = __name__.removesuffix(".kernels.digest")
-_ENTRIES = _MODEL / "march" / "entries.py"
+_ENTRIES = _MODEL / "time_loop" / "entries.py"
 # Beside the kernels: what a wheel carries, or was made in a source tree.
 CARRIED = _MODEL / "library"
 _RECORD = "kernels.digest"
@@ -45,7 +45,7 @@ def _digests() -> tuple[str, str]:
             of_files, of_kernels = (folder / _RECORD).read_text(encoding="ascii").split()
             if of_files == files:
                 return files, of_kernels
-    return files, syntax_digest(imported(_ENTRIES, f"{_NAME}.march"))
+    return files, syntax_digest(imported(_ENTRIES, f"{_NAME}.time_loop"))
 
 
 def made_here() -> Path:
@@ -122,17 +122,17 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 def imported(start: Path, package: str) -> list[Path]:
     """A module of `package`, and the modules of the model that importing it leads to, sorted."""
-    found = {start}
+    result = {start}
     left = [(start, package)]
     while left:
         file, package = left.pop()
         for name in _imports(file, package):
             for module in _modules(name):
-                if module not in found:
-                    found.add(module)
+                if module not in result:
+                    result.add(module)
                     inside = module.parent.relative_to(_MODEL).parts
                     left.append((module, ".".join((_NAME, *inside))))
-    return sorted(found, key=_path)
+    return sorted(result, key=_path)
 
 
 def _imports(file: Path, package: str) -> Iterator[str]:

@@ -12,8 +12,8 @@ from numba.core import cgutils, types
 from numba.extending import intrinsic, typeof_impl
 
 from .cache import private_folder, user_cache, warn_once
-from .compiled import Kernel
 from .digest import kernels_digest
+from .jit import Kernel
 
 _HAS_NRT = hasattr(numba.core.cpu.CPUTargetOptions, "_nrt")
 # Options of every kernel of a process that compiles them for another use than calling them.

@@ -9,27 +9,27 @@ from __future__ import annotations
 
 import math
 
-from .compiled import called, compiled
+from .jit import jit, jit_not_inlined
 
 # pi / 2 in parts of 33 bits, whose products with an integer of 20 bits are exact, and the rest.
 _PARTS = (1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21)
 _SPLIT = 134217729.0  # 2^27 + 1 cuts a number into halves whose products are exact (Veltkamp)
 
 
-@compiled
+@jit
 def modulus(z):
     """|z| of a complex number that neither overflows nor underflows when it is squared."""
     return math.sqrt(z.real * z.real + z.imag * z.imag)
 
 
-@compiled
+@jit
 def inverse(z):
     """1 / z of such a number. Division of complex numbers is rounded in as many ways as there are
     languages and libraries; this is the same in all."""
     return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
 
 
-@compiled
+@jit
 def _sum(a, b):
     """a + b, and what its rounding lost (Knuth)."""
     s = a + b
@@ -37,7 +37,7 @@ def _sum(a, b):
     return s, (a - (s - added)) + (b - added)
 
 
-@compiled
+@jit
 def _product(a, b):
     """a b, and what its rounding lost (Dekker)."""
     p = a * b
@@ -50,7 +50,7 @@ def _product(a, b):
     return p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low
 
 
-@compiled
+@jit
 def _reduced(theta):
     """theta = n pi / 2 + r + low with |r| <= pi / 4: n modulo 4, r, low; 0 <= theta <= 1e12."""
     n = int(theta * 0.6366197723675814 + 0.5)
@@ -66,7 +66,7 @@ def _reduced(theta):
     return n % 4, r, low
 
 
-@compiled
+@jit
 def direction(theta):
     """exp(i theta), each part below 1 ulp; |theta| up to 1e12, NaN beyond."""
     if not abs(theta) <= 1e12:
@@ -111,7 +111,7 @@ _ARCTAN = (
 )
 
 
-@compiled
+@jit
 def _arctan_of_ratio(a, b):
     """arctan(a / b) of 0 <= a <= b, b > 0."""
     k = int(16.0 * (a / b) + 0.5)
@@ -133,7 +133,7 @@ def _arctan_of_ratio(a, b):
     return high, rest + (_ARCTAN[k][1] + (low + u * z * tail))
 
 
-@called
+@jit_not_inlined
 def angle(z):
     """The angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of 0."""
     a, b = abs(z.imag), abs(z.real)
@@ -151,7 +151,7 @@ def angle(z):
     return -(high + low) if z.imag < 0.0 else high + low
 
 
-@compiled
+@jit
 def _power_of_two(n):
     """2^n, exactly; `2.0**n` would be the system's exp2."""
     y, factor, left = 1.0, 2.0 if n >= 0 else 0.5, abs(n)
@@ -163,7 +163,7 @@ def _power_of_two(n):
     return y
 
 
-@compiled
+@jit
 def root(x, n):
     """The n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
     if not 0.0 < x < math.inf:
@@ -186,7 +186,7 @@ def root(x, n):
 _LN2 = (0.6931471803691238, 1.9082149292705877e-10)  # ln 2 in a part of 32 bits, and the rest
 
 
-@called
+@jit_not_inlined
 def exponential(x):
     """exp(x), within 2 ulp; 0 below -700, infinite above 700."""
     if not -700.0 <= x <= 700.0:
@@ -199,7 +199,7 @@ def exponential(x):
     return tail * _power_of_two(n)
 
 
-@called
+@jit_not_inlined
 def logarithm(x):
     """ln x of x > 0, within 4 ulp of the larger of it and 1."""
     if not 0.0 < x < math.inf:
@@ -219,7 +219,7 @@ def logarithm(x):
     return n * _LN2[0] + (n * _LN2[1] + 2.0 * s * tail)
 
 
-@called
+@jit_not_inlined
 def power(x, y):
     """x^y of x >= 0, to 4 ulp times the logarithm of the result; exact where y is 0 or 1, the root
     where it is 1/2."""

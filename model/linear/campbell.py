@@ -79,9 +79,9 @@ def campbell(
         seen.append(follow.at(speed))
         places.append(follow.onward(seen[-2], seen[-1], places[-1]))
     critical = [
-        found
+        result
         for i in range(len(at) - 1)
-        for found in _critical(follow, seen[i : i + 2], places[i : i + 2], harmonic)
+        for result in _critical(follow, seen[i : i + 2], places[i : i + 2], harmonic)
     ]
     followed = list(zip(seen, places, strict=True))
     return Campbell(
@@ -109,9 +109,9 @@ class _Follower:
 
     def onward(self, a: Modes, b: Modes, places: np.ndarray, depth: int = 0) -> np.ndarray:
         """Places in `b` of the modes that have `places` in `a`; -1 of one that is not there."""
-        found, alike = _matched(a, b, places)
+        result, alike = _matched(a, b, places)
         if (alike > _ALIKE).all() or depth == _HALVINGS:
-            return np.where(alike > _UNLIKE, found, -1)
+            return np.where(alike > _UNLIKE, result, -1)
         middle = self.at((a.speed + b.speed) / 2)
         half = self.onward(a, middle, places, depth + 1)
         return self.onward(middle, b, half, depth + 1)
@@ -129,16 +129,16 @@ def _likeness(a: Modes, b: Modes) -> np.ndarray:
 
 def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Places in `b`, and how alike the shapes are; 1 of what is lost already."""
-    found, alike = np.full(len(places), -1), np.where(places >= 0, 0.0, 1.0)
+    result, alike = np.full(len(places), -1), np.where(places >= 0, 0.0, 1.0)
     known = places >= 0
     if not known.any() or not len(b.eigenvalues):
-        return found, alike
+        return result, alike
     likeness = _likeness(a, b)[places[known]]
     far = np.abs(np.log(b.damped[None, :] / a.damped[places[known]][:, None]))
     rows, columns = linear_sum_assignment(1 - likeness + np.minimum(far, 1.0))
     seen = np.flatnonzero(known)[rows]
-    found[seen], alike[seen] = columns, likeness[rows, columns]
-    return found, alike
+    result[seen], alike[seen] = columns, likeness[rows, columns]
+    return result, alike
 
 
 def _critical(
@@ -146,7 +146,7 @@ def _critical(
 ) -> list[CriticalSpeed]:
     """Critical speeds between two speeds of the diagram."""
     a, b = seen
-    found = []
+    result = []
     for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
         before = _excess(a, places[0][mode], harmonic)
         after = _excess(b, places[1][mode], harmonic)
@@ -154,8 +154,8 @@ def _critical(
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             if at >= 0 and there.damping_ratio[at] < _PEAKING:
                 log_dec = float(there.log_dec[at])
-                found.append(CriticalSpeed(int(mode), there.speed, there.whirl[at], log_dec))
-    return found
+                result.append(CriticalSpeed(int(mode), there.speed, there.whirl[at], log_dec))
+    return result
 
 
 def _excess(modes: Modes, place: int, harmonic: float) -> float:

@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from ..kernels.compiled import plain
+from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
+from ..parts.base import Interface, Mount, Spring
 from ..parts.housing import masses
-from ..protocol.part import Interface, Mount, Spring
 from ..structure.assembly import assemble
 from ..structure.elastic import factorized, strains
 from ..structure.parameters import elastic_share
@@ -123,9 +123,9 @@ class LinearMachine:
             # Newton's step to where the tangents lead, not by what is left: that is small numbers
             # of large ones where the shaft is stiff
             of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
-            found, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
-            change, size = (np.abs(x).max(initial=0.0) for x in (found - rest, found))
-            rest = found
+            result, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
+            change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
+            rest = result
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
                 return linear._replace(rest=rest, pull=pull)
             before = change
@@ -136,7 +136,7 @@ class LinearMachine:
         """Gravity's force, x, y of every dof, shape (2 size,) [N, N.m]."""
         s = self.structure
         g = s.weight[0] / s.mass_sum[0]  # the housings fall as the shaft does
-        m_x, m_y = plain(masses)(s.housings)
+        m_x, m_y = interpreted(masses)(s.housings)
         return in_plane(np.concatenate([s.weight, m_x * g.real + 1j * m_y * g.imag, [0.0]]))
 
     def _kappa(self, speed: float) -> float:
@@ -146,7 +146,7 @@ class LinearMachine:
     def _strain(self, speed: float) -> Strain:
         """What the shaft's strain adds."""
         numbers = self.structure.numbers[0]
-        by_d = plain(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * _TURN
+        by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * _TURN
         by_v = numbers.eta_v * np.eye(2)
         return Strain(self._strained, self._full.stiffness, by_d, by_v)
 
@@ -157,8 +157,8 @@ class LinearMachine:
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
         if self._acts.any():
-            found = tangents(self.structure, to_complex(self._across @ at), speed)
-            laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in found))
+            result = tangents(self.structure, to_complex(self._across @ at), speed)
+            laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
             K = (K - self._between(laws.by_d)).tocsc()
             D = (D - self._between(laws.by_v)).tocsc()
         none = np.zeros(len(self._strained.indptr) - 1)
@@ -202,8 +202,8 @@ class LinearMachine:
         left = force - full.strained.T @ pull - full.K @ whole - 1j * omega * (damping @ whole)
         left = left + omega**2 * (full.M @ whole) - self.across.T @ acting.ravel()
         rows = np.column_stack([2 * self.pinned, 2 * self.pinned + 1]).ravel()
-        found = _forces_of_pins(self.across[rows], left)
-        return found.reshape(-1, 2)
+        result = _forces_of_pins(self.across[rows], left)
+        return result.reshape(-1, 2)
 
     def _holds(self, linear: Linear) -> bool:
         """Whether the stiffness resists every motion as a rigid body."""
@@ -264,7 +264,7 @@ def _matrices(rotor: Rotor, s: Structure) -> _Full:
     np.add.at(stiff[:, 0], s.springs.dof, s.springs.stiffness)
     none = np.zeros(len(housings))
     return _Full(
-        M=full(s.M, both, *plain(masses)(housings)),
+        M=full(s.M, both, *interpreted(masses)(housings)),
         C=full(damping, both, housings.cx, housings.cy),
         K=full(stiff, both, housings.kx, housings.ky),
         gyroscopic=full(s.G, -_TURN, none, none),
@@ -278,15 +278,15 @@ def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
     as one."""
     leader = np.arange(size)
     for dof, end in pairs:
-        kept, merged = sorted((leader[dof], leader[end]))
-        if kept == leader[-1] or merged == leader[-1]:
-            kept, merged = leader[-1], kept + merged - leader[-1]
-        leader[leader == merged] = kept
+        retained, merged = sorted((leader[dof], leader[end]))
+        if retained == leader[-1] or merged == leader[-1]:
+            retained, merged = leader[-1], retained + merged - leader[-1]
+        leader[leader == merged] = retained
     moving = leader != leader[-1]
     unknowns, column = np.unique(leader[moving], return_inverse=True)
     row = np.flatnonzero(moving)
-    plain = sp.csr_array((np.ones(len(row)), (row, column)), shape=(size, len(unknowns)))
-    return sp.kron(plain, np.eye(2)).tocsr()
+    selection = sp.csr_array((np.ones(len(row)), (row, column)), shape=(size, len(unknowns)))
+    return sp.kron(selection, np.eye(2)).tocsr()
 
 
 def _differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:

@@ -122,11 +122,11 @@ def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     oscillates = values.imag > _REAL * np.abs(values)
     is_real = (np.abs(values.imag) <= _REAL * np.abs(values)) & (residuals <= DOUBTFUL)
     decays = np.sort(values[is_real].real)[::-1]
-    found = np.flatnonzero(oscillates)
-    found = found[np.argsort(np.abs(values[found]))][:count]
-    values, shapes = values[found], states[: inverse.size, found]
+    result = np.flatnonzero(oscillates)
+    result = result[np.argsort(np.abs(values[result]))][:count]
+    values, shapes = values[result], states[: inverse.size, result]
     degenerate = _untangle(values, shapes, machine)
-    return _as_modes(machine, speed, values, shapes, degenerate, decays, residuals[found])
+    return _as_modes(machine, speed, values, shapes, degenerate, decays, residuals[result])
 
 
 def check_speed(speed: float) -> None:

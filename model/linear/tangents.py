@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.compiled import compiled, plain
+from ..kernels.jit import interpreted, jit
 from ..parts import LAWS
-from ..protocol.law import Weights
+from ..parts.law import Weights
 from ..step.laws import at_rest, law_tangent
 from ..structure.structure import Structure
 
@@ -22,29 +22,38 @@ class Tangents(NamedTuple):
     by_v: np.ndarray
 
 
-@compiled
-def _fill(laws, interfaces, d, speed, free, own, force, p, q):
+@jit
+def _fill(laws, interfaces, d, speed, free, internal_state, force, p, q):
     """Forces, and both tangents as p z + q conj(z); p, q of shape (2, m): by d, by d'."""
     for j in range(len(interfaces)):
         interface = interfaces[j]
-        at = interface.own
+        at = interface.internal_state
         for i in range(2):
             weights = Weights(1.0 - i, 1.0 * i, 0.0)
             force[j], p[i, j], q[i, j] = law_tangent(
-                laws, interface, at_rest(d[j], speed), weights, free[at:], own[at:]
+                laws, interface, at_rest(d[j], speed), weights, free[at:], internal_state[at:]
             )
 
 
 def tangents(structure: Structure, d: np.ndarray, speed: float) -> Tangents:
     """Linearize the laws at relative displacements d, complex of shape (m,) [m], at rest, at the
-    machine's speed [rad/s]; surfaces do not slide, a law's own states are those of its start."""
+    machine's speed [rad/s]; surfaces do not slide, a law's internal states are those of its start.
+    """
     interfaces = structure.interfaces
     m = len(interfaces)
     states = [s for i in interfaces for s in LAWS[i.law].states]
-    free, own = np.array(states, float), np.array(states, float)
+    free, internal_state = np.array(states, float), np.array(states, float)
     force, p, q = (np.zeros(shape, complex) for shape in (m, (2, m), (2, m)))
-    plain(_fill)(
-        structure.laws, interfaces, d.astype(complex), float(speed), free, own, force, p, q
+    interpreted(_fill)(
+        structure.laws,
+        interfaces,
+        d.astype(complex),
+        float(speed),
+        free,
+        internal_state,
+        force,
+        p,
+        q,
     )
     matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
     by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)

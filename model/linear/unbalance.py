@@ -106,15 +106,15 @@ def unbalance_response(
     for node, amount, phase in unbalances or ():
         pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
     both = np.column_stack([pull, -1j * pull]).ravel()
-    found, bears = [], []
+    result, bears = [], []
     for speed in speeds:
         check_speed(speed)
         linear = machine.at(speed)
         force = speed**2 * both
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        found.append(machine.expand @ u)
+        result.append(machine.expand @ u)
         bears.append(machine.loads(linear, u, pull, force, speed) if speed else _nothing(machine))
-    whole = np.array(found).reshape(-1, size, 2)
+    whole = np.array(result).reshape(-1, size, 2)
     load = np.array(bears).reshape(len(whole), -1, 2)
     n = 2 * len(machine.nodes)
     return UnbalanceResponse(

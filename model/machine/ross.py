@@ -14,7 +14,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from ..quantities import QuantityError
-from .tables import nearest
+from .table_reader import nearest
 
 _SHAFT, _DISC, _MASS = "ShaftElement", "DiskElement", "PointMass"
 _BEARINGS = {"BearingElement": "linear_bearing", "SealElement": "seal"}
@@ -253,7 +253,7 @@ class _Reader:
 
     def _pedestals(self, last: int) -> dict[int, tuple[dict[str, Any], _Element]]:
         """Housings by their nodes, with the bearings that hold them to ground."""
-        found = {}
+        result = {}
         linked = {
             e.node("n_link"): e
             for e in self._of(*_BEARINGS)
@@ -282,8 +282,8 @@ class _Reader:
             if vertical != mass:
                 housing["mass_ratio"] = vertical / mass
             housing |= {f"{of}{a}": coefficients[f"{of}{a}{a}"] for of in "kc" for a in "xy"}
-            found[n] = housing, ground
-        return found
+            result[n] = housing, ground
+        return result
 
     def _coefficients(self, element: _Element) -> dict[str, Any]:
         """The eight coefficients, and the speeds where they are tables."""

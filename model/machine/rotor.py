@@ -13,11 +13,11 @@ from difflib import get_close_matches
 from itertools import accumulate
 from typing import Any, NamedTuple, TypeVar
 
+from ..parts.base import BASE, GROUND, Element, Interface, Mount, Part, Port, Release
 from ..parts.bearing import Bearing
 from ..parts.disc import Coupling, Disc
 from ..parts.shaft import Material, Section
 from ..parts.support import Support
-from ..protocol.part import BASE, GROUND, Element, Interface, Mount, Part, Port, Release
 from ..quantities import (
     ANY,
     NOT_NEGATIVE,
@@ -257,10 +257,10 @@ class Rotor:
         """The quantities that an FMU takes as parameters, with what they are and their values: of
         the parts, of the shaft, gravity."""
         for name, part in self.indexed_parts():
-            for told_name, told in quantities(part).items():
-                value = getattr(part, told_name)
-                if told.is_parameter and not isinstance(value, tuple):
-                    yield Name(*name, told_name), told, value
+            for quantity_name, declared in quantities(part).items():
+                value = getattr(part, quantity_name)
+                if declared.is_parameter and not isinstance(value, tuple):
+                    yield Name(*name, quantity_name), declared, value
         for own, heading in OWN.items():
             yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from ..parts.shaft import Material, Section
 from ..quantities import QuantityError, check, quantities
-from .tables import a_table, make, nearest, number, refuse_unknown, tables_of
+from .table_reader import a_table, make, nearest, number, refuse_unknown, tables_of
 
 _PROFILE_KEYS = (
     "outer", "outer_left", "outer_right", "bore", "bore_left", "bore_right", "material",

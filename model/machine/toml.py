@@ -9,11 +9,11 @@ from importlib.resources import files
 from typing import Any
 
 from ..parts import PARTS
-from ..protocol.part import Part
+from ..parts.base import Part
 from ..quantities import QuantityError
 from .rotor import Rotor
 from .shaft_tables import Materials, sections_between, sections_in_turn
-from .tables import a_table, make, number, refuse_unknown, tables_of
+from .table_reader import a_table, make, number, refuse_unknown, tables_of
 
 _SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping")
 _OWN_KEYS = (

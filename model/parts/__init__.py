@@ -1,13 +1,13 @@
 """One file a part. A new kind of part is a file here and the line that imports it."""
 
-from ..protocol.law import Law
-from ..protocol.part import Part
+from .base import Part
 from .bearing import Bearing
 from .body import Body, PointMass
 from .clearance_contact import ClearanceContact
 from .conditions import Base, Start
 from .disc import Coupling, Disc
 from .housing import Housing
+from .law import Law
 from .linear_bearing import LinearBearing, Seal
 from .port import Port, Sensor
 from .support import Support

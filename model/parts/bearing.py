@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..contact.wall import ContactQuantities
-from ..protocol.law import Law
-from ..protocol.part import Element, Interface, Mount, Part, Shape
+from .base import Element, Interface, Mount, Part, Shape
 from .clearance_contact import ClearanceContact, contact_law
 from .housing import HousingQuantities
+from .law import Law
 
 
 @dataclass(frozen=True, kw_only=True)

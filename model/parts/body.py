@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..protocol import part as of
 from ..quantities import ANY, NOT_NEGATIVE, quantity
+from . import base as of
 
 
 @dataclass(frozen=True, kw_only=True)

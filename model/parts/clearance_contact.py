@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from ..contact.rubbing import rubbing, rubbing_tangent, stretched, stretching
-from ..contact.wall import ContactQuantities, compression, contact_angle, length, opening
-from ..kernels.compiled import called, compiled
-from ..protocol.law import Law
-from ..protocol.part import GROUND, Element, Interface, Part, Shape
+from ..contact.wall import ContactQuantities, compression, contact_angle, gap, length
+from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, places
+from .base import GROUND, Element, Interface, Part, Shape
+from .law import Law
 
 OUTPUTS = (
     Output("psi", "rad", "contact angle, 0 to the right, 3 pi / 2 at the bottom", True, 1.0),
@@ -31,43 +31,43 @@ LOSSES = (
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 
-@compiled
+@jit
 def contact_force(part, kinematics):
     """`Rubbing` of one contact whose journal does not stick, `part` a record of
     `ContactQuantities`."""
     return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, 0.0)
 
 
-@compiled
-def _tangent(part, tables, kinematics, weights, free, own):
-    """See `protocol.law`."""
+@jit
+def _tangent(part, tables, kinematics, weights, free, internal_state):
+    """See `parts.law`."""
     surface = part.journal_radius * kinematics.sliding_speed
     force, p, q, _ = rubbing_tangent(part, kinematics, weights, surface, 0.0, 0.0)
     return force, p, q
 
 
-@compiled
-def _force(part, tables, kinematics, own):
-    """See `protocol.law`."""
+@jit
+def _force(part, tables, kinematics, internal_state):
+    """See `parts.law`."""
     return contact_force(part, kinematics).force
 
 
-@compiled
-def _energy(part, tables, displacement, own):
-    """See `protocol.law`."""
+@jit
+def _energy(part, tables, displacement, internal_state):
+    """See `parts.law`."""
     return (compression(part, displacement),)
 
 
-@compiled
-def _dissipate(part, tables, kinematics, own, out):
-    """See `protocol.law`: contact damping, friction."""
+@jit
+def _dissipate(part, tables, kinematics, internal_state, out):
+    """See `parts.law`: contact damping, friction."""
     contact = contact_force(part, kinematics)
     out[_LOSS.contact] = contact.damping * contact.rate
     out[_LOSS.friction] = contact.friction * contact.sliding
     return part.journal_radius * contact.friction
 
 
-@compiled
+@jit
 def observe_contact(displacement, contact, out):
     """Fill in `OUTPUTS` of a contact, a `Rubbing`."""
     out[_OUT.psi] = contact_angle(displacement)
@@ -78,9 +78,9 @@ def observe_contact(displacement, contact, out):
     out[_OUT.contact] = 1.0 if contact.normal > 0.0 else 0.0
 
 
-@compiled
-def _observe(part, tables, kinematics, own, out):
-    """See `protocol.law`."""
+@jit
+def _observe(part, tables, kinematics, internal_state, out):
+    """See `parts.law`."""
     observe_contact(kinematics.displacement, contact_force(part, kinematics), out)
 
 
@@ -91,7 +91,7 @@ CLEARANCE_CONTACT = Law(
     tangent=_tangent,
     energy=_energy,
     dissipate=_dissipate,
-    opening=opening,
+    gap=gap,
     length=length,
     observe=_observe,
     outputs=OUTPUTS,
@@ -101,53 +101,57 @@ CLEARANCE_CONTACT = Law(
 )
 
 
-@called
-def _sticking_tangent(part, tables, kinematics, weights, free, own):
-    """See `protocol.law`."""
+@jit_not_inlined
+def _sticking_tangent(part, tables, kinematics, weights, free, internal_state):
+    """See `parts.law`."""
     surface = part.journal_radius * kinematics.sliding_speed
     force, p, q, z = rubbing_tangent(part, kinematics, weights, surface, weights.rate, free[0])
-    own[0] = z
+    internal_state[0] = z
     return force, p, q
 
 
-@compiled
-def _sticking(part, kinematics, own):
+@jit
+def _sticking(part, kinematics, internal_state):
     """`Rubbing` of a contact whose journal may stick."""
-    return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, own[0])
+    return rubbing(
+        part, kinematics, part.journal_radius * kinematics.sliding_speed, internal_state[0]
+    )
 
 
-@called
-def _sticking_force(part, tables, kinematics, own):
-    """See `protocol.law`."""
-    return _sticking(part, kinematics, own).force
+@jit_not_inlined
+def _sticking_force(part, tables, kinematics, internal_state):
+    """See `parts.law`."""
+    return _sticking(part, kinematics, internal_state).force
 
 
-@called
-def _sticking_rates(part, tables, kinematics, own, out):
-    """See `protocol.law`."""
-    out[0] = stretching(part, _sticking(part, kinematics, own).friction, own[0])
+@jit_not_inlined
+def _sticking_rates(part, tables, kinematics, internal_state, out):
+    """See `parts.law`."""
+    out[0] = stretching(
+        part, _sticking(part, kinematics, internal_state).friction, internal_state[0]
+    )
 
 
-@compiled
-def _sticking_energy(part, tables, displacement, own):
-    """See `protocol.law`."""
-    return (compression(part, displacement) + stretched(part, own[0]),)
+@jit
+def _sticking_energy(part, tables, displacement, internal_state):
+    """See `parts.law`."""
+    return (compression(part, displacement) + stretched(part, internal_state[0]),)
 
 
-@called
-def _sticking_dissipate(part, tables, kinematics, own, out):
-    """See `protocol.law`: contact damping, friction less what its spring takes."""
-    contact = _sticking(part, kinematics, own)
-    spring = part.k_t * own[0] * stretching(part, contact.friction, own[0])
+@jit_not_inlined
+def _sticking_dissipate(part, tables, kinematics, internal_state, out):
+    """See `parts.law`: contact damping, friction less what its spring takes."""
+    contact = _sticking(part, kinematics, internal_state)
+    spring = part.k_t * internal_state[0] * stretching(part, contact.friction, internal_state[0])
     out[_LOSS.contact] = contact.damping * contact.rate
     out[_LOSS.friction] = contact.friction * contact.sliding - spring
     return part.journal_radius * contact.friction
 
 
-@called
-def _sticking_observe(part, tables, kinematics, own, out):
-    """See `protocol.law`."""
-    observe_contact(kinematics.displacement, _sticking(part, kinematics, own), out)
+@jit_not_inlined
+def _sticking_observe(part, tables, kinematics, internal_state, out):
+    """See `parts.law`."""
+    observe_contact(kinematics.displacement, _sticking(part, kinematics, internal_state), out)
 
 
 STICKING_CONTACT = replace(

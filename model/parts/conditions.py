@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..protocol.part import BASE, Element, Part, Port, Release
 from ..quantities import ANY, quantity
+from .base import BASE, Element, Part, Port, Release
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..protocol.part import Body, Element, Part, Port, Probe, Shape, Unbalance
 from ..quantities import ANY, NOT_NEGATIVE, QuantityError, quantity
+from .base import Body, Element, Part, Port, Probe, Shape, Unbalance
 from .shaft import Material
 
 

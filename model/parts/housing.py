@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..kernels.compiled import compiled
-from ..protocol.part import Element, Mount, Part
+from ..kernels.jit import jit
 from ..quantities import NOT_NEGATIVE, QuantityError, quantity
+from .base import Element, Mount, Part
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +28,7 @@ class HousingQuantities:
     mass_ratio: float = quantity("1", "mass of the housing in y over that in x", default=1.0)
 
 
-@compiled
+@jit
 def masses(housing):
     """In x and in y [kg]."""
     return housing.mass, housing.mass * housing.mass_ratio

@@ -22,9 +22,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..kernels.compiled import called, compiled
-from ..protocol.law import Law
-from ..protocol.part import GROUND, Element, Interface, Part, Shape
+from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import (
     ANY,
     SPEED,
@@ -35,6 +33,8 @@ from ..quantities import (
     quantities,
     quantity,
 )
+from .base import GROUND, Element, Interface, Part, Shape
+from .law import Law
 
 
 def _stiffness(direction: str, default: Any = ...) -> Any:
@@ -69,13 +69,13 @@ _COLUMNS = 1 + 4 * len(quantities(Coefficients))
 _CUBICS = places(quantities(Coefficients), 1, 4)
 
 
-@compiled
+@jit
 def _cubic(tables, at, s):
     """A cubic of s, highest power first."""
     return ((tables[at] * s + tables[at + 1]) * s + tables[at + 2]) * s + tables[at + 3]
 
 
-@called
+@jit_not_inlined
 def coefficients(part, tables, speed):
     """Stiffness k, l [N/m] and damping c, e [N.s/m] at a speed [rad/s]: K d = k d + l conj(d),
     C d' = c d' + e conj(d'). Beyond a table's ends they are those of the end."""
@@ -121,17 +121,17 @@ LOSSES = (
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 
-@compiled
-def _force(part, tables, kinematics, own):
-    """See `protocol.law`."""
+@jit
+def _force(part, tables, kinematics, internal_state):
+    """See `parts.law`."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     return -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
 
 
-@compiled
-def _tangent(part, tables, kinematics, weights, free, own):
-    """See `protocol.law`."""
+@jit
+def _tangent(part, tables, kinematics, weights, free, internal_state):
+    """See `parts.law`."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     by_d, by_v = weights.displacement, weights.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
@@ -139,17 +139,17 @@ def _tangent(part, tables, kinematics, weights, free, own):
     return force, -(by_d * k + by_v * c), -(by_d * l + by_v * e)
 
 
-@compiled
-def _energy(part, tables, displacement, own):
-    """See `protocol.law`."""
+@jit
+def _energy(part, tables, displacement, internal_state):
+    """See `parts.law`."""
     d = displacement
     k, l, _, _ = coefficients(part, tables, 0.0)  # noqa: E741
     return (0.5 * ((k.real * d + l * d.conjugate()) * d.conjugate()).real,)
 
 
-@compiled
-def _dissipate(part, tables, kinematics, own, out):
-    """See `protocol.law`: damping, circulation."""
+@jit
+def _dissipate(part, tables, kinematics, internal_state, out):
+    """See `parts.law`: damping, circulation."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     k0, l0, _, _ = coefficients(part, tables, 0.0)
@@ -159,10 +159,10 @@ def _dissipate(part, tables, kinematics, own, out):
     return 0.0
 
 
-@compiled
-def _observe(part, tables, kinematics, own, out):
-    """See `protocol.law`."""
-    force = _force(part, tables, kinematics, own)
+@jit
+def _observe(part, tables, kinematics, internal_state, out):
+    """See `parts.law`."""
+    force = _force(part, tables, kinematics, internal_state)
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
 

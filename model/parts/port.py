@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..protocol import part as of
+from . import base as of
 
 
 @dataclass(frozen=True)

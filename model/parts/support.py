@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..protocol.part import Element, Part, Shape, Spring
 from ..quantities import NOT_NEGATIVE, quantity
+from .base import Element, Part, Shape, Spring
 
 
 @dataclass(frozen=True)

@@ -21,13 +21,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from ..contact.rubbing import contact_tangent, rub, rubbing, stretched, stretching
-from ..contact.wall import ContactQuantities, compression, length, opening, touch
-from ..kernels.compiled import called, compiled
-from ..protocol.law import Law
+from ..contact.wall import ContactQuantities, compression, gap, length, touch
+from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, SPEED, Output, places, quantity
 from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .clearance_contact import OUTPUTS as CONTACT_OUTPUTS
 from .clearance_contact import STORES, ClearanceContact, observe_contact
+from .law import Law
 
 _ITERATIONS = 100
 _ROUNDING = 1e-14
@@ -54,7 +54,7 @@ class TouchdownQuantities(ContactQuantities, RaceQuantities):
     does for one of that kind."""
 
 
-@compiled
+@jit
 def _drag(part, w):
     """Torque that brakes the race at the speed w [rad/s], and its derivative."""
     root = math.sqrt(w * w + part.race_w_s * part.race_w_s)
@@ -63,13 +63,13 @@ def _drag(part, w):
     return torque, part.race_drag * smooth * smooth / root + part.race_damping
 
 
-@compiled
+@jit
 def _radius(part):
     """Of the race's inner surface [m]."""
     return part.journal_radius + part.clearance
 
 
-@compiled
+@jit
 def _race_speed(part, pressure, sliding, b, free, guess, free_z):
     """The race's speed at the end of a step [rad/s]; pressure: normal force [N], sliding: speed
     past a race at rest [m/s]; b: weight of the rate [s]; free_z: see `contact.rubbing` [m]."""
@@ -111,27 +111,29 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 _STATE = places(("race", "elongation"))
 
 
-@compiled
-def _rubbing(part, kinematics, own):
+@jit
+def _rubbing(part, kinematics, internal_state):
     """`Rubbing` of the journal on the race."""
-    surface = part.journal_radius * kinematics.sliding_speed - _radius(part) * own[_STATE.race]
-    return rubbing(part, kinematics, surface, own[_STATE.elongation])
+    surface = (
+        part.journal_radius * kinematics.sliding_speed - _radius(part) * internal_state[_STATE.race]
+    )
+    return rubbing(part, kinematics, surface, internal_state[_STATE.elongation])
 
 
-@called
-def _force(part, tables, kinematics, own):
-    """See `protocol.law`."""
-    return _rubbing(part, kinematics, own).force
+@jit_not_inlined
+def _force(part, tables, kinematics, internal_state):
+    """See `parts.law`."""
+    return _rubbing(part, kinematics, internal_state).force
 
 
-@called
-def _tangent(part, tables, kinematics, weights, free, own):
-    """See `protocol.law`."""
+@jit_not_inlined
+def _tangent(part, tables, kinematics, weights, free, internal_state):
+    """See `parts.law`."""
     at, b = touch(part, kinematics), weights.rate
-    free_w, free_z, guess = free[_STATE.race], free[_STATE.elongation], own[_STATE.race]
+    free_w, free_z, guess = free[_STATE.race], free[_STATE.elongation], internal_state[_STATE.race]
     if at.penetration <= 0.0 or at.normal <= 0.0:
-        own[_STATE.race] = _race_speed(part, 0.0, 0.0, b, free_w, guess, free_z)
-        own[_STATE.elongation] = rub(part, 0.0, 0.0, b, free_z).elongation
+        internal_state[_STATE.race] = _race_speed(part, 0.0, 0.0, b, free_w, guess, free_z)
+        internal_state[_STATE.elongation] = rub(part, 0.0, 0.0, b, free_z).elongation
         return 0.0j, 0.0j, 0.0j
     steep = math.sqrt(1.0 + at.gradient.imag * at.gradient.imag)
     normal = at.gradient * (1.0 / steep)
@@ -141,7 +143,7 @@ def _tangent(part, tables, kinematics, weights, free, own):
     w = _race_speed(part, pressure, sliding, b, free_w, guess, free_z)
     radius = _radius(part)
     rubs = rub(part, pressure, sliding - radius * w, b, free_z)
-    own[_STATE.race], own[_STATE.elongation] = w, rubs.elongation
+    internal_state[_STATE.race], internal_state[_STATE.elongation] = w, rubs.elongation
     # the race follows a change dT of the friction by dw = b / J R dT / (1 + b / J drag')
     per = b / part.race_inertia
     follows = radius * per / (1.0 + per * _drag(part, w)[1])
@@ -150,27 +152,29 @@ def _tangent(part, tables, kinematics, weights, free, own):
     return -complex(pressure, rubs.coefficient * pressure) * normal * at.direction, p, q
 
 
-@called
-def _rates(part, tables, kinematics, own, out):
-    """See `protocol.law`."""
-    friction = _rubbing(part, kinematics, own).friction
-    drag = _drag(part, own[_STATE.race])[0]
+@jit_not_inlined
+def _rates(part, tables, kinematics, internal_state, out):
+    """See `parts.law`."""
+    friction = _rubbing(part, kinematics, internal_state).friction
+    drag = _drag(part, internal_state[_STATE.race])[0]
     out[_STATE.race] = (_radius(part) * friction - drag) / part.race_inertia
-    out[_STATE.elongation] = stretching(part, friction, own[_STATE.elongation])
+    out[_STATE.elongation] = stretching(part, friction, internal_state[_STATE.elongation])
 
 
-@compiled
-def _energy(part, tables, displacement, own):
-    """See `protocol.law`: contact, race."""
-    elastic = compression(part, displacement) + stretched(part, own[_STATE.elongation])
-    return elastic, 0.5 * part.race_inertia * own[_STATE.race] * own[_STATE.race]
+@jit
+def _energy(part, tables, displacement, internal_state):
+    """See `parts.law`: contact, race."""
+    elastic = compression(part, displacement) + stretched(part, internal_state[_STATE.elongation])
+    return elastic, 0.5 * part.race_inertia * internal_state[_STATE.race] * internal_state[
+        _STATE.race
+    ]
 
 
-@called
-def _dissipate(part, tables, kinematics, own, out):
-    """See `protocol.law`: contact damping, friction, drag."""
-    contact = _rubbing(part, kinematics, own)
-    w, z = own[_STATE.race], own[_STATE.elongation]
+@jit_not_inlined
+def _dissipate(part, tables, kinematics, internal_state, out):
+    """See `parts.law`: contact damping, friction, drag."""
+    contact = _rubbing(part, kinematics, internal_state)
+    w, z = internal_state[_STATE.race], internal_state[_STATE.elongation]
     spring = part.k_t * z * stretching(part, contact.friction, z)
     out[_LOSS.contact] = contact.damping * contact.rate
     out[_LOSS.friction] = contact.friction * contact.sliding - spring
@@ -178,12 +182,12 @@ def _dissipate(part, tables, kinematics, own, out):
     return part.journal_radius * contact.friction
 
 
-@called
-def _observe(part, tables, kinematics, own, out):
-    """See `protocol.law`."""
-    contact = _rubbing(part, kinematics, own)
+@jit_not_inlined
+def _observe(part, tables, kinematics, internal_state, out):
+    """See `parts.law`."""
+    contact = _rubbing(part, kinematics, internal_state)
     observe_contact(kinematics.displacement, contact, out)
-    out[_OUT.race] = own[_STATE.race]
+    out[_OUT.race] = internal_state[_STATE.race]
     out[_OUT.sliding] = contact.sliding
 
 
@@ -194,7 +198,7 @@ TOUCHDOWN_BEARING = Law(
     tangent=_tangent,
     energy=_energy,
     dissipate=_dissipate,
-    opening=opening,
+    gap=gap,
     length=length,
     rates=_rates,
     observe=_observe,

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.polynomial import polynomial
 from rotor_fmu.model.schemes.spectral import Coefficients, balance, spectral_radius
 
-from ..kernels.compiled import compiled, plain
-from ..refusal import Refusal
+from ..errors import UserInputError
+from ..kernels.jit import interpreted, jit
 
 __all__ = [
     "LARGEST",
@@ -73,7 +73,7 @@ class Range(NamedTuple):
 ALPHA, RHO = Range(-1.0, 1.0, is_below=True), Range(0.0, 1.0)
 
 
-class SchemeError(Refusal, ValueError):
+class SchemeError(UserInputError, ValueError):
     """Parameters with which no step can be made."""
 
 
@@ -127,7 +127,7 @@ def _check_alphas(alpha_f: float, alpha_m: float) -> None:
             raise SchemeError(f"{name} = {value:g}: {ALPHA.words()}")
 
 
-@compiled
+@jit
 def second_order(alpha_f, alpha_m):
     """The member of second order with these alphas, whatever they are."""
     difference = alpha_f - alpha_m
@@ -135,7 +135,7 @@ def second_order(alpha_f, alpha_m):
     return Scheme(alpha_m, alpha_f, root * root / 4, 0.5 + difference)
 
 
-@compiled
+@jit
 def alphas(rho):
     """alpha_f and alpha_m with the least low-frequency damping for a rho at infinity."""
     return rho / (rho + 1.0), (2.0 * rho - 1.0) / (rho + 1.0)
@@ -153,7 +153,7 @@ def generalized_alpha(alpha_f: float, alpha_m: float) -> Scheme:
     difference = alpha_f - alpha_m
     if difference <= -1:
         raise SchemeError(f"alpha_f - alpha_m = {difference:g}: must be above -1 (beta would be 0)")
-    return plain(second_order)(alpha_f, alpha_m)
+    return interpreted(second_order)(alpha_f, alpha_m)
 
 
 def newmark(beta: float = 0.25, gamma: float = 0.5) -> Scheme:
@@ -181,7 +181,7 @@ def chung_hulbert(rho: float) -> Scheme:
     """
     if not RHO.holds(rho):
         raise SchemeError(f"rho = {rho:g}: {RHO.words()}")
-    return generalized_alpha(*plain(alphas)(rho))
+    return generalized_alpha(*interpreted(alphas)(rho))
 
 
 def amplification(scheme: Scheme, w: float, xi: float = 0.0) -> np.ndarray:

@@ -218,5 +218,5 @@ def _in_half_plane(part: Coefficients, degree: int) -> np.ndarray:
 
 def _clean(condition: np.ndarray) -> np.ndarray:
     """Without rounding errors and without common powers of w, which is positive."""
-    kept = np.trim_zeros(np.where(np.abs(condition) < _ROUNDING, 0.0, condition))
-    return kept if len(kept) else np.zeros(1)
+    retained = np.trim_zeros(np.where(np.abs(condition) < _ROUNDING, 0.0, condition))
+    return retained if len(retained) else np.zeros(1)

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..kernels.compiled import plain
-from ..march.block import METHOD
-from ..march.control import Control
-from ..refusal import Refusal
+from ..errors import UserInputError
+from ..kernels.jit import interpreted
 from ..schemes.family import Scheme
-from ..spelling import TOLD, Message, spell
+from ..spelling import MOST_ARGUMENTS, Message, spell
+from ..time_loop.block import METHOD
+from ..time_loop.control import Control
 from . import messages, table
 from .resolver import COUNT, encoded, resolve, warning
 from .table import (
@@ -44,7 +44,7 @@ __all__ = [
 ]
 
 
-class SettingsError(Refusal, ValueError):
+class SettingsError(UserInputError, ValueError):
     """Settings that no run can have; names the setting, its value and what is allowed."""
 
 
@@ -58,7 +58,7 @@ class Settings:
     relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
     with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
     max_iterations: of the interfaces' problem in one call of `Simulation.advance`.
-    fitted: whether the method is fitted to the pace of the motion (`fitting`).
+    fitted: whether the method is fitted to the characteristic frequency of the motion (`fitting`).
     reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
 
     Ranges and defaults are those of `table.SETTINGS`. Raises `SettingsError`.
@@ -129,10 +129,10 @@ def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
 
 def _resolved(given: np.ndarray) -> np.void:
     """The record that settings give, `given` filled in; raises `SettingsError`."""
-    numbers, told = np.zeros(1, METHOD).view(np.recarray), np.zeros(TOLD)
-    code = plain(resolve)(given, numbers[0], told)
+    numbers, arguments = np.zeros(1, METHOD).view(np.recarray), np.zeros(MOST_ARGUMENTS)
+    code = interpreted(resolve)(given, numbers[0], arguments)
     if code != messages.GOOD:
-        raise SettingsError(spell(messages.SENTENCES[code], told))
+        raise SettingsError(spell(messages.SENTENCES[code], arguments))
     return numbers[0]
 
 
@@ -187,10 +187,10 @@ def _warnings(
     given: np.ndarray, own: np.ndarray, numbers: np.void, slots: Iterable[int]
 ) -> list[Message]:
     """What `resolver.warning` has to say of some settings."""
-    told, said = np.zeros(TOLD), []
+    arguments, said = np.zeros(MOST_ARGUMENTS), []
     for slot in slots:
-        code = plain(warning)(given, own, numbers, told, slot)
+        code = interpreted(warning)(given, own, numbers, arguments, slot)
         if code:
-            text = spell(messages.SENTENCES[code], told)
+            text = spell(messages.SENTENCES[code], arguments)
             said.append(Message(text, messages.CODES[code]))
     return said

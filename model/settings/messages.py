@@ -17,7 +17,7 @@ IDLE = OUT_OF_RANGE + len(SETTINGS)
 _METHOD, _SHAPE = choice(METHODS), choice(SHAPES)
 
 
-def _shown(name: str) -> str:
+def _parameter_name(name: str) -> str:
     """A setting with its value."""
     setting = BY_NAME[name]
     if isinstance(setting, Choice):
@@ -29,14 +29,14 @@ def _out_of_range(name: str) -> str:
     setting = BY_NAME[name]
     if isinstance(setting, Choice):
         return ""  # a choice has no other values than its own
-    return f"{_shown(name)}: {setting.rule}"
+    return f"{_parameter_name(name)}: {setting.rule}"
 
 
 def _idle(name: str) -> str:
     if not any(is_idle(name, mode, norm) for mode in MODES for norm in NORMS):
         return ""
     norms = choice(("", *(f" with the norm {norm}" for norm in NORMS)))
-    return f"{_shown(name)}: has no effect in the mode {choice(MODES)}{norms}"
+    return f"{_parameter_name(name)}: has no effect in the mode {choice(MODES)}{norms}"
 
 
 SENTENCES = (

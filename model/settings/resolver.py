@@ -10,11 +10,11 @@ import math
 
 import numpy as np
 
-from ..kernels.compiled import compiled
-from ..march.control import ADAPTIVE, CONTROLLED, FIXED
+from ..kernels.jit import jit
 from ..schemes.family import alphas, second_order
 from ..stability.resolution import is_stable
-from . import messages as say
+from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED
+from . import messages
 from .table import (
     BY_NAME,
     DEFAULTS,
@@ -74,8 +74,8 @@ _IS_IDLE = np.array(
 )
 
 
-@compiled
-def resolve(given, numbers, told):
+@jit
+def resolve(given, numbers, arguments):
     """Fill in the record of a run's method from the settings `given`, shape (1 + COUNT,), the
     preset's place first; `given` then holds what was chosen.
 
@@ -87,42 +87,42 @@ def resolve(given, numbers, told):
     for i in range(_SHAPES):
         is_given = not math.isnan(given[1 + _SHAPE + i])
         if is_given and not _TAKES[method, i]:
-            told[0], told[1], told[2] = i, given[1 + _SHAPE + i], method
-            return say.NOT_TAKEN
+            arguments[0], arguments[1], arguments[2] = i, given[1 + _SHAPE + i], method
+            return messages.NOT_TAKEN
         if _TAKES[method, i] and method != base and not is_given:
-            told[0], told[1] = method, i
-            return say.NEEDED
+            arguments[0], arguments[1] = method, i
+            return messages.NEEDED
     for slot in range(COUNT):
         if math.isnan(given[1 + slot]):
             given[1 + slot] = _PRESETS[preset, slot]
         is_used = not _SHAPE <= slot < _SHAPE + _SHAPES or _TAKES[method, slot - _SHAPE]
         if _IS_NUMBER[slot] and is_used and not _is_in_range(given[1 + slot], slot):
-            told[0] = given[1 + slot]
-            return say.OUT_OF_RANGE + slot
+            arguments[0] = given[1 + slot]
+            return messages.OUT_OF_RANGE + slot
     mode = int(_MODES[int(given[1 + _MODE])])
     h, h_min, h_max = given[1 + _H], given[1 + _H_MIN], given[1 + _H_MAX]
     if mode != FIXED and not (h_min <= h <= h_max):
-        told[0], told[1], told[2] = h, h_min, h_max
-        return say.STEP_OUTSIDE
+        arguments[0], arguments[1], arguments[2] = h, h_min, h_max
+        return messages.STEP_OUTSIDE
     if mode == ADAPTIVE and not given[1 + _EPS_MIN] < given[1 + _EPS_MAX]:
-        told[0], told[1] = given[1 + _EPS_MIN], given[1 + _EPS_MAX]
-        return say.LIMITS_CROSSED
+        arguments[0], arguments[1] = given[1 + _EPS_MIN], given[1 + _EPS_MAX]
+        return messages.LIMITS_CROSSED
     alpha_f, alpha_m = _alphas(given, method)
     if alpha_f - alpha_m <= -1.0:
-        told[0] = alpha_f - alpha_m
-        return say.BAD_DIFFERENCE
+        arguments[0] = alpha_f - alpha_m
+        return messages.BAD_DIFFERENCE
     _fill(numbers, given, mode, second_order(alpha_f, alpha_m))
-    return say.GOOD
+    return messages.GOOD
 
 
-@compiled
+@jit
 def _is_in_range(value, slot):
     low, high = _RANGES[slot, 0], _RANGES[slot, 2]
     is_above = value > low or (value == low and _RANGES[slot, 1] == 0.0)
     return is_above and (value < high or (value == high and _RANGES[slot, 3] == 0.0))
 
 
-@compiled
+@jit
 def _alphas(given, method):
     """alpha_f and alpha_m of the member of the family."""
     if method == _CHUNG_HULBERT:
@@ -132,7 +132,7 @@ def _alphas(given, method):
     return alpha_f, alpha_m
 
 
-@compiled
+@jit
 def _fill(numbers, given, mode, scheme):
     shift = (scheme.alpha_m - scheme.alpha_f) / 2
     indicator = int(given[1 + _INDICATOR])
@@ -151,14 +151,14 @@ def _fill(numbers, given, mode, scheme):
     numbers.is_fitted = int(given[1 + _FITTED])
 
 
-@compiled
+@jit
 def begin(given, r):
     """Write what a run begins with into its record, from the settings chosen."""
     r.h = given[1 + _H]
     r.max_iterations = given[1 + _MAX_ITERATIONS]
 
 
-@compiled
+@jit
 def radius_at_infinity(numbers):
     """`Scheme.rho_infinity` of a method's record [1]."""
     beta, gamma, af = numbers.beta, numbers.gamma, numbers.alpha_f
@@ -174,20 +174,20 @@ def radius_at_infinity(numbers):
     return max(pair, abs(af / (1 - af)))
 
 
-@compiled
-def warning(given, own, numbers, told, slot):
+@jit
+def warning(given, own, numbers, arguments, slot):
     """Code of a warning about one of the `own` settings among `given`, as they were before
     `resolve`, or `GOOD`; behind the last of them about the method."""
     method = int(given[1 + _METHOD])
     if slot == COUNT:
         if is_stable(numbers):
-            return say.GOOD
-        told[0], told[1], told[2] = method, numbers.alpha_f, numbers.alpha_m
-        told[3] = radius_at_infinity(numbers)
-        return say.UNSTABLE
+            return messages.GOOD
+        arguments[0], arguments[1], arguments[2] = method, numbers.alpha_f, numbers.alpha_m
+        arguments[3] = radius_at_infinity(numbers)
+        return messages.UNSTABLE
     mode, norm = int(given[1 + _MODE]), int(given[1 + _NORM])
     if math.isnan(own[1 + slot]) or not _IS_IDLE[mode, norm, slot]:
-        return say.GOOD
-    told[0], told[1] = given[1 + slot], mode
-    told[2] = 1.0 + norm if _MODES[mode] == ADAPTIVE else 0.0
-    return say.IDLE + slot
+        return messages.GOOD
+    arguments[0], arguments[1] = given[1 + slot], mode
+    arguments[2] = 1.0 + norm if _MODES[mode] == ADAPTIVE else 0.0
+    return messages.IDLE + slot

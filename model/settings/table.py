@@ -9,14 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..march.control import ADAPTIVE, CONTROLLED, FIXED
-from ..march.paper_control import (
-    INCREMENT_NORM,
-    LI_ZENG_WIBERG,
-    MIXED_NORM,
-    ZIENKIEWICZ_XIE,
-)
 from ..schemes.family import ALPHA, RHO, Range
+from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED
+from ..time_loop.paper_control import INCREMENT_NORM, LI_ZENG_WIBERG, MIXED_NORM, ZIENKIEWICZ_XIE
 
 # The parameters that each method takes.
 METHODS = {

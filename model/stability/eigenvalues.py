@@ -7,14 +7,14 @@ import math
 
 import numpy as np
 
-from ..kernels.compiled import Kernel, called, compiled
+from ..kernels.jit import Kernel, jit, jit_not_inlined
 
 _MOST_SWEEPS = 60  # for one eigenvalue; two or three are usual
 _UNUSUAL = 10  # after so many in vain the shift is chosen otherwise
 _RADIX = 2.0
 
 
-@compiled
+@jit
 def _balance(a):
     """Scale rows and columns by powers of two until each pair has sums of one size."""
     n = len(a)
@@ -44,7 +44,7 @@ def _balance(a):
                     a[j, i] *= factor
 
 
-@compiled
+@jit
 def _reduce(a):
     """To Hessenberg form, by elimination with pivots."""
     n = len(a)
@@ -71,7 +71,7 @@ def _reduce(a):
                 a[j, m] += ratio * a[j, i]
 
 
-@compiled
+@jit
 def _first_of_block(a, last, size):
     """Row from which on the matrix is not split up to row `last`; what splits it becomes 0."""
     for i in range(last, 0, -1):
@@ -84,7 +84,7 @@ def _first_of_block(a, last, size):
     return 0
 
 
-@compiled
+@jit
 def _first_of_sweep(a, first, last, x, y, w):
     """Row in which a sweep with these shifts can begin, and its first column there."""
     for m in range(last - 2, first - 1, -1):
@@ -104,7 +104,7 @@ def _first_of_sweep(a, first, last, x, y, w):
     return m, p, q, r
 
 
-@compiled
+@jit
 def _sweep(a, first, last, corner, before, product):
     """One double step of QR on rows first .. last, its shifts from the two last diagonal elements
     and the product beside them."""
@@ -154,7 +154,7 @@ def _sweep(a, first, last, corner, before, product):
                 a[i, k + 1] -= t * q
 
 
-@called
+@jit_not_inlined
 def eigenvalues(a, re, im):
     """Fill in the real and the imaginary parts of the eigenvalues of a, shape (n, n), which is
     overwritten; NaN where they are not found."""
@@ -209,11 +209,11 @@ def eigenvalues(a, re, im):
 
 def _by_lapack(a, re, im):
     """The same interpreted, where the loops would take seconds."""
-    found = np.linalg.eigvals(a)
-    re[:], im[:] = found.real, found.imag
+    result = np.linalg.eigvals(a)
+    re[:], im[:] = result.real, result.imag
 
 
 if isinstance(eigenvalues, Kernel):
-    eigenvalues.plain = _by_lapack
+    eigenvalues.interpreted = _by_lapack
 else:
     eigenvalues = _by_lapack

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from ..kernels.band import add_product, solve
-from ..kernels.compiled import compiled
 from ..kernels.functions import inverse
+from ..kernels.jit import jit
 from ..parts.housing import masses
-from ..protocol.law import Kinematics, Weights
-from ..step.laws import law_opening, law_tangent, relative
+from ..parts.law import Kinematics, Weights
+from ..step.laws import law_gap, law_tangent, relative
 
 # Which interfaces with a wall are closed: none, all, or the one of this number.
 OPEN, ALL = -1, -2
@@ -18,20 +18,20 @@ OPEN, ALL = -1, -2
 _DEPTH, _SLIPPING = 0.1, 1e9
 
 
-@compiled
+@jit
 def is_wall(interface):
     """Whether it may be closed and slip: a race that turns is taken along instead of slipping for
     long."""
     return interface.slips == 1
 
 
-@compiled
+@jit
 def is_closed(interfaces, j, case):
     """Whether interface j is closed in this case."""
     return is_wall(interfaces[j]) and case in (ALL, j)
 
 
-@compiled
+@jit
 def take_tangents(run, omega):
     """Fill in the laws' tangents at this speed of rotation [rad/s]: at rest, but where there is a
     wall a little behind it, at the right, its surfaces slipping in the sense of the rotation.
@@ -47,7 +47,7 @@ def take_tangents(run, omega):
         has_wall = interface.has_wall == 1
         if has_wall:
             d = complex(interface.length, 0.0)
-            d += law_opening(structure.laws, interface, d) + _DEPTH * interface.length
+            d += law_gap(structure.laws, interface, d) + _DEPTH * interface.length
             sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
         for by_d in (1.0, 0.0):
             _force, p, q = law_tangent(
@@ -55,8 +55,8 @@ def take_tangents(run, omega):
                 interface,
                 Kinematics(d, 0.0j, omega, sliding),
                 Weights(by_d, 1.0 - by_d, 0.0),
-                run.motion.own[interface.own :],
-                problem.own[interface.own :],
+                run.motion.internal_state[interface.internal_state :],
+                problem.internal_state[interface.internal_state :],
             )
             if by_d == 1.0:
                 survey.p_d[j] = p + q if has_wall else p
@@ -66,7 +66,7 @@ def take_tangents(run, omega):
                 survey.q_v[j] = 0.0 if has_wall else q
 
 
-@compiled
+@jit
 def _take_matrix(band, survey, into):
     """A band matrix in the coarse dofs, times M^-1 from the left."""
     coarse = len(survey.column)
@@ -84,7 +84,7 @@ def _take_matrix(band, survey, into):
             into[i, k] = survey.column[i]
 
 
-@compiled
+@jit
 def _to_coarse(survey):
     """column = M^-1 basis^T product."""
     for i in range(len(survey.column)):
@@ -97,7 +97,7 @@ def _to_coarse(survey):
     solve(survey.mass, survey.column)
 
 
-@compiled
+@jit
 def take_matrices(run):
     """Fill in what does not depend on the speed."""
     structure, survey = run.structure, run.survey
@@ -121,7 +121,7 @@ def take_matrices(run):
             survey.push[j, coarse + h] = -1.0 if is_its else 0.0
 
 
-@compiled
+@jit
 def take_machine(run, speed, case):
     """A at one speed [rad/s] in one case, of x = (q, v / scale), q the x of all dofs and housings,
     then their y; scale: the machine's lowest frequency [rad/s]."""
@@ -167,7 +167,7 @@ def take_machine(run, speed, case):
             A[i, size + k] /= scale
 
 
-@compiled
+@jit
 def _add_force(survey, j, first, p, q):
     """p z + q conj(z) of interface j as a matrix of (x, y), from column `first` on."""
     half = len(survey.K)
@@ -184,7 +184,7 @@ def _add_force(survey, j, first, p, q):
             survey.A[size + half + i, first + half + k] += yy * at
 
 
-@compiled
+@jit
 def take_vector(survey, root):
     """Displacements of the motion that belongs to a root of A, by inverse iteration."""
     size = len(survey.vector)
@@ -203,12 +203,12 @@ def take_vector(survey, root):
             survey.vector[i] = survey.vector[i] * (1.0 / largest)
 
 
-@compiled
+@jit
 def _square(z):
     return z.real * z.real + z.imag * z.imag
 
 
-@compiled
+@jit
 def _solve_complex(a, x):
     """Overwrite x by a^-1 x by elimination with pivots, one that vanishes taken as rounding."""
     m = len(x)

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
-from ..kernels.compiled import plain
+from ..kernels.jit import interpreted
 from ..quantities import places
 from ..structure.reduction import component_modes
 from ..structure.structure import Structure
@@ -15,7 +15,7 @@ from ..structure.structure import Structure
 MOST_DOFS = 60  # of the shaft; a longer one is reduced first
 MOST_WHIRLS = 64  # that are kept, of those that grow fastest
 _MODES = 12
-# Places in a row of `Survey.found`: Re and Im of the root, and what goes with it.
+# Places in a row of `Survey.whirls`: Re and Im of the root, and what goes with it.
 WHIRL = places(("growth", "omega", "is_backward", "case", "speed"))
 
 
@@ -27,8 +27,9 @@ class Survey(NamedTuple):
     machine x' = A x in real coordinates, and where its roots are found; one root's equation and its
     vector; all roots.
 
-    found: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward, `case`
-    (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN [1/s].
+    whirls: the growing whirls, the fastest first: Re and Im of the root [1/s], 1 if backward,
+    `case` (`whirls`), speed [rad/s]; counted: how many; rest: root of a growth at rest, or NaN
+    [1/s].
     """
 
     basis: Annotated[np.ndarray, float, "n", "basis"]
@@ -52,7 +53,7 @@ class Survey(NamedTuple):
     along: Annotated[np.ndarray, float, "n"]
     product: Annotated[np.ndarray, float, "n"]
     column: Annotated[np.ndarray, float, "coarse"]
-    found: Annotated[np.ndarray, float, str(MOST_WHIRLS), str(len(WHIRL))]
+    whirls: Annotated[np.ndarray, float, str(MOST_WHIRLS), str(len(WHIRL))]
     counted: Annotated[np.ndarray, np.int64, "1"]
     rest: Annotated[np.ndarray, complex, "1"]
 
@@ -64,5 +65,5 @@ def coarse_shaft(structure: Structure) -> tuple[np.ndarray, np.ndarray]:
         return np.zeros((n, 0)), structure.M_factors
     _, basis = component_modes(structure, _MODES)
     mass = to_band(basis.T @ to_dense(structure.M) @ basis, basis.shape[1] - 1)
-    plain(factorize)(mass)
+    interpreted(factorize)(mass)
     return basis, mass

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.compiled import called, compiled
 from ..kernels.functions import logarithm, modulus
+from ..kernels.jit import jit, jit_not_inlined
 
 COARSEST, _FINE = 10.0, 1e-3  # omega h [rad] between which the step is looked for
 _HALVINGS = 20
 _STABLE = 1e-12  # what is rounding in a condition of stability
 
 
-@compiled
+@jit
 def is_stable(scheme):
     """`family.is_unconditionally_stable` of anything with a scheme's parameters."""
     m, f = 1 - 2 * scheme.alpha_m, 1 - 2 * scheme.alpha_f
@@ -26,7 +26,7 @@ def is_stable(scheme):
     return least >= -_STABLE
 
 
-@compiled
+@jit
 def _growth_of(x, y):
     """ln |1 + x + i y|."""
     d = 2.0 * x + x * x + y * y
@@ -37,7 +37,7 @@ def _growth_of(x, y):
     return s * (1.0 + z * (1.0 / 3.0 + z * (0.2 + z / 7.0)))
 
 
-@compiled
+@jit
 def _real_root(c0, c1, c2, c3):
     """A real root of c3 u^3 + c2 u^2 + c1 u + c0: Newton's method, safeguarded."""
     if c3 < 0.0:
@@ -61,7 +61,7 @@ def _real_root(c0, c1, c2, c3):
     return u
 
 
-@called
+@jit_not_inlined
 def seen_growth(scheme, h, root):
     """Rate at which the oscillation grows in steps of length h [1/s], negative where it decays.
 
@@ -86,7 +86,7 @@ def seen_growth(scheme, h, root):
     return max(growth, _growth_of(w * (half - part), 0.0), _growth_of(w * (half + part), 0.0)) / h
 
 
-@called
+@jit_not_inlined
 def resolving_step(scheme, root, share):
     """Longest step [s] in which the oscillation grows by this share of its rate at least [1]."""
     omega = modulus(root)

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..kernels.compiled import called, compiled
 from ..kernels.functions import modulus
+from ..kernels.jit import jit, jit_not_inlined
 from ..structure.structure import Structure
 from .eigenvalues import eigenvalues
 from .matrices import (
@@ -64,18 +64,18 @@ class Whirl:
         return self.root.imag / (2 * np.pi)
 
 
-def whirls_found(structure: Structure, survey: Survey) -> tuple[Whirl, ...]:
-    """What the last `look_for_whirls` found, the fastest growing first."""
+def growing_whirls(structure: Structure, survey: Survey) -> tuple[Whirl, ...]:
+    """What the last `find_growing_whirls` found, the fastest growing first."""
     interfaces = structure.interfaces
     walls = (interfaces.slips == 1).nonzero()[0].tolist()
     cases = {OPEN: (), ALL: tuple(walls)}
     return tuple(
         Whirl(complex(re, im), backward == 1.0, cases.get(int(case), (int(case),)), speed)
-        for re, im, backward, case, speed in survey.found[: survey.counted[0]].tolist()
+        for re, im, backward, case, speed in survey.whirls[: survey.counted[0]].tolist()
     )
 
 
-@compiled
+@jit
 def rounded_down(x, least):
     """x > 0, no larger than it was, with so many digits: `least` is the smallest integer that has
     them, 10 of two."""
@@ -87,8 +87,8 @@ def rounded_down(x, least):
     return math.floor(x * scale) / scale
 
 
-@called
-def look_for_whirls(run, speed, is_start):
+@jit_not_inlined
+def find_growing_whirls(run, speed, is_start):
     """Find the whirls that grow at this speed of rotation [rad/s] and at half of it, with all
     contacts open, each alone closed, and all; keep the steps that a tolerance chooses short enough
     to see them, and judge what the integrator takes more strictly. At the start find what grows at
@@ -127,7 +127,7 @@ def look_for_whirls(run, speed, is_start):
                     r.h_in_the_open = shortest
                 elif case != OPEN:
                     r.h_in_contact = min(r.h_in_contact, shortest)
-    _look_around(run, speed)
+    _find_survey_range(run, speed)
     if is_stable(run.method.numbers[0]):
         if survey.counted[0] > 0:
             r.overdamping = _OVERDAMPING
@@ -139,7 +139,7 @@ def look_for_whirls(run, speed, is_start):
         r.h_in_contact = r.h_in_the_open = math.inf
 
 
-@compiled
+@jit
 def _take_roots(run, speed, case):
     """Fill in all roots at one speed [rad/s] in one case."""
     survey = run.survey
@@ -150,8 +150,8 @@ def _take_roots(run, speed, case):
     eigenvalues(survey.work, survey.re, survey.im)
 
 
-@compiled
-def _look_around(run, speed):
+@jit
+def _find_survey_range(run, speed):
     """Say for which speeds the survey stands, up to where a whirl begins to grow with all contacts
     open, and bound the steps by what grows there."""
     r = run.memory.record[0]
@@ -162,7 +162,7 @@ def _look_around(run, speed):
     r.surveyed_from = _edge(run, sign, size, below)
 
 
-@compiled
+@jit
 def _edge(run, sign, size, far):
     """From which size of speed on, towards `far` from `size` [rad/s], something grows with all
     contacts open, or `far`."""
@@ -181,7 +181,7 @@ def _edge(run, sign, size, far):
     return growing
 
 
-@compiled
+@jit
 def _step_in_the_open(run, speed):
     """Longest step that resolves what grows at a speed [rad/s] with all contacts open [s]."""
     take_tangents(run, speed)
@@ -195,13 +195,13 @@ def _step_in_the_open(run, speed):
     return longest
 
 
-@compiled
+@jit
 def is_growing(root):
     """Whether a root, over the machine's lowest frequency, is a whirl that grows, not rounding."""
     return root.imag > _SLOW and root.real > _GROWING * modulus(root)
 
 
-@compiled
+@jit
 def _longest_step(run, root):
     """Longest step that leaves a growth its share [s]; root: over the lowest frequency."""
     method = run.method.numbers[0]
@@ -209,7 +209,7 @@ def _longest_step(run, root):
     return resolving_step(method, root * run.structure.numbers[0].lowest_omega, share)
 
 
-@compiled
+@jit
 def _take_whirls(run, speed, case):
     """Take up what grows at one speed in one case; the longest step that resolves it [s]."""
     structure, survey = run.structure, run.survey
@@ -225,7 +225,7 @@ def _take_whirls(run, speed, case):
     return shortest
 
 
-@compiled
+@jit
 def _turns_back(structure, survey, case):
     """Whether the motion of `vector` turns from y to x: at the closed contacts, or as a whole."""
     half = len(survey.K)
@@ -247,25 +247,25 @@ def _turns_back(structure, survey, case):
     return backward > forward
 
 
-@compiled
+@jit
 def _keep(survey, root, is_backward, case, speed):
     """Put a whirl among those found, the fastest first."""
-    found = survey.found
+    result = survey.whirls
     at = survey.counted[0]
-    while at > 0 and found[at - 1, WHIRL.growth] < root.real:
+    while at > 0 and result[at - 1, WHIRL.growth] < root.real:
         at -= 1
     if at == MOST_WHIRLS:
         return
     survey.counted[0] = min(survey.counted[0] + 1, MOST_WHIRLS)
     for row in range(survey.counted[0] - 1, at, -1):
         for k in range(len(WHIRL)):
-            found[row, k] = found[row - 1, k]
-    found[at, WHIRL.growth], found[at, WHIRL.omega] = root.real, root.imag
-    found[at, WHIRL.is_backward] = 1.0 if is_backward else 0.0
-    found[at, WHIRL.case], found[at, WHIRL.speed] = case, speed
+            result[row, k] = result[row - 1, k]
+    result[at, WHIRL.growth], result[at, WHIRL.omega] = root.real, root.imag
+    result[at, WHIRL.is_backward] = 1.0 if is_backward else 0.0
+    result[at, WHIRL.case], result[at, WHIRL.speed] = case, speed
 
 
-@compiled
+@jit
 def _take_growth_at_rest(run):
     """Take up the root of the growth with the least damping ratio, its imaginary part >= 0."""
     survey = run.survey

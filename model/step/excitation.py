@@ -6,8 +6,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..kernels.band import form
-from ..kernels.compiled import compiled
 from ..kernels.functions import direction
+from ..kernels.jit import jit
 
 
 class Spin(NamedTuple):
@@ -21,20 +21,20 @@ class Spin(NamedTuple):
     sliding: float
 
 
-@compiled
+@jit
 def spin_of(omega, alpha, theta):
     """`Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
     return Spin(omega, alpha, theta, direction(theta), omega)
 
 
-@compiled
-def resting(omega):
+@jit
+def static_spin(omega):
     """`Spin` of a machine that is asked where it rests at a speed [rad/s]: without unbalance, and
     without friction."""
     return Spin(omega, 0.0, 0.0, 0.0j, 0.0)
 
 
-@compiled
+@jit
 def circulation(structure, omega):
     """kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
     numbers = structure.numbers[0]
@@ -46,8 +46,8 @@ def circulation(structure, omega):
     return kappa
 
 
-@compiled
-def falling(structure, loads):
+@jit
+def free_fall_acceleration(structure, loads):
     """Acceleration of what is free, seen from the base [m/s2]: gravity less the base's own, which
     is among the loads."""
     numbers = structure.numbers[0]
@@ -55,7 +55,7 @@ def falling(structure, loads):
     return g - loads[numbers.base_load] if numbers.base_load >= 0 else g
 
 
-@compiled
+@jit
 def at_place(place, z):
     """Of an unbalance's or a probe's place on the shaft, z of shape (n,) or longer."""
     value = z[place.dof]
@@ -64,7 +64,7 @@ def at_place(place, z):
     return value
 
 
-@compiled
+@jit
 def at_load(structure, i, z):
     """Of the place of a load on the shaft, z of shape (n,) or longer."""
     value = z[structure.load_dof[i]]
@@ -74,7 +74,7 @@ def at_load(structure, i, z):
     return value
 
 
-@compiled
+@jit
 def add_applied(structure, spin, loads, f):
     """f += gravity, unbalance and external loads, shape (n,) [N, N.m]; loads: complex, shape
     (bodies,) [N]. Unbalance: m e exp(i (theta + phi)) (Omega^2 - i Omega')."""
@@ -98,7 +98,7 @@ def add_applied(structure, spin, loads, f):
                 f[j] -= structure.mass_sum[j] * loads[i]
 
 
-@compiled
+@jit
 def internal_torque(structure, q, v, omega):
     """Torque by which the drive sustains the rotating internal damping [N.m]; 0 if it does not
     rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
@@ -112,7 +112,7 @@ def internal_torque(structure, q, v, omega):
     return eta_v * by_velocity + kappa * by_displacement
 
 
-@compiled
+@jit
 def drive_torque(structure, loads, q, v, a, spin, friction_torque):
     """Torque that the drive must supply to keep the prescribed speed [N.m].
 
@@ -123,7 +123,7 @@ def drive_torque(structure, loads, q, v, a, spin, friction_torque):
     """
     n = len(structure.weight)
     torque = structure.numbers[0].inertia * spin.alpha + friction_torque
-    g = falling(structure, loads)
+    g = free_fall_acceleration(structure, loads)
     for i in range(len(structure.unbalance)):
         arm = structure.unbalance[i] * spin.direction
         torque += (arm.conjugate() * at_place(structure.unbalances[i], a)).imag

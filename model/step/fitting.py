@@ -1,4 +1,4 @@
-"""Generalized-alpha fitted to the pace of the motion.
+"""Generalized-alpha fitted to the characteristic frequency of the motion.
 
 A rotor's motion is nearly harmonic with the speed of rotation, q ~ exp(i Omega t). For such a
 motion the scheme relates accelerations, velocities and displacements by factors known in closed
@@ -7,9 +7,9 @@ own period (trigonometric fitting: Gautschi 1961). Both factors are 1 + O((Omega
 stays, and so does what holds at rest.
 
 Of a slower motion the mass would be wrong by as much: a rotor that falls, fitted to its rotation,
-falls with the wrong acceleration. So the scheme is fitted to the motion's own pace (`pace_after`),
-which is that of the rotation where the rotor whirls with it, and its lowest natural frequency's
-where it swings freely below.
+falls with the wrong acceleration. So the scheme is fitted to the motion's own characteristic
+frequency (`characteristic_frequency_after`), which is that of the rotation where the rotor whirls
+with it, and its lowest natural frequency's where it swings freely below.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.compiled import compiled
 from ..kernels.functions import direction, inverse
+from ..kernels.jit import jit
 
 SLOWEST = 1e-4  # Omega h [rad] below which the factors are 1 to rounding
 # Radians of the fastest pace over which a faster one is learnt, and a slower one: after an impact
@@ -33,13 +33,13 @@ class Fit(NamedTuple):
     damping: float
 
 
-@compiled
+@jit
 def unfitted():
     """The scheme as it is."""
     return Fit(1.0, 1.0)
 
 
-@compiled
+@jit
 def fitted(scheme, w):
     """`Fit` with which the scheme takes a whirl of w = Omega h [rad] over a step as it is."""
     am, af, beta, gamma = scheme
@@ -53,8 +53,8 @@ def fitted(scheme, w):
     return Fit(mass.real, (1j * w * displacement * inverse(velocity)).real)
 
 
-@compiled
-def pace_after(structure, omega, h, measures, before):
+@jit
+def characteristic_frequency_after(structure, omega, h, measures, before):
     """Square of the angular frequency of the motion [rad2/s2], at most that of the rotation or of
     the machine's slowest motion, whichever is faster, after a step of length h [s]; measures: of
     the step (`error_control.measure`); before: after the last step.

@@ -4,7 +4,7 @@
 
 w: relative accelerations of node and housing [m/s2], one complex number an interface; W:
 flexibility of the step [1/kg]; d0, d0': predicted displacement and velocity; b_d = beta h^2,
-b_v = gamma h; own states of the laws: own = free + b_own * rate.
+b_v = gamma h; internal states of the laws: internal_state = free + b_own * rate.
 Accelerations, not displacements, are the unknowns: with displacements very short steps lose digits.
 """
 
@@ -14,10 +14,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
-from ..protocol.law import Kinematics
-from .laws import law_opening, law_tangent
+from ..kernels.jit import jit
+from ..parts.law import Kinematics
+from .laws import law_gap, law_tangent
 
 EXPECTED, OPEN, WALL = 0, 1, 2
 # Attempts, one after another: where Newton starts, its relaxation, its iterations. The first does
@@ -37,8 +37,9 @@ TOLERANCE = 1e-8
 
 class InterfaceProblem(NamedTuple):
     """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N],
-    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, own: states of the
-    laws, predicted and found; flexibility W [1/kg], shape (2 m, 2 m), of (x, y) pairs; scratch."""
+    its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, internal_state:
+    states of the laws, predicted and found; flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
+    pairs; scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
     d0_dot: Annotated[np.ndarray, complex, "interfaces"]
@@ -48,14 +49,14 @@ class InterfaceProblem(NamedTuple):
     expected: Annotated[np.ndarray, complex, "interfaces"]
     p: Annotated[np.ndarray, complex, "interfaces"]
     q: Annotated[np.ndarray, complex, "interfaces"]
-    free: Annotated[np.ndarray, float, "own"]
-    own: Annotated[np.ndarray, float, "own"]
+    free: Annotated[np.ndarray, float, "internal_states"]
+    internal_state: Annotated[np.ndarray, float, "internal_states"]
     flexibility: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     jacobian: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     correction: Annotated[np.ndarray, float, "2 * interfaces"]
 
 
-@compiled
+@jit
 def solve_dense(a, x):
     """Overwrite x by a^-1 x, a of shape (m, m), by elimination with partial pivoting; False if
     a is singular."""
@@ -86,7 +87,7 @@ def solve_dense(a, x):
     return True
 
 
-@compiled
+@jit
 def _linearize(problem, laws, interfaces, spin, weights):
     """Forces and tangents at problem.w, Newton's correction of w; False if its matrix is
     singular."""
@@ -101,9 +102,9 @@ def _linearize(problem, laws, interfaces, spin, weights):
         problem.force[j] = 0.0
         problem.p[j] = 0.0
         problem.q[j] = 0.0
-        if law_opening(laws, interfaces[j], d) < 0.0:
+        if law_gap(laws, interfaces[j], d) < 0.0:
             is_open = False
-    if is_open and len(problem.own) == 0:
+    if is_open and len(problem.internal_state) == 0:
         return True
     jacobian[:, :] = 0.0
     for i in range(2 * m):
@@ -113,8 +114,11 @@ def _linearize(problem, laws, interfaces, spin, weights):
         d = problem.d0[j] + b_d * problem.w[j]
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
         kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding)
-        free, own = problem.free[interface.own :], problem.own[interface.own :]
-        force, p, q = law_tangent(laws, interface, kinematics, weights, free, own)
+        free, internal_state = (
+            problem.free[interface.internal_state :],
+            problem.internal_state[interface.internal_state :],
+        )
+        force, p, q = law_tangent(laws, interface, kinematics, weights, free, internal_state)
         if force == 0.0 and p == 0.0 and q == 0.0:
             continue
         problem.force[j] = force
@@ -131,7 +135,7 @@ def _linearize(problem, laws, interfaces, spin, weights):
     return solve_dense(jacobian, correction)
 
 
-@compiled
+@jit
 def _start(problem, laws, interfaces, place, b_d):
     """Where Newton starts: from the expected displacements, from no forces, from the walls."""
     for j in range(len(interfaces)):
@@ -141,14 +145,14 @@ def _start(problem, laws, interfaces, place, b_d):
                 w = (problem.expected[j] - problem.d0[j]) * (1.0 / b_d)
         elif place == WALL and interfaces[j].has_wall == 1:
             free = problem.d0[j] + b_d * w
-            opening = law_opening(laws, interfaces[j], free)
-            if opening < 0.0:
-                wall = free * (1.0 + opening / modulus(free))
+            gap = law_gap(laws, interfaces[j], free)
+            if gap < 0.0:
+                wall = free * (1.0 + gap / modulus(free))
                 w = (wall - problem.d0[j]) * (1.0 / b_d)
         problem.w[j] = w
 
 
-@compiled
+@jit
 def solve_interfaces(problem, laws, interfaces, spin, weights):
     """Solve for problem.w, problem.force and problem.own; returns (converged, iterations).
 

@@ -1,13 +1,13 @@
 """The laws of all kinds of interfaces, each call one compiled function of (laws, interface, ...);
-see `protocol.law`. `interface` is a record of `assembly.INTERFACE`."""
+see `parts.law`. `interface` is a record of `assembly.INTERFACE`."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..kernels.compiled import compiled
+from ..kernels.jit import jit
 from ..parts import LAWS
-from ..protocol.law import Kinematics, Law, dispatcher
+from ..parts.law import Kinematics, Law, dispatcher
 from ..structure.ledger import FLOWS, STORES
 
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
@@ -18,12 +18,12 @@ def _storing(law: Law) -> Callable:
     energy, count = law.energy, len(law.stores)
     places = tuple(STORES.index(store.name) for store in law.stores)
 
-    def add(part, tables, displacement, own, out):
-        energies = energy(part, tables, displacement, own)
+    def add(part, tables, displacement, internal_state, out):
+        energies = energy(part, tables, displacement, internal_state)
         for i in range(count):
             out[places[i]] += energies[i]
 
-    return compiled(add, to_cache=False)
+    return jit(add, to_cache=False)
 
 
 def _dissipating(law: Law) -> Callable:
@@ -31,37 +31,37 @@ def _dissipating(law: Law) -> Callable:
     dissipate, count = law.dissipate, len(law.losses)
     places = tuple(FLOWS.index(loss.name) for loss in law.losses)
 
-    def add(part, tables, kinematics, own, scratch, out):
-        torque = dissipate(part, tables, kinematics, own, scratch)
+    def add(part, tables, kinematics, internal_state, scratch, out):
+        torque = dissipate(part, tables, kinematics, internal_state, scratch)
         for i in range(count):
             out[places[i]] += scratch[i]
         return torque
 
-    return compiled(add, to_cache=False)
+    return jit(add, to_cache=False)
 
 
 law_force = dispatcher([law.force for law in LAWS])
 law_tangent = dispatcher([law.tangent for law in LAWS])
-law_opening = dispatcher([law.opening for law in LAWS], takes_tables=False)
+law_gap = dispatcher([law.gap for law in LAWS], takes_tables=False)
 law_rates = dispatcher([law.rates for law in LAWS])
 law_observe = dispatcher([law.observe for law in LAWS])
 add_energy = dispatcher([_storing(law) for law in LAWS])
 add_losses = dispatcher([_dissipating(law) for law in LAWS])
 
 
-@compiled
+@jit
 def relative(interface, z):
     """Of a node relative to its housing or to ground, z of shape (size,)."""
     return z[interface.dof] - z[interface.end]
 
 
-@compiled
+@jit
 def kinematics(interface, spin, q, v):
     """`Kinematics` of an interface, q, v of shape (size,)."""
     return Kinematics(relative(interface, q), relative(interface, v), spin.omega, spin.sliding)
 
 
-@compiled
+@jit
 def at_rest(displacement, speed):
     """`Kinematics` of an interface whose node rests and whose surfaces do not slide."""
     return Kinematics(displacement, 0.0j, speed, 0.0)

@@ -13,17 +13,17 @@ follows from that motion, a penalty law with friction or a hard stop, is the clo
 
 from __future__ import annotations
 
-from ..kernels.compiled import compiled
+from ..kernels.jit import jit
 
 
-@compiled
+@jit
 def weights(scheme, h):
     """Weights (m, c, k) of mass, damping and stiffness in the step matrix; h [s]."""
     am, af, beta, gamma = scheme
     return 1.0 - am, (1.0 - af) * gamma * h, (1.0 - af) * beta * h * h
 
 
-@compiled
+@jit
 def predict(scheme, h, q0, v0, a0, q, v):
     """Fill q and v with what is known of them at the end of a step, shape (n,)."""
     by_displacement = h * h * (0.5 - scheme.beta)
@@ -33,7 +33,7 @@ def predict(scheme, h, q0, v0, a0, q, v):
         v[i] = v0[i] + by_velocity * a0[i]
 
 
-@compiled
+@jit
 def correct(scheme, h, a, q, v):
     """Add to the predictions the share of the accelerations at the end of the step."""
     by_displacement = h * h * scheme.beta
@@ -43,7 +43,7 @@ def correct(scheme, h, a, q, v):
         v[i] += by_velocity * a[i]
 
 
-@compiled
+@jit
 def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
     """Fill v_dot, the accelerations of the equation of motion at the end of a step: the scheme,
     solved for them, the mass taken with the factor that a `fitting` gives it. What v_dot0 lacked in
@@ -56,7 +56,7 @@ def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
         v_dot[i] = by_new * a[i] + by_old * a0[i] - by_balance * v_dot0[i]
 
 
-@compiled
+@jit
 def balance_back(scheme, a0, v_dot0, v_dot, a):
     """Fill a from v_dot: `balance` the other way round, with a mass of 1."""
     share = 1.0 / (1.0 - scheme.alpha_m)

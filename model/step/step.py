@@ -13,11 +13,11 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import add_product, factorize, solve
-from ..kernels.compiled import compiled
 from ..kernels.functions import modulus
+from ..kernels.jit import jit
 from ..parts.housing import masses
-from ..protocol.law import Weights
-from .excitation import add_applied, circulation, falling
+from ..parts.law import Weights
+from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
 from .laws import kinematics, law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
@@ -30,7 +30,8 @@ class Motion(NamedTuple):
     each complex of shape (n + housings + 1,): displacement q [m], velocity v [m/s]; a: the
     accelerations that generalized-alpha carries along, v_dot: those of the equation of motion
     [m/s2]; jerk [m/s3] (of the Li-Zeng-Wiberg indicator); force: of the interfaces on their nodes
-    [N]. own: states of the laws, with the rates that are carried along and those of their law."""
+    [N]. internal_state: states of the laws, with the rates that are carried along and those of
+    their law."""
 
     q: Annotated[np.ndarray, complex, "size"]
     v: Annotated[np.ndarray, complex, "size"]
@@ -38,9 +39,9 @@ class Motion(NamedTuple):
     v_dot: Annotated[np.ndarray, complex, "size"]
     jerk: Annotated[np.ndarray, complex, "size"]
     force: Annotated[np.ndarray, complex, "interfaces"]
-    own: Annotated[np.ndarray, float, "own"]
-    own_a: Annotated[np.ndarray, float, "own"]
-    own_rate: Annotated[np.ndarray, float, "own"]
+    internal_state: Annotated[np.ndarray, float, "internal_states"]
+    internal_rate_carried: Annotated[np.ndarray, float, "internal_states"]
+    internal_rate: Annotated[np.ndarray, float, "internal_states"]
 
 
 class Workspace(NamedTuple):
@@ -54,16 +55,16 @@ class Workspace(NamedTuple):
     housing: Annotated[np.ndarray, float, "housings", "2"]
     stores: Annotated[np.ndarray, float, "all_stores"]
     powers: Annotated[np.ndarray, float, "flows"]
-    own: Annotated[np.ndarray, float, "most_losses"]
+    losses: Annotated[np.ndarray, float, "most_losses"]
 
 
-@compiled
+@jit
 def by_axis(x_factor, y_factor, z):
     """Different factors on the x and the y part of z."""
     return complex(x_factor * z.real, y_factor * z.imag)
 
 
-@compiled
+@jit
 def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
     """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
     n = len(out)
@@ -84,15 +85,15 @@ def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
         add_product(structure.K_shaft, scratch, out)
 
 
-@compiled
+@jit
 def _housing_forces(housing, g, q, v):
-    """Springs, dampers and weight of a housing [N]; g: see `falling` [m/s2]."""
+    """Springs, dampers and weight of a housing [N]; g: see `free_fall_acceleration` [m/s2]."""
     spring = by_axis(housing.kx, housing.ky, q)
     damper = by_axis(housing.cx, housing.cy, v)
     return spring + damper - by_axis(*masses(housing), g)
 
 
-@compiled
+@jit
 def accelerate(structure, spin, damping, loads, motion, work):
     """Fill motion.force and motion.v_dot from the equation of motion at this instant; damping: the
     factor that a `fitting` gives it."""
@@ -102,14 +103,16 @@ def accelerate(structure, spin, damping, loads, motion, work):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
     _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
-    g = falling(structure, loads)
+    g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
         q, v = motion.q[n + j], damping * motion.v[n + j]
         motion.v_dot[n + j] = -_housing_forces(structure.housings[j], g, q, v)
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         moving = kinematics(interface, spin, motion.q, motion.v)
-        force = law_force(structure.laws, interface, moving, motion.own[interface.own :])
+        force = law_force(
+            structure.laws, interface, moving, motion.internal_state[interface.internal_state :]
+        )
         motion.force[j] = force
         f[interface.dof] += force
         motion.v_dot[interface.end] -= force
@@ -121,7 +124,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     solve(structure.M_factors, f)
 
 
-@compiled
+@jit
 def _fill_rates(structure, spin, motion):
     """Fill motion.own_rate from the laws."""
     for j in range(len(structure.interfaces)):
@@ -131,12 +134,12 @@ def _fill_rates(structure, spin, motion):
                 structure.laws,
                 interface,
                 kinematics(interface, spin, motion.q, motion.v),
-                motion.own[interface.own :],
-                motion.own_rate[interface.own :],
+                motion.internal_state[interface.internal_state :],
+                motion.internal_rate[interface.internal_state :],
             )
 
 
-@compiled
+@jit
 def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
     """Factorize the step matrix of the accelerations; condense it to the interfaces."""
     share = 1.0 - scheme.alpha_f
@@ -186,7 +189,7 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
     work.key[2] = spin.alpha
 
 
-@compiled
+@jit
 def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     """Predictions of q and v, and the accelerations that would follow without the interfaces."""
     am, af = fit.mass * scheme.alpha_m, scheme.alpha_f
@@ -204,7 +207,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     add_product(structure.M, scratch, free)
     _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
-    g = falling(structure, loads)
+    g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
         housing = structure.housings[j]
         at = n + j
@@ -216,7 +219,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     new.a[n + len(structure.housings)] = 0.0
 
 
-@compiled
+@jit
 def _expect(problem, interfaces, old, b_d):
     """Where the nodes that touch a wall will be if they slide on at the same depth, and those
     without a wall if their accelerations last."""
@@ -229,25 +232,27 @@ def _expect(problem, interfaces, old, b_d):
             problem.expected[j] = ahead * (modulus(relative(interfaces[j], old.q)) / modulus(ahead))
 
 
-@compiled
-def _predict_own(scheme, h, old, free):
+@jit
+def _predict_internal_state(scheme, h, old, free):
     """Fill in what is known of the laws' states at the end of a step; returns the weight of their
     rates there. They follow the scheme as velocities do."""
     am, af, _, gamma = scheme
     share = h * gamma / (1.0 - am)
     for i in range(len(free)):
-        known = af * old.own_rate[i] - am * old.own_a[i]
-        free[i] = old.own[i] + h * (1.0 - gamma) * old.own_a[i] + share * known
+        known = af * old.internal_rate[i] - am * old.internal_rate_carried[i]
+        free[i] = (
+            old.internal_state[i] + h * (1.0 - gamma) * old.internal_rate_carried[i] + share * known
+        )
     return share * (1.0 - af)
 
 
-@compiled
+@jit
 def _is_sane(x, bound):
     """Whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
 
-@compiled
+@jit
 def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     """One step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
@@ -269,10 +274,10 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return NOT_FINITE, 0
-    b_own = _predict_own(scheme, h, old, problem.free)
-    weights_of_laws = Weights(scheme.beta * h * h, scheme.gamma * h, b_own)
-    for i in range(len(problem.own)):
-        problem.own[i] = problem.free[i]
+    b_rate = _predict_internal_state(scheme, h, old, problem.free)
+    weights_of_laws = Weights(scheme.beta * h * h, scheme.gamma * h, b_rate)
+    for i in range(len(problem.internal_state)):
+        problem.internal_state[i] = problem.free[i]
     _expect(problem, interfaces, old, weights_of_laws.displacement)
     is_converged, iterations = solve_interfaces(
         problem, structure.laws, interfaces, spin, weights_of_laws
@@ -294,9 +299,15 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         if not _is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
-    if len(problem.own) > 0:
-        for i in range(len(problem.own)):
-            new.own[i] = problem.own[i]
+    if len(problem.internal_state) > 0:
+        for i in range(len(problem.internal_state)):
+            new.internal_state[i] = problem.internal_state[i]
         _fill_rates(structure, spin, new)
-        balance_back(scheme, old.own_a, old.own_rate, new.own_rate, new.own_a)
+        balance_back(
+            scheme,
+            old.internal_rate_carried,
+            old.internal_rate,
+            new.internal_rate,
+            new.internal_rate_carried,
+        )
     return DONE, iterations

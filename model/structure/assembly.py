@@ -20,11 +20,10 @@ from typing import Any
 import numpy as np
 
 from ..kernels.band import factorize, to_band
-from ..kernels.compiled import plain
+from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts import LAWS
-from ..parts.housing import HousingQuantities
-from ..protocol.part import (
+from ..parts.base import (
     BASE,
     GROUND,
     Body,
@@ -39,6 +38,7 @@ from ..protocol.part import (
     Velocity,
     outputs_of,
 )
+from ..parts.housing import HousingQuantities
 from ..quantities import QuantityError, quantities
 from .beam import shaft_element
 from .ledger import law_entries
@@ -87,7 +87,7 @@ def assemble(rotor: Rotor) -> Structure:
         [(_dof(s), s.stiffness, s.damping) for _, s in _of(Spring, elements)],
     )
     M_factors = to_band(M, HALF_BANDWIDTH)
-    plain(factorize)(M_factors)
+    interpreted(factorize)(M_factors)
     outputs = _places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
     stores, losses = law_entries(rotor)
@@ -138,7 +138,7 @@ def assemble(rotor: Rotor) -> Structure:
         losses=np.array(losses, dtype=np.int64),
         numbers=numbers,
     )
-    plain(prepare)(structure)
+    interpreted(prepare)(structure)
     return structure
 
 
@@ -194,7 +194,7 @@ def _mechanism(
     rows: list[list[tuple]] = [[] for _ in LAWS]
     interfaces = []
     tables: list[float] = []
-    own = 0
+    internal_state = 0
     for i, element in _of(Interface, elements):
         code = LAWS.index(element.law)
         states = len(element.law.states)
@@ -204,7 +204,7 @@ def _mechanism(
                 len(rows[code]),
                 _dof(element),
                 places[element.housing],
-                own,
+                internal_state,
                 states,
                 outputs[i],
                 element.law.has_wall,
@@ -218,7 +218,7 @@ def _mechanism(
             record = (*record, len(tables), len(table))
             tables += table.ravel().tolist()
         rows[code].append(record)
-        own += states
+        internal_state += states
     laws = tuple(_rows(law.dtype, of) for law, of in zip(LAWS, rows, strict=True))
     return _rows(HOUSING, housings), _rows(INTERFACE, interfaces), (*laws, np.array(tables))
 

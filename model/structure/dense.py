@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.band import to_dense
-from ..kernels.compiled import plain
+from ..kernels.jit import interpreted
 from ..parts import LAWS
 from ..parts.clearance_contact import CLEARANCE_CONTACT
 from ..parts.housing import masses
@@ -42,13 +42,13 @@ def contact_picks(structure: Structure) -> np.ndarray:
 def in_plane(structure: Structure, axis: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """M, C, K along `X` or `Y`, the housings behind the dofs, shape (n + housings,) squared."""
     housings = structure.housings
-    m_x, m_y = plain(masses)(housings)
+    m_x, m_y = interpreted(masses)(housings)
     own = ((m_x, housings.cx, housings.kx), (m_y, housings.cy, housings.ky))[axis]
     n = len(structure.weight)
-    found = []
+    result = []
     for band, diagonal in zip((structure.M, structure.C, structure.K), own, strict=True):
         matrix = np.zeros((n + len(housings), n + len(housings)))
         matrix[:n, :n] = to_dense(band)
         matrix[range(n, len(matrix)), range(n, len(matrix))] = diagonal
-        found.append(matrix)
-    return found[0], found[1], found[2]
+        result.append(matrix)
+    return result[0], result[1], result[2]

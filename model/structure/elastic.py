@@ -60,8 +60,8 @@ def factorized(A: sp.sparray, B: sp.sparray, flexibility: np.ndarray) -> Solve:
         by_row = scale.reshape(-1, *[1] * (f.ndim - 1))
         given = np.zeros((len(scale), *f.shape[1:]), dtype=whole.dtype)
         given[:size] = f
-        found = by_row * factors.solve(by_row * given)
-        return found[:size], found[size:]
+        result = by_row * factors.solve(by_row * given)
+        return result[:size], result[size:]
 
     return solve
 

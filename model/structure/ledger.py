@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from ..machine.rotor import Rotor, spelled
 from ..parts import LAWS
-from ..protocol.part import Interface
+from ..parts.base import Interface
 from ..quantities import SPEED, Output
 
 
@@ -22,7 +22,7 @@ def _each_once(entries: Sequence[Output]) -> tuple[Output, ...]:
     return tuple(by_name.values())
 
 
-OWN_STORES = (
+MACHINE_STORES = (
     Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0, reached_by=SPEED),
     Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
     Output("gravity", "J", "potential energy of gravity", nominal=0.01),
@@ -32,15 +32,15 @@ INFLOWS = (
     Output("drive", "J", "work of the drive since the start", nominal=100.0, reached_by=SPEED),
     Output("external", "J", "work of the external forces since the start", nominal=1.0),
 )
-OWN_LOSSES = (
+MACHINE_LOSSES = (
     Output("structure", "J", "dissipated in the shaft since the start", nominal=1.0),
     Output("housing", "J", "dissipated in the housings' dampers", nominal=1.0),
 )
-OWN_FLOWS = (*INFLOWS, *OWN_LOSSES)
+MACHINE_FLOWS = (*INFLOWS, *MACHINE_LOSSES)
 LAW_STORES = _each_once([store for law in LAWS for store in law.stores])
 LAW_LOSSES = _each_once([loss for law in LAWS for loss in law.losses])
-STORES = tuple(entry.name for entry in (*OWN_STORES, *LAW_STORES))
-FLOWS = tuple(entry.name for entry in (*OWN_FLOWS, *LAW_LOSSES))
+STORES = tuple(entry.name for entry in (*MACHINE_STORES, *LAW_STORES))
+FLOWS = tuple(entry.name for entry in (*MACHINE_FLOWS, *LAW_LOSSES))
 
 
 def law_entries(rotor: Rotor) -> tuple[list[int], list[int]]:

@@ -5,17 +5,17 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.compiled import compiled
 from ..kernels.functions import direction
+from ..kernels.jit import jit
 from ..parts import LAWS
-from ..protocol.law import dispatcher
+from ..parts.law import dispatcher
 
 WEIGHT = 9.81  # m/s2; whether gravity or a base that is accelerated gives it
 
 _length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
 
 
-@compiled
+@jit
 def prepare(structure):
     """Fill in all of a structure that depends on parameters."""
     numbers = structure.numbers[0]
@@ -42,13 +42,13 @@ def prepare(structure):
             structure.interfaces[j].length = numbers.clearance
 
 
-@compiled
+@jit
 def elastic_share(eta_h):
     """What hysteretic damping makes of the shaft's stiffness (Zorzi and Nelson 1977) [1]."""
     return (1.0 + eta_h) / math.sqrt(1.0 + eta_h * eta_h)
 
 
-@compiled
+@jit
 def _prepare_shaft(structure, numbers):
     """Damping, stiffness and weight."""
     share = elastic_share(numbers.eta_h)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..kernels.band import factorize, to_band, to_dense
-from ..kernels.compiled import plain
+from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import SpeedRange, tables_of
 from .assembly import assemble, machine_elements, moved, soft_stiffness
@@ -39,18 +39,20 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
         for of in ("interfaces", "springs", "unbalances", "probes", "velocities")
     ]
     acted_on += [structure.unbalances.slope, structure.probes.slope]
-    kept = np.unique(np.concatenate(acted_on))
-    rest = np.setdiff1d(np.arange(n), kept)
+    retained = np.unique(np.concatenate(acted_on))
+    rest = np.setdiff1d(np.arange(n), retained)
     M, K = to_dense(structure.M), to_dense(structure.K_shaft)
     inner = np.ix_(rest, rest)
     inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
     _, shapes = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
     modes = min(modes, len(rest))
-    T = np.zeros((n, len(kept) + modes))
-    T[kept, np.arange(len(kept))] = 1.0
-    T[np.ix_(rest, np.arange(len(kept)))] = -np.linalg.solve(K[inner], K[np.ix_(rest, kept)])
-    T[np.ix_(rest, np.arange(len(kept), T.shape[1]))] = (inverse.T @ shapes)[:, :modes]
-    return kept, T
+    T = np.zeros((n, len(retained) + modes))
+    T[retained, np.arange(len(retained))] = 1.0
+    T[np.ix_(rest, np.arange(len(retained)))] = -np.linalg.solve(
+        K[inner], K[np.ix_(rest, retained)]
+    )
+    T[np.ix_(rest, np.arange(len(retained), T.shape[1]))] = (inverse.T @ shapes)[:, :modes]
+    return retained, T
 
 
 def reduced(structure: Structure, modes: int) -> Structure:
@@ -58,13 +60,13 @@ def reduced(structure: Structure, modes: int) -> Structure:
 
     Exact with all modes; with few, for motions slower than the first mode left out.
     """
-    kept, T = component_modes(structure, modes)
+    retained, T = component_modes(structure, modes)
     n, size = T.shape
     dense = {name: T.T @ to_dense(getattr(structure, name)) @ T for name in _MATRICES}
     bands: dict[str, Any] = {name: to_band(matrix, size - 1) for name, matrix in dense.items()}
     M_factors = bands["M"].copy()
-    plain(factorize)(M_factors)
-    place = {dof: i for i, dof in enumerate(kept.tolist())}
+    interpreted(factorize)(M_factors)
+    place = {dof: i for i, dof in enumerate(retained.tolist())}
 
     def place_of(dofs: np.ndarray) -> np.ndarray:
         return np.array([place[dof] for dof in dofs.tolist()], dtype=np.int64)
@@ -72,11 +74,11 @@ def reduced(structure: Structure, modes: int) -> Structure:
     at = moved(structure, place_of)
     # housings and ground stand behind the dofs
     at["interfaces"].end += size - n
-    deflections = structure.deflections[np.isin(structure.deflections[:, 0], kept)].copy()
+    deflections = structure.deflections[np.isin(structure.deflections[:, 0], retained)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])
     # a motion as one body needs no mode
     one_body = np.zeros((2, size))
-    one_body[:, : len(kept)] = structure.one_body[:, kept]
+    one_body[:, : len(retained)] = structure.one_body[:, retained]
     weights = T.T @ to_dense(structure.weights) @ T
     return structure._replace(
         **bands,
@@ -133,7 +135,7 @@ def too_coarse(rotor: Rotor, structure: Structure, modes: int) -> list[SpeedRang
     if modes >= spectrum.most:
         return []
     states = (False, True) if spectrum.has_walls else (False,)
-    return [found for is_pinned in states for found in _moved(spectrum, modes, is_pinned)]
+    return [result for is_pinned in states for result in _moved(spectrum, modes, is_pinned)]
 
 
 def _moved(spectrum: _Spectrum, modes: int, is_pinned: bool) -> Iterator[SpeedRange]:

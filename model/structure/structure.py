@@ -7,8 +7,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..parts import LAWS
+from ..parts.base import Release
 from ..parts.housing import HousingQuantities
-from ..protocol.part import Release
 from ..quantities import quantities
 
 
@@ -23,9 +23,10 @@ PROBE = _record("dof slope out", "offset")
 LOAD = _record("slope", "offset")
 RELEASE = _record("", " ".join(Release._fields))
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
-# `end`: the housing's place in a motion, behind the dofs, or that of ground, the last; `own`: where
-# the states of the law begin; `slips`: whether it has a wall that does not turn.
-INTERFACE = _record("law row dof end own states out has_wall slips", "length")
+# `end`: the housing's place in a motion, behind the dofs, or that of ground, the last;
+# `internal_state`: where the states of the law begin; `slips`: whether it has a wall that does not
+# turn.
+INTERFACE = _record("law row dof end internal_state states out has_wall slips", "length")
 # What a machine has one of. Given: whether the internal damping turns; is_held: whether springs and
 # soft laws hold it, and not its clearances alone; base_load: place of the
 # base's acceleration among the loads, or -1; eta_v [s], eta_h [1]; gravity [m/s2], and what share
@@ -33,7 +34,8 @@ INTERFACE = _record("law row dof end own states out has_wall slips", "length")
 # `_lowest_omega` [rad/s]; bound: displacement that no machine reaches, small: a length of the
 # machine where it has no clearance [m]. Made of it by `parameters.prepare`: inertia with the
 # eccentric masses; kappa_v [s] and kappa_h [1] of the rotating damping, kappa = Omega kappa_v +
-# sign(Omega) kappa_h; clearance: the smallest [m]; slowest: pace of its slowest motion [rad/s].
+# sign(Omega) kappa_h; clearance: the smallest [m]; slowest: angular frequency of its slowest motion
+# [rad/s].
 NUMBERS = _record(
     "rotating_damping is_held base_load",
     "eta_v eta_h gravity down_x down_y own_inertia lowest_omega bound small inertia kappa_v "
@@ -107,7 +109,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "unbalances": len(structure.unbalances),
         "springs": len(structure.springs),
         "interfaces": interfaces,
-        "own": int(structure.interfaces.states.sum()),
+        "internal_states": int(structure.interfaces.states.sum()),
         "stores": len(structure.stores),
         "losses": len(structure.losses),
         **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=False)},

@@ -7,7 +7,7 @@ import typer
 from rotor_fmu.errors import run
 
 from .schemes_command import schemes
-from .survey.command import survey
+from .survey.survey_command import survey
 
 app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False)
 app.command("survey")(survey)

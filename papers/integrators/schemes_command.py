@@ -19,7 +19,7 @@ from rotor_fmu.model.schemes.spectral import Method, Survey
 
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.files import unfinished
-from rotor_fmu.telling import tells
+from rotor_fmu.output_options import with_output_options
 
 from . import classical
 
@@ -132,12 +132,12 @@ class Row:
     name: str
     method: Method
     xi: float
-    found: Survey
+    analysis: Survey
 
     @property
     def limit(self) -> float:
         """Largest stable dt/T [1]."""
-        return self.found.limit / _TURN
+        return self.analysis.limit / _TURN
 
     @property
     def rebound(self) -> float | None:
@@ -151,25 +151,25 @@ class Row:
 
 def remarks(row: Row) -> list[str]:
     """What a user should know before choosing this method, in a few words each."""
-    found = []
+    result = []
     if row.limit == 0:
-        found.append("unstable at any step")
+        result.append("unstable at any step")
     elif math.isfinite(row.limit):
-        found.append(f"unstable above dt/T = {row.limit:.6g}")
+        result.append(f"unstable above dt/T = {row.limit:.6g}")
     elif row.method.rho_infinity > 1 - _TINY:
-        found.append("does not damp the fastest oscillations")
-    w, least = row.found.least
+        result.append("does not damp the fastest oscillations")
+    w, least = row.analysis.least
     if least < min(row.method.rho_infinity, 1) - 0.01:
-        found.append(f"least spectral radius {least:.5f} at dt/T = {w / _TURN:.4g}")
+        result.append(f"least spectral radius {least:.5f} at dt/T = {w / _TURN:.4g}")
     scheme = row.method
     if isinstance(scheme, Scheme):
         if scheme.alpha_f < 0:
-            found.append("alpha_f has the opposite sign of Abaqus' ALPHA")
+            result.append("alpha_f has the opposite sign of Abaqus' ALPHA")
         if abs(scheme.gamma - 0.5 + scheme.alpha_m - scheme.alpha_f) > 1e-9:
-            found.append("first order: gamma is not 1/2 - alpha_m + alpha_f")
+            result.append("first order: gamma is not 1/2 - alpha_m + alpha_f")
         if abs(family.rebound(scheme) - 1) < 1e-4:
-            found.append("meets the energy-momentum criterion, paper B (12)")
-    return found
+            result.append("meets the energy-momentum criterion, paper B (12)")
+    return result
 
 
 def answer(row: Row, frequency: float, step: float) -> str:
@@ -185,11 +185,11 @@ def answer(row: Row, frequency: float, step: float) -> str:
     else:
         verb = "adds" if added > 0 else "takes away"
         parts.append(f"It {verb} {abs(added):.5g} % of critical damping.")
-    kept = math.exp(_TURN * root.real / root.imag)
+    retained = math.exp(_TURN * root.real / root.imag)
     right = math.exp(-_TURN * row.xi / math.sqrt(1 - row.xi**2))
-    if abs(kept - 1) > _TINY:
-        verb = "loses" if kept < 1 else "gains"
-        change = f"{verb} {100 * abs(1 - kept):.4g} % of its amplitude a period"
+    if abs(retained - 1) > _TINY:
+        verb = "loses" if retained < 1 else "gains"
+        change = f"{verb} {100 * abs(1 - retained):.4g} % of its amplitude a period"
         compared = f", where {100 * (1 - right):.4g} % is right" if row.xi else ""
         parts.append(f"A free vibration {change}{compared}.")
     longer = 100 * spectral.period_elongation(row.method, w, row.xi)
@@ -227,12 +227,12 @@ def tables(rows: Sequence[Row]) -> list[Table]:
     for row in rows:
         lines = (
             (
-                *(_shown(getattr(row.method, name, None)) for name in _PARAMETERS),
+                *(_cell(getattr(row.method, name, None)) for name in _PARAMETERS),
                 _LIMITS.get(row.limit, f"{row.limit:.6f}"),
-                f"{row.found.order:.2f}",
+                f"{row.analysis.order:.2f}",
             ),
-            map(_shown, (*map(row.rho, RATIOS), row.method.rho_infinity)),
-            map(_shown, (100 * row.found.damping, 100 * row.found.elongation, row.rebound)),
+            map(_cell, (*map(row.rho, RATIOS), row.method.rho_infinity)),
+            map(_cell, (100 * row.analysis.damping, 100 * row.analysis.elongation, row.rebound)),
         )
         for table, cells in zip(three, lines, strict=True):
             table.add_row(row.name, *cells)
@@ -249,7 +249,7 @@ def _table(title: str, *columns: str) -> Table:
     return table
 
 
-def _shown(value: float | None) -> str:
+def _cell(value: float | None) -> str:
     if value is None or math.isnan(value):
         return "-"
     return "0" if abs(value) < _TINY else f"{value:.6g}"
@@ -258,13 +258,13 @@ def _shown(value: float | None) -> str:
 def _record(row: Row, ratio: float | None) -> dict[str, Any]:
     """A method's line of the CSV file; ratio: the user's own dt/T, or None."""
     slow = f"at_{spectral.SLOW_W / _TURN:g}"
-    at, least = row.found.least
+    at, least = row.analysis.least
     line: dict[str, Any] = {"scheme": row.name}
     line |= {name: getattr(row.method, name, "") for name in (*_PARAMETERS, "theta")}
-    line |= {"physical_damping": row.xi, "stable_to": row.limit, "order": row.found.order}
+    line |= {"physical_damping": row.xi, "stable_to": row.limit, "order": row.analysis.order}
     line |= {f"rho_at_{r:g}": row.rho(r) for r in RATIOS}
     line |= {"rho_infinity": row.method.rho_infinity, "least_rho": least, "least_at": at / _TURN}
-    line |= {f"damping_{slow}": row.found.damping, f"elongation_{slow}": row.found.elongation}
+    line |= {f"damping_{slow}": row.analysis.damping, f"elongation_{slow}": row.analysis.elongation}
     line |= {"rebound": row.rebound, "remarks": "; ".join(remarks(row))}
     if ratio is not None:
         case = (row.method, _TURN * ratio, row.xi)
@@ -309,8 +309,8 @@ def present(
     console = Console(highlight=False, markup=False)
     console.print(*tables(rows), f"With a physical damping ratio of {damping:g}:", sep="\n")
     for row in rows:
-        if found := remarks(row):
-            console.print(f"{row.name}: {'; '.join(found)}.", soft_wrap=True)
+        if result := remarks(row):
+            console.print(f"{row.name}: {'; '.join(result)}.", soft_wrap=True)
     if ratio is not None and frequency is not None and step is not None:
         head = f"An oscillation of {frequency:g} Hz with steps of {step:g} s: dt/T = {ratio:.4g}"
         console.print(f"\n{head}, {1 / ratio:.3g} steps a period.", soft_wrap=True)
@@ -327,7 +327,7 @@ def present(
     return {"rows": [_record(row, ratio) for row in rows], "out": str(out)}
 
 
-@tells
+@with_output_options
 def schemes(
     scheme: Annotated[
         list[str] | None,

@@ -36,7 +36,7 @@ class Row(NamedTuple):
         """Error of the orbit in tolerances, over 1 + condition."""
         return self.orbit / self.tolerance / (1 + self.condition)
 
-    def told(self) -> tuple[str, ...]:
+    def cells(self) -> tuple[str, ...]:
         """As text, with three digits."""
         return tuple(value if isinstance(value, str) else f"{value:.3g}" for value in self)
 
@@ -50,9 +50,9 @@ def rows() -> list[Row]:
         ]
 
 
-def of(found: Sequence[Row], group: str, tolerance: float) -> list[Row]:
+def of(result: Sequence[Row], group: str, tolerance: float) -> list[Row]:
     """The runs of a group at a tolerance that ended without a doubt."""
-    return [r for r in found if (r.group, r.tolerance, r.status) == (group, tolerance, "ok")]
+    return [r for r in result if (r.group, r.tolerance, r.status) == (group, tolerance, "ok")]
 
 
 def head() -> list[str]:
@@ -68,13 +68,13 @@ def head() -> list[str]:
     ]
 
 
-def table(found: Sequence[Row]) -> list[list[str]]:
+def table(result: Sequence[Row]) -> list[list[str]]:
     """A row a group and tolerance: median and worst of the runs that ended well."""
     lines = []
     for group, title in GROUPS.items():
         for tolerance in TOLERANCES:
-            runs = of(found, group, tolerance)
-            count = sum(r.group == group and r.tolerance == tolerance for r in found)
+            runs = of(result, group, tolerance)
+            count = sum(r.group == group and r.tolerance == tolerance for r in result)
             lines.append(
                 [
                     title,
@@ -90,9 +90,9 @@ def table(found: Sequence[Row]) -> list[list[str]]:
     return lines
 
 
-def worst(found: Sequence[Row], count: int = 5) -> list[list[str]]:
+def worst(result: Sequence[Row], count: int = 5) -> list[list[str]]:
     """The runs that ended well whose orbits are off most, each machine once."""
-    runs = sorted((r for r in found if r.status == "ok"), key=lambda r: -r.conditioned)
+    runs = sorted((r for r in result if r.status == "ok"), key=lambda r: -r.conditioned)
     each = list({r.name: r for r in reversed(runs)}.values())[-1 : -count - 1 : -1]
     return [
         [
@@ -109,22 +109,22 @@ def worst_head() -> list[str]:
     return ["machine", "tolerance", "orbit off by [tolerances]", "condition", "over 1 + condition"]
 
 
-def in_words(found: Sequence[Row]) -> dict[str, str]:
+def in_words(result: Sequence[Row]) -> dict[str, str]:
     """What the page says of them beside the tables, by the names in its template."""
-    tame = [r for r in found if r.status == "ok" and r.condition < TAME]
+    tame = [r for r in result if r.status == "ok" and r.condition < TAME]
     peaks = [100 * max(r.peak for r in tame if r.tolerance == t) for t in TOLERANCES]
-    doubts = [
+    warned = [
         r.status.removeprefix("doubtful: ") if r.status.startswith("doubtful") else "failed"
-        for r in found
+        for r in result
         if r.status != "ok"
     ]
-    conditions = [r.condition for r in found]
+    conditions = [r.condition for r in result]
     return {
-        "machines": str(len({r.name for r in found if r.group == "drawn"})),
+        "machines": str(len({r.name for r in result if r.group == "drawn"})),
         "condition": f"{max(conditions):.2g}",
         "least_condition": f"{min(conditions):.2g}",
         "peaks": ", ".join(f"{peak:.2g} %" for peak in peaks),
-        "doubtful": " and ".join(f"{doubts.count(d)} {d}" for d in dict.fromkeys(doubts)) or "none",
+        "doubtful": " and ".join(f"{warned.count(d)} {d}" for d in dict.fromkeys(warned)) or "none",
     }
 
 

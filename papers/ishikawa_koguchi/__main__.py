@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from rotor_fmu.errors import InputError, read_text, run
-from rotor_fmu.telling import tells
+from rotor_fmu.output_options import with_output_options
 
 from .cases import IMPACTS, PAPER_BARS, PAPER_RATCHET, cases, positive
 
@@ -46,7 +46,7 @@ Cap = Annotated[int, typer.Option(help="Increments after which a run is given up
 
 
 @app.command("bars")
-@tells
+@with_output_options
 def bars(
     scheme: Schemes = None,
     dt: Steps = None,
@@ -86,7 +86,7 @@ def bars(
 
 
 @app.command("ratchet")
-@tells
+@with_output_options
 def ratchet(
     scheme: Schemes = None,
     dt: Annotated[float, typer.Option(help="Time increment in seconds.")] = 1e-5,
@@ -110,7 +110,7 @@ def ratchet(
 
 
 @app.command("bearings")
-@tells
+@with_output_options
 def bearings(
     scheme: Schemes = None,
     dt: Steps = None,

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from rotor_fmu.errors import writable_folder
-from rotor_fmu.figures import save
+from rotor_fmu.figure_style import save
 from rotor_fmu.files import write_text
 from rotor_fmu.runs.report import Column, Report
 
-from . import figures as pictures
+from . import impact_plots as pictures
 from .cases import FIGURE_8_OPENING, PAPER_BARS, ImpactCase, carried_out, console, finish
 from .impact.bars import WINDOWS, Bars, BarsRun, build, run_bars
 from .impact.stepping.state import Line
@@ -64,7 +64,7 @@ def present(
     ]
     results = carried_out("bars", jobs)
     runs = [(case, dt, run) for (case, _, dt), (run, _) in zip(plan, results, strict=True)]
-    rows = [_row(*found, wall) for found, (_, wall) in zip(runs, results, strict=True)]
+    rows = [_row(*result, wall) for result, (_, wall) in zip(runs, results, strict=True)]
     Report(COLUMNS, rows).write(out / "bars.csv", out / "bars.md")
     reports = [
         Report(
@@ -85,14 +85,14 @@ def present(
     return finish(reports, chosen, failures, out)
 
 
-def _row(case: ImpactCase, dt: float, found: BarsRun, wall: float) -> dict[str, Any]:
-    row: dict[str, Any] = {"label": case.label, "opening": found.bars.opening, "dt": dt}
-    row |= {"increments": found.run.increments, "cutbacks": found.run.cutbacks}
-    row |= {"energy_change": found.energy_change, "wall_time": wall, "status": found.run.status}
-    if found.is_complete:
-        rms = [found.rms_error(window) for window in WINDOWS]
+def _row(case: ImpactCase, dt: float, result: BarsRun, wall: float) -> dict[str, Any]:
+    row: dict[str, Any] = {"label": case.label, "opening": result.bars.opening, "dt": dt}
+    row |= {"increments": result.run.increments, "cutbacks": result.run.cutbacks}
+    row |= {"energy_change": result.energy_change, "wall_time": wall, "status": result.run.status}
+    if result.is_complete:
+        rms = [result.rms_error(window) for window in WINDOWS]
         row |= dict(zip(("rms", "rms_plateau", "rms_released"), rms, strict=True))
-        row["mean_released"] = found.mean_after_release
+        row["mean_released"] = result.mean_after_release
     return row
 
 
@@ -103,13 +103,13 @@ def _write_pictures(
     by_case: dict[str, list[tuple[ImpactCase, float, BarsRun]]] = {}
     for case, dt, run in runs:
         by_case.setdefault(case.label, []).append((case, dt, run))
-    for found in by_case.values():
-        case = found[0][0]
+    for result in by_case.values():
+        case = result[0][0]
         number = _FIGURE.get(case.name)
         is_papers = number and case.impact == ("average-time" if number == 7 else "no")
         caption = f"Paper B, Figure {number}: {case.label}" if is_papers else case.label
         name = f"figure_{number}" if is_papers else f"tip_velocity_{case.slug}"
-        figure = pictures.tip_velocity([(dt, run) for _, dt, run in found], caption)
+        figure = pictures.tip_velocity([(dt, run) for _, dt, run in result], caption)
         save(figure, out / f"{name}{suffix}.png")
     finest = min(dt for _, dt, _ in runs)
     compared = {case.label: run for case, dt, run in runs if dt == finest}
@@ -121,14 +121,14 @@ def _write_logs(
     runs: Sequence[tuple[ImpactCase, float, BarsRun]], wants_figure_8: bool, out: Path
 ) -> None:
     """The status log of each run that can cut back; Figure 8's lines of it to the screen."""
-    for case, dt, found in runs:
+    for case, dt, result in runs:
         if case.impact != "average-time":
             continue
-        name = f"status_{case.slug}_{found.bars.opening:g}_{dt:g}.txt"
-        text = "\n".join(map(str, found.run.log)) + "\n"
+        name = f"status_{case.slug}_{result.bars.opening:g}_{dt:g}.txt"
+        text = "\n".join(map(str, result.run.log)) + "\n"
         write_text(text, out / name)
-        if wants_figure_8 and found.bars.opening == FIGURE_8_OPENING:
-            excerpt = "\n".join(map(str, around_cutback(found.run.log)))
+        if wants_figure_8 and result.bars.opening == FIGURE_8_OPENING:
+            excerpt = "\n".join(map(str, around_cutback(result.run.log)))
             write_text(excerpt + "\n", out / "figure_8_status.txt")
             console.print(
                 f"Paper B, Figure 8: {case.name}, opening {FIGURE_8_OPENING:g} m\n{excerpt}"

@@ -100,16 +100,16 @@ def present(
     return finish([report], chosen, [], out)
 
 
-def _row(trial: Trial, found: JournalRun, right: JournalRun, wall: float) -> dict[str, Any]:
+def _row(trial: Trial, result: JournalRun, right: JournalRun, wall: float) -> dict[str, Any]:
     row = {"label": trial.case.label, "eta_v": trial.run_down.rotor.eta_v, "dt": trial.dt}
-    row |= {"increments": found.run.increments, "cutbacks": found.run.cutbacks}
-    row |= {"t_end": float(found.t[-1]), "impacts": found.impacts, "crossings": found.crossings}
-    if found.run.is_done:
-        row["x_peak"] = 1e6 * float(np.abs(found.disc[:, 0]).max())
-        exact = np.stack([np.interp(found.t, right.t, axis) for axis in right.disc.T], axis=1)
-        error = ((found.disc - exact) ** 2).sum(axis=1)
+    row |= {"increments": result.run.increments, "cutbacks": result.run.cutbacks}
+    row |= {"t_end": float(result.t[-1]), "impacts": result.impacts, "crossings": result.crossings}
+    if result.run.is_done:
+        row["x_peak"] = 1e6 * float(np.abs(result.disc[:, 0]).max())
+        exact = np.stack([np.interp(result.t, right.t, axis) for axis in right.disc.T], axis=1)
+        error = ((result.disc - exact) ** 2).sum(axis=1)
         row["error"] = 1e6 * float(np.sqrt(error.mean()))
-    return row | {"wall_time": wall, "status": found.run.status}
+    return row | {"wall_time": wall, "status": result.run.status}
 
 
 def _outcomes(trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, stop: float) -> str:

@@ -56,24 +56,26 @@ def cases(names: Sequence[str], impact: str | None) -> list[ImpactCase]:
     """
     if impact is not None and impact not in IMPACTS:
         raise InputError(f"--impact {impact}: must be one of {', '.join(IMPACTS)}")
-    found = {}
+    result = {}
     for text in names:
         name, method = parse_scheme(text)
         if not isinstance(method, Scheme):
             raise InputError(
                 f"--scheme {text}: is not of the generalized-alpha family, whose step this is"
             )
-        found[name] = ImpactCase(name, method, impact or _OWN_IMPACT.get(name, "no"))
-    return list(found.values())
+        result[name] = ImpactCase(name, method, impact or _OWN_IMPACT.get(name, "no"))
+    return list(result.values())
 
 
 def flags(case: ImpactCase) -> list[str]:
     """What a user should know of these parameters before believing a run."""
-    found = remarks(Row(case.name, case.scheme, 0.0, spectral.survey(case.scheme)))
+    result = remarks(Row(case.name, case.scheme, 0.0, spectral.survey(case.scheme)))
     rebound = abs(family.rebound(case.scheme))
     if case.impact == "no" and rebound > 1.001:
-        found.append(f"a contact point that touches for one step leaves {rebound:.3g} times faster")
-    return found
+        result.append(
+            f"a contact point that touches for one step leaves {rebound:.3g} times faster"
+        )
+    return result
 
 
 def positive(option: str, values: Sequence[float], unit: str = "s") -> Sequence[float]:
@@ -115,11 +117,11 @@ def finish(
     Returns the tables' rows, the remarks by case, and a status: `failed: ` and what ended early and
     was not meant to.
     """
-    remarked = {case.label: found for case in chosen if (found := flags(case))}
+    remarked = {case.label: result for case in chosen if (result := flags(case))}
     for report in reports:
         report.print(console)
-    for label, found in remarked.items():
-        console.print(f"{label}: {'; '.join(found)}.")
+    for label, result in remarked.items():
+        console.print(f"{label}: {'; '.join(result)}.")
     console.print(f"written to {out}")
     return {
         "rows": [row for report in reports for row in report.rows],

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from rotor_fmu.errors import writable_folder
-from rotor_fmu.figures import save
+from rotor_fmu.figure_style import save
 from rotor_fmu.files import write_text
 from rotor_fmu.runs.report import Column, Report
 
-from . import figures as pictures
+from . import impact_plots as pictures
 from .cases import PAPER_RATCHET, ImpactCase, carried_out, finish
 from .impact.ratchet import RatchetRun, parse_ratchet, ratchet_toml, run_ratchet
 from .ratchet_drawing import animate, drawing, frame_interval
@@ -68,7 +68,7 @@ def present(
     ]
     results = carried_out("ratchet", jobs)
     runs = {case: run for case, (run, _) in zip(chosen, results, strict=True)}
-    rows = [_row(case, dt, *found) for case, found in zip(chosen, results, strict=True)]
+    rows = [_row(case, dt, *result) for case, result in zip(chosen, results, strict=True)]
     title = (
         f"Ratchet; a rigid pawl slides with {ratchet.acceleration:.0f} rad/s2 "
         f"and locks at {1e3 * ratchet.t_locking:.2f} ms"
@@ -76,44 +76,44 @@ def present(
     report = Report(COLUMNS, rows, title)
     report.write(out / "ratchet.csv", out / "ratchet.md")
     _write_pictures(runs, out)
-    for case, found in runs.items():
+    for case, result in runs.items():
         if case.impact == "average-time":
-            text = "\n".join(map(str, found.run.log)) + "\n"
+            text = "\n".join(map(str, result.run.log)) + "\n"
             write_text(text, out / f"status_{case.slug}.txt")
     failures = [
-        f"{case.label}: {found.run.status}"
-        for case, found in runs.items()
-        if not found.run.is_done and not found.run.is_capped
+        f"{case.label}: {result.run.status}"
+        for case, result in runs.items()
+        if not result.run.is_done and not result.run.is_capped
     ]
     return finish([report], chosen, failures, out)
 
 
-def _row(case: ImpactCase, dt: float, found: RatchetRun, wall: float) -> dict[str, Any]:
-    speed = found.wheel_speed
-    row = {"label": case.label, "dt": dt, "slope": found.slope}
-    row |= {"t_reversal": 1e3 * found.t_reversal, "fast_content": found.fast_content}
-    if found.t_reversal == found.t_reversal:
-        once = found.t < 1.6 * found.t_reversal
+def _row(case: ImpactCase, dt: float, result: RatchetRun, wall: float) -> dict[str, Any]:
+    speed = result.wheel_speed
+    row = {"label": case.label, "dt": dt, "slope": result.slope}
+    row |= {"t_reversal": 1e3 * result.t_reversal, "fast_content": result.fast_content}
+    if result.t_reversal == result.t_reversal:
+        once = result.t < 1.6 * result.t_reversal
         row |= {"lowest": float(speed[once].min()), "highest": float(speed[once].max())}
-    row |= {"energy_sliding": found.energy_sliding}
-    row |= {"energy_change": found.energy_change, "increments": found.run.increments}
-    row |= {"cutbacks": found.run.cutbacks, "t_end": 1e3 * float(found.t[-1])}
-    return row | {"wall_time": wall, "status": found.run.status}
+    row |= {"energy_sliding": result.energy_sliding}
+    row |= {"energy_change": result.energy_change, "increments": result.run.increments}
+    row |= {"cutbacks": result.run.cutbacks, "t_end": 1e3 * float(result.t[-1])}
+    return row | {"wall_time": wall, "status": result.run.status}
 
 
 def _write_pictures(runs: Mapping[ImpactCase, RatchetRun], out: Path) -> None:
-    by_label = {case.label: found for case, found in runs.items()}
+    by_label = {case.label: result for case, result in runs.items()}
     is_papers = tuple(case.name for case in runs) == PAPER_RATCHET
     caption = "Paper B, Figure 10: the ratchet wheel" if is_papers else "The ratchet wheel"
     save(pictures.wheel_speeds(by_label, caption), out / "figure_10_wheel.png")
     drawn = next(iter(runs.values()))
     label = next(iter(by_label))
-    for found_label, found in by_label.items():
-        if not found.run.is_capped:
+    for found_label, result in by_label.items():
+        if not result.run.is_capped:
             continue
         others = {key: run for key, run in by_label.items() if key != found_label}
-        caption = f"Paper B, Figure 11: {found.run.cutbacks} cutbacks and no progress"
-        save(pictures.stall(found_label, found, others, caption), out / "figure_11_stall.png")
+        caption = f"Paper B, Figure 11: {result.run.cutbacks} cutbacks and no progress"
+        save(pictures.stall(found_label, result, others, caption), out / "figure_11_stall.png")
     newmark = next((key for key in by_label if key.startswith("newmark")), None)
     if newmark and newmark != label:
         pair = {newmark: by_label[newmark], label: drawn}
@@ -121,11 +121,11 @@ def _write_pictures(runs: Mapping[ImpactCase, RatchetRun], out: Path) -> None:
         save(pictures.shaking(pair, caption), out / "figure_12_shaking.png")
     save(drawing(drawn, f"The ratchet, {label}"), out / "ratchet.png")
     end = _ONE_TOOTH * drawn.ratchet.t_locking
-    kept = drawn.shape_t <= end
+    retained = drawn.shape_t <= end
     tooth = replace(
         drawn,
-        shape_t=drawn.shape_t[kept],
-        shape_angle=drawn.shape_angle[kept],
-        shapes=drawn.shapes[kept],
+        shape_t=drawn.shape_t[retained],
+        shape_angle=drawn.shape_angle[retained],
+        shapes=drawn.shapes[retained],
     )
     animate(tooth, out / "ratchet.gif", f"One tooth, {label}")

@@ -15,8 +15,8 @@ from PIL import Image
 
 from rotor_fmu.files import unfinished
 
-from .figures import panels
 from .impact.ratchet import Ratchet, RatchetRun
+from .impact_plots import panels
 
 _WHEEL, _EDGE = "#d9d4c7", "#6d675a"
 _SHOWN = 1.5e-3  # size at which the largest bending is drawn [m]
@@ -94,30 +94,30 @@ class _Scene:
         self._wheel.set_xy(1e3 * _wheel(self._ratchet, angle))
 
 
-def _frame_at(found: RatchetRun, t: float) -> int:
-    return int(np.argmin(np.abs(found.shape_t - t)))
+def _frame_at(result: RatchetRun, t: float) -> int:
+    return int(np.argmin(np.abs(result.shape_t - t)))
 
 
-def instants(found: RatchetRun) -> list[tuple[str, int]]:
+def instants(result: RatchetRun) -> list[tuple[str, int]]:
     """Frames worth showing: at rest, sliding, at the locking face, after the rebound."""
-    t_locked = found.t_reversal
+    t_locked = result.t_reversal
     if math.isnan(t_locked):
-        return [("start", 0), ("end", len(found.shape_t) - 1)]
-    near = np.flatnonzero(np.abs(found.shape_t - t_locked) < 0.02 * t_locked)
-    bent = np.sqrt((bending(found.ratchet, found.shapes[near]) ** 2).sum(axis=-1)).max(axis=1)
-    locked = int(near[np.argmax(bent)]) if len(near) else _frame_at(found, t_locked)
+        return [("start", 0), ("end", len(result.shape_t) - 1)]
+    near = np.flatnonzero(np.abs(result.shape_t - t_locked) < 0.02 * t_locked)
+    bent = np.sqrt((bending(result.ratchet, result.shapes[near]) ** 2).sum(axis=-1)).max(axis=1)
+    locked = int(near[np.argmax(bent)]) if len(near) else _frame_at(result, t_locked)
     return [
         ("at rest", 0),
-        ("sliding", _frame_at(found, 0.7 * t_locked)),
+        ("sliding", _frame_at(result, 0.7 * t_locked)),
         ("hits the locking face", locked),
-        ("rebounds", _frame_at(found, 1.35 * t_locked)),
+        ("rebounds", _frame_at(result, 1.35 * t_locked)),
     ]
 
 
-def drawing(found: RatchetRun, caption: str) -> Figure:
+def drawing(result: RatchetRun, caption: str) -> Figure:
     """The ratchet at a few instants, bending magnified."""
-    shown = instants(found)
-    bent = bending(found.ratchet, found.shapes[[k for _, k in shown]])
+    shown = instants(result)
+    bent = bending(result.ratchet, result.shapes[[k for _, k in shown]])
     largest = float(np.sqrt((bent**2).sum(axis=-1)).max())
     factor = _magnification(bent)
     rows = math.ceil(len(shown) / 2)
@@ -125,9 +125,9 @@ def drawing(found: RatchetRun, caption: str) -> Figure:
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, 2, sharex=True, sharey=True, squeeze=False)
     for one, (label, k) in zip(axes.flat, shown, strict=True):
-        scene = _Scene(one, found.ratchet, factor, largest)
-        scene.show(found.shape_angle[k], found.shapes[k])
-        one.set_title(f"{label}, t = {1e3 * found.shape_t[k]:.2f} ms", loc="left", fontsize=11)
+        scene = _Scene(one, result.ratchet, factor, largest)
+        scene.show(result.shape_angle[k], result.shapes[k])
+        one.set_title(f"{label}, t = {1e3 * result.shape_t[k]:.2f} ms", loc="left", fontsize=11)
         one.spines[["top", "right"]].set_visible(False)
         one.set_xlabel("x [mm]")
         one.label_outer()
@@ -136,10 +136,10 @@ def drawing(found: RatchetRun, caption: str) -> Figure:
     return figure
 
 
-def animate(found: RatchetRun, path: Path, caption: str) -> Path:
+def animate(result: RatchetRun, path: Path, caption: str) -> Path:
     """A GIF of the kept shapes: one tooth."""
-    ratchet = found.ratchet
-    bent = bending(ratchet, found.shapes)
+    ratchet = result.ratchet
+    bent = bending(ratchet, result.shapes)
     size = np.sqrt((bent**2).sum(axis=-1)).max(axis=1)
     largest = float(np.quantile(size, 0.98))
     figure, (axes,) = panels(1, 6.0, 3.1)
@@ -157,16 +157,16 @@ def animate(found: RatchetRun, path: Path, caption: str) -> Path:
 
     def frame(k: int) -> Image.Image:
         """The picture of the kept shape of this number."""
-        scene.show(found.shape_angle[k], found.shapes[k])
-        speed = np.interp(found.shape_t[k], found.t, found.wheel_speed)
-        clock.set_text(f"t = {1e3 * found.shape_t[k]:5.2f} ms    wheel {speed:+6.1f} rad/s")
+        scene.show(result.shape_angle[k], result.shapes[k])
+        speed = np.interp(result.shape_t[k], result.t, result.wheel_speed)
+        clock.set_text(f"t = {1e3 * result.shape_t[k]:5.2f} ms    wheel {speed:+6.1f} rad/s")
         canvas.restore_region(still)
         for artist in moving:
             axes.draw_artist(artist)
         pixels = np.asarray(canvas.buffer_rgba())[..., :3]
         return Image.fromarray(np.ascontiguousarray(pixels))
 
-    first, *others = (frame(k) for k in range(len(found.shape_t)))
+    first, *others = (frame(k) for k in range(len(result.shape_t)))
     with unfinished(path) as part:
         first.save(
             part,

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from rotor_fmu.errors import run, writable_folder
-from rotor_fmu.telling import tells
+from rotor_fmu.output_options import with_output_options
 
 from .reproduce import figures_of
 from .reproduce import reproduce as run_again
@@ -17,7 +17,7 @@ app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
 
 @app.command()
-@tells
+@with_output_options
 def reproduce(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/reproduce"),
 ) -> dict[str, Any]:

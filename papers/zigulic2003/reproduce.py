@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.figures import save
+from rotor_fmu.figure_style import save
 from rotor_fmu.files import unfinished, write_text
 from rotor_fmu.fmi.packing.python_fmu import package_name
-from rotor_fmu.runs import figures
+from rotor_fmu.runs import run_plots
 from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare, write_json
 from rotor_fmu.runs.recording import Recording, load_recording
 from rotor_fmu.runs.run_down import Run
@@ -111,7 +111,7 @@ class Result:
 
     case: PaperRun
     run: Run
-    figures: Mapping[str, Any]
+    run_plots: Mapping[str, Any]
     repeated: tuple[Mapping[str, Any], ...]
     recording: Recording | None
 
@@ -206,17 +206,17 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
     variable = "steps of 4 to 20 ms, generalized-alpha 0.1 / 0.08"
     truth = converged.run, "converged, steps of 0.1 ms"
     pictures = {
-        "run_down": figures.amplitude(
+        "run_down": run_plots.amplitude(
             default.run,
             "x",
             "The test rig runs down from 64 Hz in 40 s",
             (fixed.run, "paper A's integrator, 4 ms"),
             "this FMU's default",
         ),
-        "figure_14_error": figures.error_indicator(
+        "figure_14_error": run_plots.error_indicator(
             adaptive.steps, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
         ),
-        "figure_15_h": figures.step_length(adaptive.steps, "Paper A, Fig. 15: step length"),
+        "figure_15_h": run_plots.step_length(adaptive.steps, "Paper A, Fig. 15: step length"),
     }
     for number, axis, result, text in (
         ("03", "x", fixed, coarse),
@@ -227,7 +227,7 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
         ("12", "y", adaptive, variable),
     ):
         caption = f"Paper A, Fig. {int(number)}: {text}"
-        pictures[f"figure_{number}_{axis}"] = figures.amplitude(
+        pictures[f"figure_{number}_{axis}"] = run_plots.amplitude(
             result.run, axis, caption, truth, "the paper's run"
         )
     for key, result, caption in (
@@ -235,14 +235,14 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
         ("figure_13_psi", adaptive, f"Paper A, Fig. 13: {variable}"),
         ("converged_psi", converged, "Where the journal lies: converged, steps of 0.1 ms"),
     ):
-        pictures[key] = figures.contact_angle(result.steps, caption)
+        pictures[key] = run_plots.contact_angle(result.steps, caption)
     for key, result, text in (
         ("figure_06_orbit", fixed, "Paper A, Fig. 6"),
         ("converged_orbit", converged, "Converged, steps of 0.1 ms"),
     ):
         at_s, at_hz = result.figures["x_peak_s"], result.figures["x_peak_hz"]
         caption = f"{text}: orbit at the horizontal peak, {at_hz:.1f} Hz"
-        pictures[key] = figures.orbit(result.steps, at_s, caption)
+        pictures[key] = run_plots.orbit(result.steps, at_s, caption)
     return [save(figure, out / f"{name}.png") for name, figure in pictures.items()]
 
 
@@ -270,7 +270,9 @@ def table(results: list[Result]) -> str:
             result.case.paper,
         ]
         rows.append("| " + " | ".join(cells) + " |")
-    failures = [f"- {r.case.title}: {r.figures['status']}" for r in results if r.run.status != "ok"]
+    failures = [
+        f"- {r.case.title}: {r.run_plots['status']}" for r in results if r.run.status != "ok"
+    ]
     runs = max(result.case.repetitions for result in results)
     note = (
         f"\nMedians, and in brackets the range, of up to {runs} runs whose unbalances are turned "

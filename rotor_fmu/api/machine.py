@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import InputError
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
-from ..model.march.tape import recordable
 from ..model.quantities import QuantityError
+from ..model.time_loop.recorder import recordable
 from ..runs.job import load_rotor
 from .pictures import png, shown
 

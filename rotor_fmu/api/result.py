@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import InputError, optional
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
-from ..report.places import Recorded
+from ..report.measuring_points import Recorded
 from ..runs.recording import Recording, load_recording
 from ..runs.run_down import Run
 from ..runs.summary import PEAKS_AFTER
@@ -307,16 +307,16 @@ class Result:
             return Peaks((), "the run was read from its folder, where its amplitudes are not kept")
         t, c = self.points.t, self.points.columns
         amplitudes = [name for name in c if name.endswith((".x_amp", ".y_amp"))]
-        found = []
+        result = []
         for name in amplitudes:
             at = peak_index(t, c["w"], c[name], PEAKS_AFTER)
             if at is not None:
                 part, _, quantity = name.rpartition(".")
                 values = float(c[name][at]), float(c["w"][at]), float(t[at])
-                found.append(Peak(part, quantity[0], *values))
+                result.append(Peak(part, quantity[0], *values))
         if not amplitudes:
             return Peaks((), "the machine has no disc, body or sensor, whose motion is told")
-        return Peaks(found, "" if found else why_no_peak(t, c["w"], PEAKS_AFTER))
+        return Peaks(result, "" if result else why_no_peak(t, c["w"], PEAKS_AFTER))
 
     def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:
         """Orbit of a part over turns on end.
@@ -437,7 +437,7 @@ class Result:
         InputError
             If there is no such kind of picture.
         """
-        from ..report.figures import KINDS
+        from ..report.signal_plots import KINDS
         from ..report.view import View
 
         if kind not in KINDS:
@@ -495,7 +495,7 @@ class Result:
         return f"<table>{rows}</table>{self._picture()}"
 
     def _picture(self) -> str:
-        from ..runs.figures import motion
+        from ..runs.run_plots import motion
         from ..runs.views import place_of
 
         if len(self.t) < 3 or place_of(self.names) is None:

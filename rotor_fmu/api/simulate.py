@@ -11,9 +11,9 @@ import numpy as np
 from ..errors import InputError
 from ..fmi.interface import interface
 from ..fmi.variables import Variable
-from ..model.march.tape import Record
 from ..model.settings import PRESETS
 from ..model.simulation import warn
+from ..model.time_loop.recorder import Record
 from ..runs.job import Job, make_job, parse_settings, verified
 from ..runs.run_down import run_recorded, usual
 from ..runs.signals import Signals

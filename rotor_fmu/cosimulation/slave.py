@@ -31,7 +31,7 @@ class Refused(ValueError):
         return str(self)
 
 
-def told(call: Callable[..., Any]) -> Callable[..., Any]:
+def described(call: Callable[..., Any]) -> Callable[..., Any]:
     """A call from the host, of which a refusal leaves the slave alive: the wrapper drops its
     references to it on any exception."""
 
@@ -76,12 +76,12 @@ class TableSlave(Fmi2Slave):
 
     # --- values ---
 
-    @told
+    @described
     def get_real(self, references: Sequence[int]) -> list[float]:
         """Values of Reals."""
         return [getattr(self, self._entry("getReal", reference)[0]) for reference in references]
 
-    @told
+    @described
     def set_real(self, references: Sequence[int], values: Sequence[float]) -> None:
         """Set Reals, all or none: inputs at any time, parameters before the initialization ends."""
         entries = [self._entry("setReal", reference) for reference in references]
@@ -93,7 +93,7 @@ class TableSlave(Fmi2Slave):
         for (name, *_), value in zip(entries, values, strict=True):
             setattr(self, name, value)
 
-    @told
+    @described
     def _no_such(self, references: Sequence[int], *values: object) -> list[Any]:
         if references:
             raise Refused(f"value reference {references[0]}: all variables are Real")
@@ -111,14 +111,14 @@ class TableSlave(Fmi2Slave):
 
     # --- steps ---
 
-    @told
+    @described
     def exit_initialization_mode(self) -> None:
         """Check what was set, and begin."""
         self._check(("input", "parameter"))
         self.begun = 1.0
         self.begin()
 
-    @told
+    @described
     def do_step(self, current_time: float, step_size: float) -> bool:
         """Check the inputs and step from `current_time` over `step_size` [s]."""
         self._check(("input",))

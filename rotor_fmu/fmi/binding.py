@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..model.machine.rotor import Rotor
-from ..model.march.tape import Record
-from ..model.protocol.part import BASE
+from ..model.parts.base import BASE
 from ..model.simulation import Simulation
 from ..model.spelling import Message
+from ..model.time_loop.recorder import Record
 from .interface import ports
 from .solver_parameters import settings_of
 from .variables import Variable

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from ..about import RELEASED, __version__
 from ..model.machine.rotor import Rotor
-from ..model.protocol.part import Release
+from ..model.parts.base import Release
 from ..model.quantities import ALL, SPEED
 from ..model.settings import Settings
 from ..model.structure.assembly import assemble
@@ -129,13 +129,13 @@ def _is_free(table: Sequence[Variable]) -> bool:
 
 def _abilities(of: Described, **others: bool) -> dict[str, str]:
     """What both versions say that an FMU can do, and `others`."""
-    told = {
+    attributes = {
         "needsExecutionTool": of.needs_python,
         "canHandleVariableCommunicationStepSize": True,
         "canBeInstantiatedOnlyOncePerProcess": False,
     }
     return {"modelIdentifier": of.identifier} | {
-        name: str(can).lower() for name, can in (told | others).items()
+        name: str(can).lower() for name, can in (attributes | others).items()
     }
 
 
@@ -158,7 +158,7 @@ def _attributes(variable: Variable, reference: int) -> dict[str, str]:
     """What both versions say of a variable, in FMI 2.0's order."""
     is_parameter = variable.causality == "parameter"
     variability = "continuous" if variable.kind == "Real" else "discrete"
-    told = {
+    attributes = {
         "name": variable.name,
         "valueReference": str(reference),
         "description": variable.text,
@@ -166,8 +166,8 @@ def _attributes(variable: Variable, reference: int) -> dict[str, str]:
         "variability": "fixed" if is_parameter else variability,
     }
     if is_parameter or variable.is_observed:
-        told["initial"] = "exact" if is_parameter else "calculated"
-    return told
+        attributes["initial"] = "exact" if is_parameter else "calculated"
+    return attributes
 
 
 def _start(variable: Variable) -> dict[str, str]:
@@ -181,19 +181,19 @@ def _start(variable: Variable) -> dict[str, str]:
 
 def _limits(variable: Variable) -> dict[str, str]:
     """Units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the variable."""
-    told = {}
+    attributes = {}
     if variable.kind == "Real":
         shown = unit(variable.unit)
-        told["unit"] = shown.name
+        attributes["unit"] = shown.name
         if shown.display:
-            told["displayUnit"] = shown.display[0]
+            attributes["displayUnit"] = shown.display[0]
         if variable.nominal is not None:
-            told["nominal"] = repr(variable.nominal)
+            attributes["nominal"] = repr(variable.nominal)
     if variable.kind != "Boolean":
         for key, limit in (("min", variable.low), ("max", variable.high)):
             if limit is not None:
-                told[key] = repr(limit)
-    return told
+                attributes[key] = repr(limit)
+    return attributes
 
 
 def _fmi2(of: Described, table: Sequence[Variable]) -> Element:
@@ -225,8 +225,10 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
     for element, variable in zip(root.iterfind("ModelVariables/*"), table, strict=True):
         for key, value in _limits(variable).items():
             element[0].set(key, value)
-    kept = [child for child in root if child.tag != "ModelStructure"]
-    root[:] = sorted([*kept, _model_structure(table)], key=lambda child: _ORDER.index(child.tag))
+    retained = [child for child in root if child.tag != "ModelStructure"]
+    root[:] = sorted(
+        [*retained, _model_structure(table)], key=lambda child: _ORDER.index(child.tag)
+    )
     return root
 
 
@@ -290,8 +292,8 @@ def _fmi3(of: Described, table: Sequence[Variable]) -> Element:
     variables = SubElement(root, "ModelVariables")
     structure = Element("ModelStructure")
     for reference, variable in enumerate((*table, TIME)):
-        told = _attributes(variable, reference) | _start(variable) | _limits(variable)
-        SubElement(variables, _TYPES[variable.kind], told)
+        attributes = _attributes(variable, reference) | _start(variable) | _limits(variable)
+        SubElement(variables, _TYPES[variable.kind], attributes)
     outputs = [i for i, v in enumerate(table) if v.causality == "output"]
     for reference in outputs:
         depends = " ".join(map(str, reached_by(table, table[reference])))

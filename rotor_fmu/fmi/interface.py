@@ -4,9 +4,9 @@ documents are made."""
 from __future__ import annotations
 
 from ..model.machine.rotor import Name, Rotor
-from ..model.march.observe import observed
-from ..model.protocol.part import BASE, Port
+from ..model.parts.base import BASE, Port
 from ..model.quantities import ANY, Quantity
+from ..model.time_loop.observe import observed
 from .solver_parameters import solver_parameters
 from .variables import Variable
 
@@ -117,11 +117,13 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
     ]
 
 
-def _parameter(name: Name, told: Quantity, value: float | bool) -> Variable:
-    text = f"{_part_of(name)}{told.text}"
-    if told.is_switch:
+def _parameter(name: Name, quantity: Quantity, value: float | bool) -> Variable:
+    text = f"{_part_of(name)}{quantity.text}"
+    if quantity.is_switch:
         return Variable(str(name), "Boolean", "parameter", text, start=value)
-    return _real(str(name), told.unit, float(value), text, None if told.rule is ANY else 0.0)
+    return _real(
+        str(name), quantity.unit, float(value), text, None if quantity.rule is ANY else 0.0
+    )
 
 
 def _part_of(name: Name) -> str:

@@ -13,16 +13,16 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
-from ..model.march.block import LAYOUT, new_block
-from ..model.march.memory import RECORD
-from ..model.march.observe import observed_names
 from ..model.messages import CODES, SENTENCES, closed_at
 from ..model.quantities import ANY, LARGEST, Quantity, Rule
 from ..model.settings import messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
 from ..model.structure.assembly import interface_names
-from ..model.structure.places import places
+from ..model.structure.parameter_locations import parameter_locations
 from ..model.structure.reduction import assembled
+from ..model.time_loop.block import LAYOUT, new_block
+from ..model.time_loop.memory import RECORD
+from ..model.time_loop.observe import observed_names
 from .binding import load_names
 from .log import with_code
 from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
@@ -58,7 +58,7 @@ _ROW = struct.Struct("<3q")
 _SPAN = struct.Struct("<q2d")
 
 
-class Face(NamedTuple):
+class FmuInterface(NamedTuple):
     """What an FMU is made of: the machine, and its variables in the order of their references."""
 
     rotor: Rotor
@@ -80,27 +80,31 @@ class _Texts:
         return self._places[text]
 
 
-def table_bytes(face: Face, core: str, guid: str) -> bytes:
+def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
     """The file's content; core: of the library that reads it, 16 characters; guid: the FMU's.
 
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
-    index = {variable.name: i for i, variable in enumerate(face.table)}
-    structure, beyond = assembled(face.rotor, int(face.table[index[REDUCTION.name]].start or 0))
-    block = new_block(structure, len(observed_names(face.rotor)))
+    index = {variable.name: i for i, variable in enumerate(fmu_interface.table)}
+    structure, beyond = assembled(
+        fmu_interface.rotor, int(fmu_interface.table[index[REDUCTION.name]].start or 0)
+    )
+    block = new_block(structure, len(observed_names(fmu_interface.rotor)))
     where = {field.path: _offset(block, i) for i, field in enumerate(LAYOUT.fields)}
     record = where["memory.record"]
     texts = _Texts()
-    observed_at = next(i for i, v in enumerate(face.table) if v.is_observed)
-    variables = b"".join(_rows(face, texts, observed_at))
-    writes = b"".join(_writes(face.rotor, index, where))
+    observed_at = next(i for i, v in enumerate(fmu_interface.table) if v.is_observed)
+    variables = b"".join(_rows(fmu_interface, texts, observed_at))
+    writes = b"".join(_writes(fmu_interface.rotor, index, where))
     needs = [
         _ROW.pack(index[a], index[b], _HEAD.size + texts.place(why))
         for a, b, why in _NEEDS
         if a in index
     ]
     warnings = [text.beyond.replace("{speed:.4g}", "{.4g}") for text in beyond]
-    closed = closed_at(interface_names(face.rotor), LAYOUT.look(block).structure.interfaces)
+    closed = closed_at(
+        interface_names(fmu_interface.rotor), LAYOUT.view_in_python(block).structure.interfaces
+    )
     known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
     own = [text.replace("{where}", closed) for text in known]
     codes = (*CODES, *(each.code for each in beyond))
@@ -124,12 +128,12 @@ def table_bytes(face: Face, core: str, guid: str) -> bytes:
     begins.append(_HEAD.size + sum(map(len, parts)))
     parts.append(block.tobytes())
     body = b"".join(parts)
-    inputs = sum(v.causality == "input" for v in face.table)
-    assert all(v.causality == "input" for v in face.table[:inputs])
+    inputs = sum(v.causality == "input" for v in fmu_interface.table)
+    assert all(v.causality == "input" for v in fmu_interface.table[:inputs])
     head = _HEAD.pack(
         *(MAGIC, core.encode(), guid.encode(), LARGEST, 0),
-        *(_HEAD.size + len(body), len(face.table), observed_at, inputs),
-        *(index["tau_drive" if face.is_free else "speed"], face.is_free),
+        *(_HEAD.size + len(body), len(fmu_interface.table), observed_at, inputs),
+        *(index["tau_drive" if fmu_interface.is_free else "speed"], fmu_interface.is_free),
         *(len(GIVEN), 1 + NAMES.index("tolerance")),
         *(len(writes) // _ROW.size, len(needs), len(sentences), len(beyond)),
         *(len(block), LAYOUT.extent(block, "memory").stop),
@@ -173,11 +177,11 @@ def _offset(block: np.ndarray, i: int) -> int:
     return int(header[1 + len(LAYOUT.size_names) + i])
 
 
-def _rows(face: Face, texts: _Texts, observed_at: int) -> list[bytes]:
-    quantities = {str(name): told for name, told, _ in face.rotor.parameters()}
-    loads = [name for pair in load_names(face.rotor) for name in pair]
+def _rows(fmu_interface: FmuInterface, texts: _Texts, observed_at: int) -> list[bytes]:
+    quantities = {str(name): quantity for name, quantity, _ in fmu_interface.rotor.parameters()}
+    loads = [name for pair in load_names(fmu_interface.rotor) for name in pair]
     rows = []
-    for i, v in enumerate(face.table):
+    for i, v in enumerate(fmu_interface.table):
         role, at, unset, shift = MACHINE, 0, math.nan, 0.0
         if v.name in _ROLES:
             role = _ROLES[v.name]
@@ -196,12 +200,12 @@ def _rows(face: Face, texts: _Texts, observed_at: int) -> list[bytes]:
 def _row(
     texts: _Texts,
     v: Variable,
-    told: Quantity | None,
+    quantity: Quantity | None,
     role: tuple[int, int],
     setting: tuple[float, float],
 ) -> bytes:
-    rule = told.rule if told else _SETTING_RULES.get(v.name, ANY)
-    unit = f" {told.unit}" if told and told.unit != "1" else ""
+    rule = quantity.rule if quantity else _SETTING_RULES.get(v.name, ANY)
+    unit = f" {quantity.unit}" if quantity and quantity.unit != "1" else ""
     return _VARIABLE.pack(
         *(_HEAD.size + texts.place(t) for t in (v.name, unit, rule.words)),
         *(KINDS.index(v.kind), *role, rule.is_strict),
@@ -218,7 +222,7 @@ def _writes(rotor: Rotor, index: dict[str, int], where: dict[str, int]) -> list[
     """Each parameter of the machine with its places in the block."""
     fields = {field.path: field.dtype for field in LAYOUT.fields}
     rows = []
-    for name, of in places(rotor).items():
+    for name, of in parameter_locations(rotor).items():
         for place in of:
             path = f"structure.{place.member}"
             kind, at = _field(fields[path], place.field)

@@ -31,7 +31,7 @@ _TABLE = _FMI / "machine_table.py"
 _KEPT_VERSIONS = 8
 # What is emitted in one process: two, of about the same work.
 _EMITTED_TOGETHER = (
-    ("rotor_advance", "rotor_look", "rotor_settle", "rotor_doubt"),
+    ("rotor_advance", "rotor_refresh_outputs", "rotor_resolve_settings", "rotor_settings_warning"),
     (
         "rotor_start",
         "rotor_survey",
@@ -153,10 +153,10 @@ def library(platform: Platform) -> Path:
     It stands beside the kernels in a source tree, for all whatever their cache, and for what is
     built of the tree; else in the user's cache. Raises `CoreError`.
     """
-    found = find(platform.name, core_digest())
-    if found:
-        record(found.parent)
-        return found
+    result = find(platform.name, core_digest())
+    if result:
+        record(result.parent)
+        return result
     extra = missing_extra(platform)
     if extra:
         raise CoreError(

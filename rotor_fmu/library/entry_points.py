@@ -1,8 +1,8 @@
 """The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
-those of a run (`model.march.entries`) a status, the others the code of a sentence (`messages`).
+those of a run (`model.time_loop.entries`) a status, the others the code of a sentence (`messages`).
 
-block: of a run (`model.march.block`); given, own: the solver's settings (`settings.resolver`);
-told: the numbers of the sentence, `TOLD` at most.
+block: of a run (`model.time_loop.block`); given, own: the solver's settings (`settings.resolver`);
+arguments: the numbers of the sentence, `TOLD` at most.
 """
 
 from __future__ import annotations
@@ -13,51 +13,50 @@ from typing import Any
 
 from numba import types
 
-from ..model import messages as say
-from ..model import outcomes
-from ..model.doubts import DOUBTS
-from ..model.kernels.compiled import compiled
-from ..model.march import entries, march
-from ..model.march.block import LAYOUT
+from ..model import messages, outcomes
+from ..model.kernels.jit import jit
 from ..model.settings import resolver
+from ..model.time_loop import entries, time_loop
+from ..model.time_loop.block import LAYOUT
+from ..model.warnings import RUN_WARNINGS
 
 _BLOCK, _NUMBERS = types.CPointer(types.uint8), types.CPointer(types.float64)
 _REAL = types.float64
 _view = LAYOUT.view
 
 
-def rotor_settle(block, given, told):
+def rotor_resolve_settings(block, given, arguments):
     """Take up the solver's settings; `given` then holds what was chosen."""
     run = _view(block)
-    code = resolver.resolve(given, run.method.numbers[0], told)
-    if code == say.GOOD:
+    code = resolver.resolve(given, run.method.numbers[0], arguments)
+    if code == messages.GOOD:
         resolver.begin(given, run.memory.record[0])
     return code
 
 
-def rotor_doubt(block, given, own, told, slot):
+def rotor_settings_warning(block, given, own, arguments, slot):
     """What makes a run with one of them doubtful, or, behind the last, with all of them."""
-    return resolver.warning(given, own, _view(block).method.numbers[0], told, slot)
+    return resolver.warning(given, own, _view(block).method.numbers[0], arguments, slot)
 
 
 def rotor_survey(block, speed, is_start):
     """`entries.survey`."""
     entries.survey(block, speed, is_start)
-    return say.GOOD
+    return messages.GOOD
 
 
-def rotor_look(block):
-    """`entries.look`."""
-    entries.look(block)
-    return say.GOOD
+def rotor_refresh_outputs(block):
+    """`entries.refresh_outputs`."""
+    entries.refresh_outputs(block)
+    return messages.GOOD
 
 
-def rotor_no_rest(block, status, told):
+def rotor_no_rest(block, status, arguments):
     """Why `rotor_start` found no equilibrium."""
-    return outcomes.no_rest(_view(block), status, told)
+    return outcomes.no_rest(_view(block), status, arguments)
 
 
-assert [doubt.since for doubt in DOUBTS] == [
+assert [warning.since for warning in RUN_WARNINGS] == [
     "trapped_at",
     "overdamped_at",
     "slow_at",
@@ -66,41 +65,41 @@ assert [doubt.since for doubt in DOUBTS] == [
 ]
 
 
-@compiled
-def _last_doubt(r, told):
-    """The code of the one of `DOUBTS` that began last, 0 of none: whoever tells each once has told
-    the others when they began."""
-    code = say.GOOD
-    told[0] = -math.inf
+@jit
+def _last_run_warning(r, arguments):
+    """The code of the one of `RUN_WARNINGS` that began last, 0 of none: whoever tells each once has
+    told the others when they began."""
+    code = messages.GOOD
+    arguments[0] = -math.inf
     for i, since in enumerate((r.trapped_at, r.overdamped_at, r.slow_at, r.coarse_at, r.blind_at)):
-        if since >= told[0]:
-            told[0] = since
-            code = -(say.DOUBTFUL + i)
+        if since >= arguments[0]:
+            arguments[0] = since
+            code = -(messages.FIRST_RUN_WARNING + i)
     return code
 
 
-def rotor_growth(block, told):
+def rotor_growth(block, arguments):
     """What `rotor_survey` found to grow at rest."""
-    return outcomes.growth_at_rest(_view(block).survey.rest[0], told)
+    return outcomes.growth_at_rest(_view(block).survey.rest[0], arguments)
 
 
-def rotor_unstable(block, told):
+def rotor_unstable(block, arguments):
     """Which of the whirls that `rotor_survey` found is the machine's own."""
-    return outcomes.unstable(_view(block), told)
+    return outcomes.unstable(_view(block), arguments)
 
 
-def rotor_hidden(block, told):
+def rotor_hidden(block, arguments):
     """Which of the whirls that `rotor_survey` found the steps hide."""
-    return outcomes.hidden(_view(block), told)
+    return outcomes.hidden(_view(block), arguments)
 
 
-def rotor_outcome(block, status, told):
+def rotor_outcome(block, status, arguments):
     """What `rotor_advance` came to; a negative code is a warning about a run that goes on. Where it
     diverged, `rotor_survey` has to have been asked anew."""
     run = _view(block)
-    if status == march.DONE:
-        return _last_doubt(run.memory.record[0], told)
-    return outcomes.failure(run, status, told)
+    if status == time_loop.DONE:
+        return _last_run_warning(run.memory.record[0], arguments)
+    return outcomes.failure(run, status, arguments)
 
 
 def _source(kernel: Any) -> Callable[..., Any]:
@@ -110,12 +109,15 @@ def _source(kernel: Any) -> Callable[..., Any]:
 
 
 FUNCTIONS = {
-    "rotor_settle": (rotor_settle, (_BLOCK, _NUMBERS, _NUMBERS)),
-    "rotor_doubt": (rotor_doubt, (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64)),
+    "rotor_resolve_settings": (rotor_resolve_settings, (_BLOCK, _NUMBERS, _NUMBERS)),
+    "rotor_settings_warning": (
+        rotor_settings_warning,
+        (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
+    ),
     "rotor_start": (_source(entries.start), (_BLOCK, _REAL, _REAL, _REAL)),
     "rotor_advance": (_source(entries.advance), (_BLOCK, _REAL, _REAL, _REAL)),
     "rotor_survey": (rotor_survey, (_BLOCK, _REAL, types.int64)),
-    "rotor_look": (rotor_look, (_BLOCK,)),
+    "rotor_refresh_outputs": (rotor_refresh_outputs, (_BLOCK,)),
     "rotor_no_rest": (rotor_no_rest, (_BLOCK, types.int64, _NUMBERS)),
     "rotor_growth": (rotor_growth, (_BLOCK, _NUMBERS)),
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),

@@ -24,16 +24,16 @@ from ..fmi.packing.machine_picture import machine_figure
 from ..model import linear
 from ..model.machine.rotor import Rotor
 from ..runs.job import load_rotor
-from . import figures, tables
+from . import linear_plots, linear_tables
 
 Machine = Rotor | Path | str
 
 
-class _Shown(ABC):
+class _Displayed(ABC):
     """Something with a table and a picture."""
 
     @abstractmethod
-    def table(self) -> tables.Table:
+    def table(self) -> linear_tables.Table:
         """Its numbers in a few columns."""
 
     @abstractmethod
@@ -49,10 +49,10 @@ class _Shown(ABC):
         return buffer.getvalue()
 
 
-class Modes(linear.Modes, _Shown):
+class Modes(linear.Modes, _Displayed):
     """`model.linear.Modes`, shown."""
 
-    def table(self) -> tables.Table:
+    def table(self) -> linear_tables.Table:
         """Return the numbers in a few columns.
 
         Returns
@@ -60,7 +60,7 @@ class Modes(linear.Modes, _Shown):
         Table
             A row a mode.
         """
-        return tables.modes_table(self)
+        return linear_tables.modes_table(self)
 
     def figure(self) -> Figure:
         """Draw the result.
@@ -70,13 +70,13 @@ class Modes(linear.Modes, _Shown):
         matplotlib.figure.Figure
             The shapes.
         """
-        return figures.modes_figure(self)
+        return linear_plots.modes_figure(self)
 
 
-class Campbell(linear.Campbell, _Shown):
+class Campbell(linear.Campbell, _Displayed):
     """`model.linear.Campbell`, shown."""
 
-    def table(self) -> tables.Table:
+    def table(self) -> linear_tables.Table:
         """Return the numbers in a few columns.
 
         Returns
@@ -84,7 +84,7 @@ class Campbell(linear.Campbell, _Shown):
         Table
             A row a critical speed.
         """
-        return tables.campbell_table(self)
+        return linear_tables.campbell_table(self)
 
     def figure(self) -> Figure:
         """Draw the result.
@@ -94,10 +94,10 @@ class Campbell(linear.Campbell, _Shown):
         matplotlib.figure.Figure
             The diagram.
         """
-        return figures.campbell_figure(self)
+        return linear_plots.campbell_figure(self)
 
 
-class UnbalanceResponse(linear.UnbalanceResponse, _Shown):
+class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
@@ -111,7 +111,7 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Shown):
         largest = np.argsort(-self.major.max(axis=0, initial=0.0), kind="stable")[:3]
         return sorted((largest + 1).tolist())
 
-    def table(self, nodes: Sequence[int] | None = None) -> tables.Table:
+    def table(self, nodes: Sequence[int] | None = None) -> linear_tables.Table:
         """Return the numbers in a few columns.
 
         Parameters
@@ -124,7 +124,7 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Shown):
         Table
             Rows of speed and node.
         """
-        return tables.unbalance_table(self, nodes or self.nodes())
+        return linear_tables.unbalance_table(self, nodes or self.nodes())
 
     def figure(self, nodes: Sequence[int] | None = None) -> Figure:
         """Draw the result.
@@ -139,13 +139,13 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Shown):
         matplotlib.figure.Figure
             Amplitudes and phases.
         """
-        return figures.unbalance_figure(self, nodes or self.nodes())
+        return linear_plots.unbalance_figure(self, nodes or self.nodes())
 
 
-class Static(linear.Static, _Shown):
+class Static(linear.Static, _Displayed):
     """`model.linear.Static`, shown."""
 
-    def table(self) -> tables.Table:
+    def table(self) -> linear_tables.Table:
         """Return the numbers in a few columns.
 
         Returns
@@ -153,7 +153,7 @@ class Static(linear.Static, _Shown):
         Table
             A row a node, a row a support.
         """
-        return tables.static_table(self)
+        return linear_tables.static_table(self)
 
     def figure(self) -> Figure:
         """Draw the result.
@@ -163,30 +163,30 @@ class Static(linear.Static, _Shown):
         matplotlib.figure.Figure
             The deflection.
         """
-        return figures.static_figure(self)
+        return linear_plots.static_figure(self)
 
 
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
     """`model.linear.modes` of a machine."""
-    return _shown(Modes, linear.modes(rotor_of(machine), speed, **options))
+    return _displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
 
 
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
     """`model.linear.campbell` of a machine."""
-    return _shown(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
+    return _displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
 
 
 def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
     """`model.linear.unbalance_response` of a machine."""
-    found = linear.unbalance_response(rotor_of(machine), speeds, **options)
-    return _shown(UnbalanceResponse, found)
+    result = linear.unbalance_response(rotor_of(machine), speeds, **options)
+    return _displayed(UnbalanceResponse, result)
 
 
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
     """`model.linear.static` of a machine."""
-    return _shown(Static, linear.static(rotor_of(machine), speed, **options))
+    return _displayed(Static, linear.static(rotor_of(machine), speed, **options))
 
 
 def show(machine: Machine) -> Figure:
@@ -199,5 +199,5 @@ def rotor_of(machine: Machine) -> Rotor:
     return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
 
 
-def _shown(kind: type, found: Any) -> Any:
-    return kind(**{field.name: getattr(found, field.name) for field in fields(found)})
+def _displayed(kind: type, result: Any) -> Any:
+    return kind(**{field.name: getattr(result, field.name) for field in fields(result)})

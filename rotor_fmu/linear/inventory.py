@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ..model.machine.rotor import Rotor
 from ..model.structure.assembly import assemble
-from .tables import Table
+from .linear_tables import Table
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .tables import Key, Table, own_tables, part_tables
+from .declared_tables import Key, Table, own_tables, part_tables
 
 _HEAD = """# A machine file
 
@@ -59,21 +59,23 @@ def _section(table: Table) -> list[str]:
 
 
 def _row(key: Key) -> str:
-    told = key.told
-    unit = "" if told is None or told.unit == "1" else told.unit
-    default = "(needed)" if key.is_needed else _shown(key.default)
-    if told is not None:
-        allowed = "true or false" if told.is_switch else told.rule.words.removeprefix("must be ")
-        allowed += ", or a list of such" if told.may_be_list else ""
+    quantity = key.quantity
+    unit = "" if quantity is None or quantity.unit == "1" else quantity.unit
+    default = "(needed)" if key.is_needed else _default_text(key.default)
+    if quantity is not None:
+        allowed = (
+            "true or false" if quantity.is_switch else quantity.rule.words.removeprefix("must be ")
+        )
+        allowed += ", or a list of such" if quantity.may_be_list else ""
     else:
         allowed = ", ".join(key.choices) or {"tables": "tables", "numbers": "numbers"}.get(
             key.kind, key.kind
         )
-    mark = " *FMU*" if told is not None and told.is_parameter else ""
+    mark = " *FMU*" if quantity is not None and quantity.is_parameter else ""
     return f"| `{key.name}` | {unit} | {default} | {key.text}{mark} | {allowed} |"
 
 
-def _shown(default: object) -> str:
+def _default_text(default: object) -> str:
     if default is None or default == ():
         return ""
     if isinstance(default, bool):

@@ -34,11 +34,11 @@ def import_ross(option: str, path: Path) -> Imported:
     """A rotor from ROSS, checked to be a machine; `InputError` otherwise."""
     text = read_text(option, path)
     try:
-        found = parse_ross(text, path.stem, is_json=_is_json(path, text))
-        parse_rotor(toml_text(found.tables))
+        result = parse_ross(text, path.stem, is_json=_is_json(path, text))
+        parse_rotor(toml_text(result.tables))
     except QuantityError as error:
         raise InputError(f"{path}: {error}") from error
-    return found
+    return result
 
 
 def _is_json(path: Path, text: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..model.quantities import NOT_NEGATIVE, POSITIVE
-from .tables import Key, Table, own_tables, part_tables
+from .declared_tables import Key, Table, own_tables, part_tables
 
 _DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -39,7 +39,7 @@ def schema() -> dict[str, Any]:
 
 def _object(table: Table) -> dict[str, Any]:
     needed = [key.name for key in table.keys if key.is_needed and key.name != "node"]
-    found: dict[str, Any] = {
+    result: dict[str, Any] = {
         "type": "object",
         "description": table.text,
         "properties": _properties(table),
@@ -47,8 +47,8 @@ def _object(table: Table) -> dict[str, Any]:
         "additionalProperties": False,
     }
     if any(key.name == "node" for key in table.keys):
-        found["oneOf"] = [{"required": ["node"]}, {"required": ["z"]}]
-    return found
+        result["oneOf"] = [{"required": ["node"]}, {"required": ["z"]}]
+    return result
 
 
 def _properties(table: Table) -> dict[str, Any]:
@@ -56,21 +56,21 @@ def _properties(table: Table) -> dict[str, Any]:
 
 
 def _property(key: Key) -> dict[str, Any]:
-    told = key.told
-    if told is None:
-        found = dict(_WORDS["string" if key.choices else key.kind])
+    quantity = key.quantity
+    if quantity is None:
+        result = dict(_WORDS["string" if key.choices else key.kind])
         if key.choices:
-            found["enum"] = list(key.choices)
-        return {**found, "description": key.text}
-    if told.is_switch:
+            result["enum"] = list(key.choices)
+        return {**result, "description": key.text}
+    if quantity.is_switch:
         return {"type": "boolean", "description": key.text}
     number: dict[str, Any] = {"type": "number"}
-    if told.rule is POSITIVE:
+    if quantity.rule is POSITIVE:
         number["exclusiveMinimum"] = 0
-    elif told.rule is NOT_NEGATIVE:
+    elif quantity.rule is NOT_NEGATIVE:
         number["minimum"] = 0
-    found = {**number, "description": f"{key.text} [{told.unit}]"}
-    if told.may_be_list:
+    result = {**number, "description": f"{key.text} [{quantity.unit}]"}
+    if quantity.may_be_list:
         column = {"type": "array", "items": number}
-        found = {"description": found["description"], "oneOf": [number, column]}
-    return found
+        result = {"description": result["description"], "oneOf": [number, column]}
+    return result

@@ -16,11 +16,11 @@ from typing import Any
 from ..about import __version__
 from ..errors import InputError, optional
 from ..files import write_text
-from ..telling import plain
-from .places import Recorded, Recording
+from ..output_options import as_json_value
+from .measuring_points import Recorded, Recording
+from .report_tables import notices, tables
 from .run_data import run_data
 from .signals import ROOM, signal_data
-from .tables import notices, tables
 
 _ALWAYS = ("unpack.js", "chart.js")
 _OF_RUNS = ("signals.js", "over_speed.js", "run.js")
@@ -84,7 +84,7 @@ def template(name: str) -> Template:
 
 
 def _json(data: object) -> str:
-    text = json.dumps(plain(data), separators=(",", ":"), allow_nan=False)
+    text = json.dumps(as_json_value(data), separators=(",", ":"), allow_nan=False)
     # "</script", "<!--" and "<script" mean something within a script, whatever holds them
     return text.replace("<", "\\u003c")
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from .. import vibration
 from ..vibration import Synchronous, TooFewTurns
+from .measuring_points import MeasuringPoint, Recorded, hertz
 from .packed import COARSE, packed
-from .places import Place, Recorded, hertz
 
 _ROWS = 2000  # of curves over speed
 _STATIONS = 160  # speeds whose orbit and spectrum can be picked
@@ -38,16 +38,16 @@ def run_data(run: Recorded) -> dict[str, Any]:
 
 def _turns(run: Recorded) -> dict[str, Any]:
     shown = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
-    kept = {place.name for place in shown[:_MOST_PLACES]}
-    found: dict[str, Any] = {"places": []}
+    retained = {place.name for place in shown[:_MOST_PLACES]}
+    result: dict[str, Any] = {"places": []}
     for place in run.places:
-        if place.name not in kept:
+        if place.name not in retained:
             continue
         signal = run.resampled(place)
-        found["places"].append(_place(place, signal))
-        if "stations" not in found:
-            found |= _shared(signal)
-    found["chosen"] = run.place().name
+        result["places"].append(_place(place, signal))
+        if "stations" not in result:
+            result |= _shared(signal)
+    result["chosen"] = run.place().name
     touches = []
     for touch in run.touches:
         rub = vibration.contact(run.t, run.phi, touch.psi, touch.fn)
@@ -68,7 +68,7 @@ def _turns(run: Recorded) -> dict[str, Any]:
             for s in sinks
         ],
     }
-    return found | {"touches": touches, "power": power}
+    return result | {"touches": touches, "power": power}
 
 
 def _shared(signal: Synchronous) -> dict[str, Any]:
@@ -97,7 +97,7 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
     }
 
 
-def _place(place: Place, signal: Synchronous) -> dict[str, Any]:
+def _place(place: MeasuringPoint, signal: Synchronous) -> dict[str, Any]:
     track, cascade = _tracked(signal)
     rows = _thin(len(track.t))
     whirl = vibration.whirl_of(signal, turns=_block(signal))

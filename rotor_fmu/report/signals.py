@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from .measuring_points import Recorded, spoken
 from .packed import COARSE, packed
-from .places import Recorded, spoken
 
 ROOM = 2_400_000  # samples that a page holds in full
 _STRETCHES = 15_000
@@ -32,8 +32,8 @@ def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
             "every": 1,
         }
         if i >= in_full and len(values) > 2 * _STRETCHES:
-            kept = extremes(values, _STRETCHES)
-            entry["t"], values = packed(run.t[kept]), values[kept]
+            retained = extremes(values, _STRETCHES)
+            entry["t"], values = packed(run.t[retained]), values[retained]
             entry["every"] = len(run.t) / _STRETCHES
         signals.append({**entry, "v": packed(values, COARSE)})
     is_shared = any(entry["t"] is None for entry in signals)
@@ -47,21 +47,21 @@ def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
     width = int(np.diff(edges).max())
     at = np.minimum(edges[:-1, None] + np.arange(width), edges[1:, None] - 1)
     rows = np.arange(len(at))
-    found = [at[rows, pick(values[at], axis=1)] for pick in (np.argmin, np.argmax)]
-    return np.unique(np.concatenate([*found, [0, n - 1]]))
+    result = [at[rows, pick(values[at], axis=1)] for pick in (np.argmin, np.argmax)]
+    return np.unique(np.concatenate([*result, [0, n - 1]]))
 
 
 def _entries(run: Recorded) -> list[tuple[str, str, np.ndarray]]:
     """Names, units and values, what moves most first."""
-    found: list[tuple[str, str, np.ndarray]] = []
+    result: list[tuple[str, str, np.ndarray]] = []
     moving = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
     for place in moving:
-        found += [
+        result += [
             (f"{place.name}.x", "µm", place.z.real * 1e6),
             (f"{place.name}.y", "µm", place.z.imag * 1e6),
         ]
-    found += [(f"{touch.name}.fn", "N", touch.fn) for touch in run.touches]
+    result += [(f"{touch.name}.fn", "N", touch.fn) for touch in run.touches]
     if "tau" in run.columns:
-        found.append(("tau", "N.m", run.columns["tau"]))
-    found.append(("w", "Hz", run.w / (2 * np.pi)))
-    return found[:_MOST]
+        result.append(("tau", "N.m", run.columns["tau"]))
+    result.append(("w", "Hz", run.w / (2 * np.pi)))
+    return result[:_MOST]

@@ -11,7 +11,7 @@ import numpy as np
 
 from .packed import COARSE, packed
 from .page import page, template
-from .tables import table
+from .report_tables import table
 
 if TYPE_CHECKING:
     import pyarrow
@@ -37,13 +37,13 @@ def study_page(
     """
     shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_RUNS)).astype(int))
     axes = [axis["name"] for axis in about["design"]["axes"]]
-    kept = [column for column in about["columns"] if not column["dimension"]]
+    retained = [column for column in about["columns"] if not column["dimension"]]
     varied = [
         {"name": axis["name"], "unit": axis.get("unit", ""), "text": "varied"}
         for axis in about["design"]["axes"]
     ]
-    columns = [_head(column) for column in (*varied, *kept)]
-    scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *kept)}
+    columns = [_head(column) for column in (*varied, *retained)]
+    scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *retained)}
     values = {name: scale * _numbers(rows, name) for name, scale in scales.items()}
     status = rows["status"].to_pylist()
     data = {
@@ -90,7 +90,7 @@ def _curves(
     columns: Sequence[Mapping[str, Any]], rows: pyarrow.Table, shown: np.ndarray
 ) -> list[dict[str, Any]]:
     """Lists along a coordinate that is the same for all runs, as long as there is room."""
-    found, room = [], _MOST_OF_CURVES
+    result, room = [], _MOST_OF_CURVES
     for column in columns:
         width = len(column["coordinate"])
         if not column["dimension"] or not width or width * len(shown) > room:
@@ -106,8 +106,8 @@ def _curves(
         head |= {"dimension": column["dimension"], "coordinate_unit": unit}
         head["coordinate"] = [across * value for value in column["coordinate"]]
         scale, _ = _shown_in(column["unit"])
-        found.append(head | {"values": packed(scale * values, COARSE)})
-    return found
+        result.append(head | {"values": packed(scale * values, COARSE)})
+    return result
 
 
 def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str:

@@ -8,8 +8,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .. import vibration
-from ..figures import PlainFigure
-from .places import Recorded
+from ..figure_style import PlainFigure
+from .measuring_points import Recorded
 
 
 class View:

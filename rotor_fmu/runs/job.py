@@ -25,8 +25,8 @@ from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
+from ..output_options import json_text
 from ..status import FAILED, with_doubt
-from ..telling import json_text
 from . import PLOTS
 from .progress import shown
 from .recording import Recording

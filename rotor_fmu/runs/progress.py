@@ -12,18 +12,18 @@ from rich.progress import Progress, TimeRemainingColumn
 from ..model.settings import Settings
 
 # Of the time reached [s], and of what gives all that the model computes there, by name.
-Tell = Callable[[float, Callable[[], Mapping[str, float]]], None]
+ReportProgress = Callable[[float, Callable[[], Mapping[str, float]]], None]
 _console = Console(stderr=True)
 _LINE_EVERY, _BAR_EVERY = 10.0, 0.1  # seconds, without and with a terminal
 _NEARLY = 0.75  # of the longest step: what is left where an interval is cut to equal parts
 
 
-def silent(t: float, look: Callable[[], Mapping[str, float]]) -> None:
+def silent(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
     """Tell nothing."""
 
 
 @contextmanager
-def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[Tell]:
+def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[ReportProgress]:
     """A bar; where no terminal is, a line every now and then.
 
     stop, step: end of the run and communication step [s]; settings: of the run.
@@ -37,12 +37,12 @@ def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[
         said = time.monotonic()
         return True
 
-    def tell(t: float, look: Callable[[], Mapping[str, float]]) -> None:
+    def report(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
         if is_due(_LINE_EVERY):
-            _console.print(f"{label}: {t:.4g} of {stop:g} s, {steps(look(), step, settings)}")
+            _console.print(f"{label}: {t:.4g} of {stop:g} s, {steps(observe(), step, settings)}")
 
     if not _console.is_terminal:
-        yield tell
+        yield report
         return
     with Progress(
         *Progress.get_default_columns()[:-1],
@@ -52,9 +52,9 @@ def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[
     ) as bar:
         task = bar.add_task(label, total=stop)
 
-        def progress(t: float, look: Callable[[], Mapping[str, float]]) -> None:
+        def progress(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
             if is_due(_BAR_EVERY):
-                text = f"{label}, {steps(look(), step, settings)}"
+                text = f"{label}, {steps(observe(), step, settings)}"
                 bar.update(task, completed=t, description=text)
 
         yield progress

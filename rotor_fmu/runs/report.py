@@ -73,10 +73,10 @@ class Report:
 
     @staticmethod
     def _cells(row: Mapping[str, object], columns: Sequence[Column]) -> list[str]:
-        return [_shown(row.get(column.name), column.spec) for column in columns]
+        return [_formatted(row.get(column.name), column.spec) for column in columns]
 
 
-def _shown(value: object, spec: str) -> str:
+def _formatted(value: object, spec: str) -> str:
     if value is None or value != value:
         return "-"
     return value if isinstance(value, str) else format(value, spec)

@@ -21,15 +21,15 @@ from ..fmi.binding import build_simulation, load_names
 from ..fmi.log import read_message
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
-from ..model.march.tape import Record, recordable
 from ..model.simulation import StepFailure
 from ..model.spelling import Message
+from ..model.time_loop.recorder import Record, recordable
 from ..status import FAILED, messages_and_codes, status_of
-from .progress import Tell, silent
+from .progress import ReportProgress, silent
 from .recording import Recording
 from .signals import Driver, Signals
 
-_TAPE_ROWS = 16384  # of one communication interval, some 250 turns
+_RECORDER_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
 
@@ -67,7 +67,7 @@ class Run:
         return self.columns["w"] / (2 * math.pi)
 
 
-def run_fmu(fmu: Path, plan: Plan, progress: Tell = silent) -> Run:
+def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
     """Drive a built FMU with FMPy.
 
     A run that fails is returned up to its last good communication point, with the reason.
@@ -158,17 +158,19 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
         raise RunFailed(f"{fmu}: cannot be instantiated: {error}") from error
 
 
-def run_direct(rotor: Rotor, plan: Plan, progress: Tell = silent, is_silent: bool = False) -> Run:
+def run_direct(
+    rotor: Rotor, plan: Plan, progress: ReportProgress = silent, is_silent: bool = False
+) -> Run:
     """The run without an FMU: same steps and numbers where the inputs are linear and the loads
     constant; else exact, where an FMU holds its loads between two communication points."""
-    return _march(rotor, plan, (), progress, is_silent)[0]
+    return _time_loop(rotor, plan, (), progress, is_silent)[0]
 
 
 def run_recorded(
     rotor: Rotor,
     plan: Plan,
     record: Record | Sequence[str] | None = None,
-    progress: Tell = silent,
+    progress: ReportProgress = silent,
     about: Mapping[str, Any] | None = None,
     is_silent: bool = False,
 ) -> tuple[Run, Recording]:
@@ -180,11 +182,11 @@ def run_recorded(
     run's messages alone. Raises `ValueError` for what cannot be recorded.
     """
     given = usual(rotor) if record is None else record
-    taped = given if isinstance(given, Record) else Record(given, rows=_TAPE_ROWS)
+    taped = given if isinstance(given, Record) else Record(given, rows=_RECORDER_ROWS)
     taped = taped._replace(names=tuple(dict.fromkeys(("phi", "w", *taped.names))))
-    run, rows = _march(rotor, plan, taped, progress, is_silent)
+    run, rows = _time_loop(rotor, plan, taped, progress, is_silent)
     units = {str(entry.name): entry.output.unit for entry in recordable(rotor)}
-    told = {
+    options = {
         "machine": rotor.name,
         "parameters": dict(plan.parameters),
         "stop": plan.stop,
@@ -199,7 +201,7 @@ def run_recorded(
         t,
         dict(zip(taped.names, columns, strict=True)),
         {name: units[name] for name in taped.names},
-        told | dict(about or {}),
+        options | dict(about or {}),
     )
 
 
@@ -216,11 +218,11 @@ def usual(rotor: Rotor) -> tuple[str, ...]:
     )
 
 
-def _march(
+def _time_loop(
     rotor: Rotor,
     plan: Plan,
     record: Record | Sequence[str],
-    progress: Tell,
+    progress: ReportProgress,
     is_silent: bool = False,
 ) -> tuple[Run, np.ndarray]:
     """A run and the rows of its tape."""

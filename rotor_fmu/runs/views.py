@@ -27,8 +27,8 @@ def place_of(names: Collection[str]) -> str | None:
         for name in names
         if name.endswith(".x") and {f"{name}_amp", f"{name[:-1]}vx"} & known
     ]
-    found = (name for kind in _PLACES for name in reversed(probed) if name.startswith(kind))
-    return next(found, None)
+    result = (name for kind in _PLACES for name in reversed(probed) if name.startswith(kind))
+    return next(result, None)
 
 
 def contact_of(names: Collection[str]) -> str | None:

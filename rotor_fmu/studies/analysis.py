@@ -49,13 +49,13 @@ def analyse(folder: Path) -> dict[str, Any]:
         for name, limit in about["limits"].items()
     }
     if not is_estimate(design):
-        columns = {n: _without(found, "mean", "std", "quantiles") for n, found in columns.items()}
-        limits = {n: _without(found, "share") for n, found in limits.items()}
+        columns = {n: _without(result, "mean", "std", "quantiles") for n, result in columns.items()}
+        limits = {n: _without(result, "share") for n, result in limits.items()}
     if not is_estimate(design) or design.listed:
-        limits = {n: _without(found, "interval") for n, found in limits.items()}
-    for found in limits.values():
-        if "interval" in found:
-            found["conservative"] = design.kind in _EVEN
+        limits = {n: _without(result, "interval") for n, result in limits.items()}
+    for result in limits.values():
+        if "interval" in result:
+            result["conservative"] = design.kind in _EVEN
     report: dict[str, Any] = {
         "name": about["name"],
         "runs": about["runs"],
@@ -82,12 +82,12 @@ def drawn_rows(design: Design, runs: np.ndarray) -> np.ndarray:
     independently, equal points as often as they were."""
     row = np.full(len(design), -1)
     row[runs] = np.arange(len(runs))
-    found = row[design.runs[design.is_independent]]
-    return found[found >= 0]
+    result = row[design.runs[design.is_independent]]
+    return result[result >= 0]
 
 
-def _without(found: dict[str, Any], *keys: str) -> dict[str, Any]:
-    return {key: value for key, value in found.items() if key not in keys}
+def _without(result: dict[str, Any], *keys: str) -> dict[str, Any]:
+    return {key: value for key, value in result.items() if key not in keys}
 
 
 def _says(design: Design, failed: int, count: int) -> list[str]:
@@ -115,7 +115,7 @@ def _says(design: Design, failed: int, count: int) -> list[str]:
     return said
 
 
-def design_of(told: dict[str, Any]) -> Design:
+def design_of(design: dict[str, Any]) -> Design:
     """The design that a folder tells of."""
     axes = tuple(
         Axis(
@@ -127,9 +127,9 @@ def design_of(told: dict[str, Any]) -> Design:
             else None,
             axis.get("unit", ""),
         )
-        for axis in told["axes"]
+        for axis in design["axes"]
     )
-    return Design(axes, told["kind"], told["size"], told["seed"], levels=told["levels"])
+    return Design(axes, design["kind"], design["size"], design["seed"], levels=design["levels"])
 
 
 def statistics(values: np.ndarray) -> dict[str, Any]:
@@ -137,14 +137,14 @@ def statistics(values: np.ndarray) -> dict[str, Any]:
     finite = values[np.isfinite(values)]
     if not len(finite):
         return {"count": 0}
-    found = np.quantile(finite, QUANTILES).tolist()
+    result = np.quantile(finite, QUANTILES).tolist()
     return {
         "count": len(finite),
         "mean": float(finite.mean()),
         "std": float(finite.std(ddof=1)) if len(finite) > 1 else 0.0,
         "least": float(finite.min()),
         "largest": float(finite.max()),
-        "quantiles": dict(zip(map(str, QUANTILES), found, strict=True)),
+        "quantiles": dict(zip(map(str, QUANTILES), result, strict=True)),
     }
 
 
@@ -155,12 +155,12 @@ def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, A
 
     finite = values[np.isfinite(values)]
     above, count = int((finite > limit).sum()), len(finite) + failed
-    found: dict[str, Any] = {"limit": limit, "above": above, "failed": failed, "count": count}
+    result: dict[str, Any] = {"limit": limit, "above": above, "failed": failed, "count": count}
     if count:
         interval = binomtest(above + failed, count).proportion_ci(CONFIDENCE)
-        found["share"] = (above + failed) / count
-        found["interval"] = [float(interval.low), float(interval.high)]
-    return found
+        result["share"] = (above + failed) / count
+        result["interval"] = [float(interval.low), float(interval.high)]
+    return result
 
 
 def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, Any]:
@@ -176,29 +176,33 @@ def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, An
     whole = np.isfinite(values.reshape(-1, block)).all(axis=1)
     if whole.sum() < 2 or np.ptp(values[np.isfinite(values)]) == 0:
         return {}
-    kept = np.repeat(whole, block)
+    retained = np.repeat(whole, block)
     problem = design.problem()
     names = problem["names"]
     if design.kind == "saltelli":
         from SALib.analyze import sobol
 
-        found = sobol.analyze(
-            problem, values[kept], calc_second_order=False, conf_level=CONFIDENCE, seed=design.seed
+        result = sobol.analyze(
+            problem,
+            values[retained],
+            calc_second_order=False,
+            conf_level=CONFIDENCE,
+            seed=design.seed,
         )
         keys = ("S1", "S1_conf", "ST", "ST_conf")
     else:
         from SALib.analyze import morris
 
-        found = morris.analyze(
+        result = morris.analyze(
             problem,
-            design.sample[kept],
-            values[kept],
+            design.sample[retained],
+            values[retained],
             conf_level=CONFIDENCE,
             num_levels=design.levels,
             seed=design.seed,
         )
         keys = ("mu", "mu_star", "mu_star_conf", "sigma")
-    indices = {axis: {key: float(found[key][i]) for key in keys} for i, axis in enumerate(names)}
+    indices = {axis: {key: float(result[key][i]) for key in keys} for i, axis in enumerate(names)}
     return {"blocks": int(whole.sum()), "of": len(whole), "indices": indices}
 
 

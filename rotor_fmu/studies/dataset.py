@@ -33,17 +33,21 @@ def open_dataset(folder: Path) -> xarray.Dataset:
         "id": ("run", table["id"].to_numpy(zero_copy_only=False).astype(str)),
     }
     for axis in about["design"]["axes"]:
-        told = {"units": axis.get("unit", ""), "long_name": ", ".join(axis["targets"])}
-        coordinates[axis["name"]] = ("run", table[axis["name"]].to_numpy(), told)
+        described = {"units": axis.get("unit", ""), "long_name": ", ".join(axis["targets"])}
+        coordinates[axis["name"]] = ("run", table[axis["name"]].to_numpy(), described)
     status = table["status"].to_numpy(zero_copy_only=False).astype(str)
     variables: dict[str, Any] = {"status": ("run", status)}
     for column in about["columns"]:
-        told = {"units": column["unit"], "long_name": column["text"]}
+        described = {"units": column["unit"], "long_name": column["text"]}
         name, dimension = column["name"], column["dimension"]
         if not dimension:
-            variables[name] = ("run", table[name].to_numpy(), told)
+            variables[name] = ("run", table[name].to_numpy(), described)
             continue
-        variables[name] = (("run", dimension), _matrix(table[name], column["coordinate"]), told)
+        variables[name] = (
+            ("run", dimension),
+            _matrix(table[name], column["coordinate"]),
+            described,
+        )
         if column["coordinate"]:
             unit = {"units": column["coordinate_unit"]}
             coordinates[dimension] = (dimension, np.array(column["coordinate"]), unit)

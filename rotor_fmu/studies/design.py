@@ -238,7 +238,7 @@ class Design:
         }
 
     @property
-    def told(self) -> dict[str, Any]:
+    def description(self) -> dict[str, Any]:
         """What it is, as JSON can say it."""
         axes = [axis.decides | {"unit": axis.unit} for axis in self.axes]
         return self._decides | {"axes": axes}

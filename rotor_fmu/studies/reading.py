@@ -14,7 +14,7 @@ from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
 from .machine.reading import check_values, read_machine, with_keeps
 from .machine.runs import MachineRuns
 from .study import Column, Model, Study
-from .tables import Tables, known_name, nearest, table_of
+from .study_tables import Tables, known_name, nearest, table_of
 
 TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits", "quick", "verify")
 # Tables of a study and its folder -> the model, without columns, and the unit of all that can be
@@ -79,16 +79,16 @@ def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
             raise InputError(f"vary {name} = {given!r}: must be a table with values, grid or ...")
         targets = given.get("names", [name])
         patterns = targets if isinstance(targets, list) else [targets]
-        found = [target for pattern in patterns for target in _matching(name, pattern, units)]
-        for target in found:
+        result = [target for pattern in patterns for target in _matching(name, pattern, units)]
+        for target in result:
             if target in taken:
                 raise InputError(f"vary {name}: {target} is varied by {taken[target]} too")
             taken[target] = name
-        of = {units[target]: target for target in found}
+        of = {units[target]: target for target in result}
         if len(of) > 1:
             (unit, one), (another, other) = list(of.items())[:2]
             raise InputError(f"vary {name}: {one} is in {unit}, {other} in {another}")
-        yield axis_of(name, found, given, next(iter(of), ""))
+        yield axis_of(name, result, given, next(iter(of), ""))
 
 
 def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
@@ -98,11 +98,11 @@ def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
     if "[*]" not in pattern:
         return [known_name("vary", pattern, names)]
     expression = re.escape(pattern).replace(r"\[\*\]", r"\[\d+\]")
-    found = [name for name in names if re.fullmatch(expression, name)]
-    if not found:
+    result = [name for name in names if re.fullmatch(expression, name)]
+    if not result:
         one = nearest(pattern.replace("[*]", "[1]"), names)
         raise InputError(f"vary {where}: {pattern}: no name is so; {one}")
-    return found
+    return result
 
 
 def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
@@ -121,8 +121,8 @@ def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
 
 def _check_columns(columns: tuple[Column, ...], axes: tuple[Axis, ...]) -> None:
     taken = {"run", "id", "status", *(axis.name for axis in axes)}
-    for kept in columns:
-        if kept.name in taken:
+    for retained in columns:
+        if retained.name in taken:
             raise InputError(
-                f"keep {kept.name}: is the name of something varied, or of the study's"
+                f"keep {retained.name}: is the name of something varied, or of the study's"
             )

@@ -178,9 +178,9 @@ def read_rows(folder: Path, columns: list[str] | None = None) -> pyarrow.Table:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    found = parts(folder)
-    if not found:
+    result = parts(folder)
+    if not result:
         raise InputError(f"{folder}: holds no rows of a study")
-    table = pa.concat_tables([pq.read_table(path, columns=columns) for path in found])
+    table = pa.concat_tables([pq.read_table(path, columns=columns) for path in result])
     _, first = np.unique(table["run"].to_numpy(), return_index=True)
     return table.take(pa.array(first))

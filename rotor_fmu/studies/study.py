@@ -77,13 +77,13 @@ class Study:
     @property
     def identity(self) -> str:
         """Hash of all that decides the rows: model, design with its seed, version."""
-        told = json.dumps([__version__, self.model.identity, self.design.identity])
-        return sha256(told.encode()).hexdigest()[:32]
+        identity = json.dumps([__version__, self.model.identity, self.design.identity])
+        return sha256(identity.encode()).hexdigest()[:32]
 
     def row_id(self, values: Mapping[str, float]) -> str:
         """Hash of one run: of model, seed and version, and of the values."""
-        told = [__version__, self.model.identity, self.design.seed, sorted(values.items())]
-        return sha256(json.dumps(told).encode()).hexdigest()[:16]
+        identity = [__version__, self.model.identity, self.design.seed, sorted(values.items())]
+        return sha256(json.dumps(identity).encode()).hexdigest()[:16]
 
     @property
     def about(self) -> dict[str, object]:
@@ -93,7 +93,7 @@ class Study:
             "identity": self.identity,
             "version": __version__,
             "runs": len(self.design),
-            "design": self.design.told,
+            "design": self.design.description,
             "columns": [vars(column) for column in self.model.columns],
             "limits": dict(self.limits),
             "text": self.text,

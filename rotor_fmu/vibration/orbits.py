@@ -196,15 +196,15 @@ def _slope(signal: Synchronous, values: np.ndarray) -> np.ndarray:
     """Derivatives by the angle turned [m/rad], of their shape, by central differences of fourth
     order; each passage for itself."""
     step = TURN / signal.per_turn
-    found = np.empty_like(values)
+    result = np.empty_like(values)
     for number in np.unique(signal.passage):
         within = signal.passage == number
         path = values[within].ravel()
         slope = np.gradient(path, step, edge_order=2)
         near, far = path[3:-1] - path[1:-3], path[4:] - path[:-4]
         slope[2:-2] = (8 * near - far) / (12 * step)
-        found[within] = slope.reshape(-1, signal.per_turn)
-    return found
+        result[within] = slope.reshape(-1, signal.per_turn)
+    return result
 
 
 def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:

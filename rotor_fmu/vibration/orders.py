@@ -245,8 +245,8 @@ def resonances(
     floor = least * a.max(initial=0.0)
     tops = 1 + np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:]))
     at = [i for i in tops.tolist() if a[i] >= floor and _prominence(a, i) >= floor]
-    found = [_resonance(n, a, time, i) for i in at]
-    return sorted(found, key=lambda peak: -peak.amplitude)
+    result = [_resonance(n, a, time, i) for i in at]
+    return sorted(result, key=lambda peak: -peak.amplitude)
 
 
 def _prominence(a: np.ndarray, peak: int) -> float:

@@ -135,14 +135,14 @@ def _spectra(
     per_turn = signal.per_turn
     window = hann(turns, per_turn)
     order = np.fft.fftshift(np.fft.fftfreq(turns * per_turn, 1 / per_turn))
-    kept = np.abs(order) <= most_order
-    amplitude = np.empty((len(first), np.count_nonzero(kept)))
+    retained = np.abs(order) <= most_order
+    amplitude = np.empty((len(first), np.count_nonzero(retained)))
     for row, begin in enumerate(first):
         block = signal.values[begin : begin + turns]
         if signal.sense[begin] < 0:  # seen from behind, forward stays forward
             block = block.conj()
         around = window * (block - (window * block).sum())
-        amplitude[row] = np.abs(np.fft.fftshift(np.fft.fft(around.ravel())))[kept]
+        amplitude[row] = np.abs(np.fft.fftshift(np.fft.fft(around.ravel())))[retained]
     # what the rows that were recorded cannot show is not known
     known = signal.rows_of(first, turns)[:, None] / 2
-    return order[kept], np.where(np.abs(order[kept]) < known, amplitude, np.nan)
+    return order[retained], np.where(np.abs(order[retained]) < known, amplitude, np.nan)

@@ -167,8 +167,8 @@ def synchronous(
     passages = list(_passages(t, phi))
     from scipy.interpolate import CubicSpline
 
-    found = _joined([passage.turns for passage in passages])
-    found.needs(turns)
+    result = _joined([passage.turns for passage in passages])
+    result.needs(turns)
     if per_turn is None:
         per_turn = _fine(np.concatenate([np.diff(passage.reached) for passage in passages]))
     instants, resampled = [], []
@@ -179,9 +179,9 @@ def synchronous(
         angle = np.clip(angle, passage.reached[0], passage.reached[-1])
         instants.append(passage.time(angle))
         resampled.append(CubicSpline(passage.reached, values[passage.rows])(angle))
-    shape = len(found.mark), per_turn
+    shape = len(result.mark), per_turn
     return Synchronous(
-        **vars(found),
+        **vars(result),
         t=np.concatenate(instants).reshape(shape),
         values=np.concatenate(resampled).reshape(shape),
     )

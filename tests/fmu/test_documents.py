@@ -80,13 +80,13 @@ def test_the_terminals_members_are_the_motion_and_the_torque_of_the_shaft_and_of
     for xml, shaft in zip(
         (contents["terminalsAndIcons/terminalsAndIcons.xml"], free), shafts, strict=True
     ):
-        found = {
+        result = {
             terminal.get("name"): {m.get("memberName"): m.get("variableName") for m in terminal}
             for terminal in fromstring(xml).iter("Terminal")
         }
-        assert found.pop("shaft") == shaft
-        assert found.pop("coupling") == {name: f"coupling.{name}" for name in ("fx", "fy")}
-        assert found == {
+        assert result.pop("shaft") == shaft
+        assert result.pop("coupling") == {name: f"coupling.{name}" for name in ("fx", "fy")}
+        assert result == {
             f"disc[{i}]": {name: f"disc[{i}].{name}" for name in ("fx", "fy", "x", "y")}
             for i in (1, 2, 3)
         }

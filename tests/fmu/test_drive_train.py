@@ -19,7 +19,7 @@ from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.cosimulation.partner import example_folder, lay_out
 from rotor_fmu.errors import RunFailed
 
-from ..test_command_line import refusal_by
+from ..test_command_line import input_error_by
 from .coupled import last_row, through_libcosim
 
 FOLDER = example_folder("drive_train")
@@ -157,8 +157,8 @@ def test_libcosim_gives_the_same_from_the_system_files(system, through_fmpy, fil
     assert row["time"] == 1.0
     for name in shown:
         side, _, variable = name.partition(".")
-        told = getattr(through_fmpy, side.replace("drive", "partner"))[variable][-1]
-        assert row[name] == pytest.approx(told, rel=1e-9), name
+        output = getattr(through_fmpy, side.replace("drive", "partner"))[variable][-1]
+        assert row[name] == pytest.approx(output, rel=1e-9), name
 
 
 def test_cofmpy_gives_the_same_from_its_system_file(system, through_fmpy):
@@ -241,7 +241,7 @@ def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch, capsys)
 def test_what_the_script_cannot_do_it_says_in_one_line(
     tmp_path, monkeypatch, capsys, arguments, message
 ):
-    refuse = refusal_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
+    refuse = input_error_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
     assert refuse(*arguments).startswith(f"rotor-fmu: {message}")
 
 

@@ -274,7 +274,7 @@ SAME_NAMES = """
 int rotor_start(void) { return 77; }
 int rotor_advance(void) { return 77; }
 int rotor_survey(void) { return 77; }
-int rotor_look(void) { return 77; }
+int rotor_refresh_outputs(void) { return 77; }
 int fmi2Reset(void) { return 4; }
 """
 

@@ -21,19 +21,19 @@ def radii(tmp_path_factory):
     """Radius in clearances after each of a list of speeds [rad/s] has been held."""
     fmu = build(tmp_path_factory.mktemp("fold"), MACHINE.read_text(encoding="utf-8"))
 
-    def found(speeds):
+    def result(speeds):
         seen = []
         held = {"speed": speeds[0], "speed_continuation": 1}
         with Member(fmu, held, []) as rotor:
-            told, where = rotor.references("speed"), rotor.references("disc.x", "disc.y")
+            output, where = rotor.references("speed"), rotor.references("disc.x", "disc.y")
             rotor.begin()
             for n, speed in enumerate(speeds):
-                rotor.set(told, [speed])
+                rotor.set(output, [speed])
                 rotor.step(n * HELD, HELD)
                 seen.append(math.hypot(*rotor.get(where)) / 1e-3)
         return np.array(seen)
 
-    return found
+    return result
 
 
 def jump(speeds, seen):

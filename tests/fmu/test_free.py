@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.model.march.observe import observed_names
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
+from rotor_fmu.model.time_loop.observe import observed_names
 
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.fmi.interface import interface

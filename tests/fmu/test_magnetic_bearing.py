@@ -18,7 +18,7 @@ from rotor_fmu.cosimulation.partner import example_folder, lay_out
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.python_fmu import build
 
-from ..test_command_line import refusal_by
+from ..test_command_line import input_error_by
 from .coupled import through_libcosim
 
 FOLDER = example_folder("magnetic_bearing")
@@ -170,9 +170,9 @@ def loop(rotor, sensors, step, speed=0.0):
     return np.log(np.linalg.eigvals(Z).astype(complex)) / step
 
 
-def whirling_up(found):
+def whirling_up(result):
     """The least damped oscillation among eigenvalues."""
-    return max(found[found.imag > 100.0], key=lambda s: s.real)
+    return max(result[result.imag > 100.0], key=lambda s: s.real)
 
 
 def seen(control, folder, toml, step, stop):
@@ -205,11 +205,11 @@ def test_the_bending_mode_is_damped_or_driven_as_the_sampled_loop_says(
             f'name = "{name}_sensor"\nz = {before}',
             f'name = "{name}_sensor"\nz = {rotor.nodes[node - 1]:.6g}',
         )
-    told = whirling_up(loop(rotor, sensors, STEP))
-    assert (told.real > 0) == grows
+    output = whirling_up(loop(rotor, sensors, STEP))
+    assert (output.real > 0) == grows
     rate, omega = seen(control, tmp_path, moved, STEP, 0.1 if grows else 0.3)
-    assert omega == pytest.approx(told.imag, rel=1e-3)
-    assert rate == pytest.approx(told.real, rel=5e-3)
+    assert omega == pytest.approx(output.imag, rel=1e-3)
+    assert rate == pytest.approx(output.real, rel=5e-3)
 
 
 def test_a_controller_too_slow_drives_the_third_bending_mode():
@@ -241,8 +241,8 @@ def test_libcosim_gives_the_same_from_the_system_files(
     assert row["rotor.w"] > 30.0
     for name in shown:
         side, _, variable = name.partition(".")
-        told = getattr(through_fmpy, side.replace("control", "partner"))[variable][-1]
-        assert row[name] == pytest.approx(told, rel=1e-7, abs=1e-12), name
+        output = getattr(through_fmpy, side.replace("control", "partner"))[variable][-1]
+        assert row[name] == pytest.approx(output, rel=1e-7, abs=1e-12), name
 
 
 @pytest.mark.slow
@@ -276,5 +276,5 @@ def test_the_script_leaves_pictures_and_a_summary(tmp_path, monkeypatch):
 def test_what_the_script_cannot_do_it_says_in_one_line(
     tmp_path, monkeypatch, capsys, arguments, message
 ):
-    refuse = refusal_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
+    refuse = input_error_by(_EXAMPLE["main"], tmp_path, monkeypatch, capsys)
     assert refuse(*arguments).startswith(f"rotor-fmu: {message}")

@@ -107,10 +107,10 @@ def test_what_it_cannot_take_it_refuses_and_goes_on(partner, built):
         member.begin()
         for _ in range(20):  # a reference too few and the host would be gone
             assert "value reference 999: must be from 0" in refused(messages, fmu.getReal, [999])
-            told = refused(messages, fmu.setReal, [gain], [1.0])
-            assert f"{partner.parameter}: is fixed once" in told
-            told = refused(messages, fmu.setReal, [output], [1.0])
-            assert f"{partner.output}: is computed" in told
+            message = refused(messages, fmu.setReal, [gain], [1.0])
+            assert f"{partner.parameter}: is fixed once" in message
+            message = refused(messages, fmu.setReal, [output], [1.0])
+            assert f"{partner.output}: is computed" in message
             for call in (fmu.getInteger, fmu.getBoolean, fmu.getString):
                 assert "all variables are Real" in refused(messages, call, [gain])
             assert "all variables are Real" in refused(messages, fmu.setInteger, [gain], [1])

@@ -52,15 +52,15 @@ def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
         fmu = build(tmp_path, toml, is_free)
     else:
         fmu = build_native(tmp_path, toml, is_free, kind, ["linux64"])
-    found = xml_of(fmu)
+    result = xml_of(fmu)
     check(
-        found.pop("modelDescription.xml"),
+        result.pop("modelDescription.xml"),
         FMI3 / "fmi3ModelDescription.xsd" if kind == 3 else FMI2,
     )
-    check(found.pop(TERMINALS), FMI3 / "fmi3TerminalsAndIcons.xsd")
-    for path in [path for path in found if path.endswith("fmi-ls-manifest.xml")]:
-        check(found.pop(path), MANIFEST)
-    assert not found
+    check(result.pop(TERMINALS), FMI3 / "fmi3TerminalsAndIcons.xsd")
+    for path in [path for path in result if path.endswith("fmi-ls-manifest.xml")]:
+        check(result.pop(path), MANIFEST)
+    assert not result
 
 
 def test_partners_are_described_as_their_schema_wants(tmp_path):

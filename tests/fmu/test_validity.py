@@ -83,8 +83,8 @@ def test_it_holds_its_skin_its_libraries_its_machine_and_nothing_else(fmu):
     skin = {f"{package}/{name}.py" for name in ("__init__", "slave", "wrapper")}
     machine = {f"resources/{name}" for name in ("machine.table", "rotor.toml", "slavemodule.txt")}
     beside = ("binaries/", "resources/pythonfmu/", "documentation/", "extra/", "terminalsAndIcons/")
-    found = {name for name in names if not name.startswith(beside)}
-    assert found == {script, "modelDescription.xml", "model.png"} | skin | libraries | machine
+    result = {name for name in names if not name.startswith(beside)}
+    assert result == {script, "modelDescription.xml", "model.png"} | skin | libraries | machine
     assert all(library.startswith(f"{package}/") for library in libraries)
 
 
@@ -125,14 +125,14 @@ def test_another_rotor_gives_another_guid(fmu, tmp_path):
 def test_every_variable_of_the_table_is_described(fmu):
     described = {v.name: v for v in fmpy.read_model_description(str(fmu)).modelVariables}
     for variable in interface(rig()):
-        found = described[variable.name]
-        assert found.causality == variable.causality
-        assert found.description == variable.text
-        assert found.type == variable.kind
+        result = described[variable.name]
+        assert result.causality == variable.causality
+        assert result.description == variable.text
+        assert result.type == variable.kind
         if variable.kind == "Real":
-            assert found.unit == variable.unit
+            assert result.unit == variable.unit
         if not variable.is_observed and variable.kind == "Real":
-            assert float(found.start) == variable.start
+            assert float(result.start) == variable.start
 
 
 def test_limits_nominal_values_and_unknowns_are_those_of_the_table(fmu):
@@ -140,8 +140,8 @@ def test_limits_nominal_values_and_unknowns_are_those_of_the_table(fmu):
         root = fromstring(archive.read("modelDescription.xml"))
     table = interface(rig())
     variables = root.findall("ModelVariables/ScalarVariable")
-    for variable, told in zip(table, variables, strict=True):
-        said = {key: told[0].get(key) for key in ("min", "max", "nominal")}
+    for variable, output in zip(table, variables, strict=True):
+        said = {key: output[0].get(key) for key in ("min", "max", "nominal")}
         limits = (variable.low, variable.high) if variable.kind != "Boolean" else (None, None)
         nominal = variable.nominal if variable.kind == "Real" else None
         for key, value in zip(said, (*limits, nominal), strict=True):
@@ -248,8 +248,8 @@ def test_a_reduction_is_built_in_and_named(tmp_path, is_free):
     assert is_current(reduced, is_free=is_free, reduction=4)
     assert not is_current(reduced, is_free=is_free)
     description = fmpy.read_model_description(str(reduced))
-    told = {v.name: v for v in description.modelVariables}
-    assert told["solver.reduction"].start == "4"
+    output = {v.name: v for v in description.modelVariables}
+    assert output["solver.reduction"].start == "4"
     sizes = [
         len(zipfile.ZipFile(f).read("resources/machine.table"))
         for f in (reduced, build(tmp_path / "whole", is_free=is_free))

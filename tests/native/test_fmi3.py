@@ -47,14 +47,14 @@ class Library:
     def instantiate(
         self, is_logging=True, token=None, resources=None, has_events=False, may_return=False
     ):
-        found = self.c.fmi3InstantiateCoSimulation(
+        result = self.c.fmi3InstantiateCoSimulation(
             b"rotor",
             token or self.token,
             resources or self.resources,
             *(False, is_logging, has_events, may_return),
             *(None, ctypes.c_size_t(0), None, self._log, None),
         )
-        return found and ctypes.c_void_p(found)
+        return result and ctypes.c_void_p(result)
 
     def enter(self, m):
         return self.c.fmi3EnterInitializationMode(m, False, ZERO, ZERO, False, ZERO)

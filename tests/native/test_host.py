@@ -182,10 +182,10 @@ def test_with_its_derivative_a_ramp_of_the_speed_is_exact_at_any_step(fmu):
 
 
 def test_messages_come_by_category_and_only_where_logging_is_on(fmu):
-    heard = []
+    received = []
 
     def listen(environment, name, status, category, message):
-        heard.append((status, category.decode(), message.decode()))
+        received.append((status, category.decode(), message.decode()))
 
     folder = fmpy.extract(str(fmu))
     description = fmpy.read_model_description(folder)
@@ -195,7 +195,7 @@ def test_messages_come_by_category_and_only_where_logging_is_on(fmu):
         (True, [b"logStatusWarning"], []),
         (True, [b"logStatusError"], [ERROR]),
     ):
-        heard.clear()
+        received.clear()
         machine = fmpy.instantiate_fmu(
             folder, description, "CoSimulation", logger=listen, debug_logging=is_on
         )
@@ -205,7 +205,7 @@ def test_messages_come_by_category_and_only_where_logging_is_on(fmu):
             machine.fmi2SetDebugLogging(machine.component, 1, len(categories), names)
         with pytest.raises(fmpy.fmi1.FMICallException):
             machine.doStep(0.0, H)
-        assert [status for status, _, _ in heard] == expected
+        assert [status for status, _, _ in received] == expected
         machine.freeInstance()
 
 

@@ -41,9 +41,9 @@ EXPORTS = (
 
 
 def emitted():
-    found = list(kernels().glob("*.ll"))
-    assert found
-    return found
+    result = list(kernels().glob("*.ll"))
+    assert result
+    return result
 
 
 def test_the_kernels_ask_a_system_for_nothing_that_it_may_round_in_its_own_way(fmu):

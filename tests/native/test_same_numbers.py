@@ -167,9 +167,9 @@ def test_a_run_that_cannot_be_ends_with_the_same_sentence(fmu, capfd, choices, v
     warnings = []
     with pytest.raises((EquilibriumError, StepFailure)) as failure:
         Simulation(rotor, settings, speed=400.0, warn=warnings.append).advance(2.0, 400.0)
-    told = [f"warning: {with_code(text, text.code)}" for text in warnings]
+    output = [f"warning: {with_code(text, text.code)}" for text in warnings]
     printed = capfd.readouterr().err.splitlines()
-    assert [line.partition(": ")[2] for line in printed] == [*told, f"error: {failure.value}"]
+    assert [line.partition(": ")[2] for line in printed] == [*output, f"error: {failure.value}"]
 
 
 @pytest.mark.slow

@@ -50,7 +50,7 @@ def overhung(make):
     return make(rotor_toml=OVERHUNG.read_text(encoding="utf-8"))
 
 
-def told(capfd):
+def output(capfd):
     """What stands on standard error, without the instance's name."""
     return [line.partition(": ")[2] for line in capfd.readouterr().err.splitlines()]
 
@@ -69,7 +69,7 @@ def test_it_warns_of_hidden_whirls_and_steps_as_the_simulation_does(
         simulation.advance(machine.t, 400.0)
         assert (machine.read() == observed(simulation, machine.computed)).all()
     machine.close()
-    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
+    assert output(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     is_hidden = bool(said) and "hide an instability" in said[0]
     assert is_hidden == (preset != "controlled" and not values)
 
@@ -81,7 +81,7 @@ def test_it_names_the_whirl_that_took_the_machine_apart(overhung, capfd):
     rotor = parse_rotor(OVERHUNG.read_text(encoding="utf-8"))
     with pytest.raises(StepFailure, match="whirled itself apart") as failure:
         Simulation(rotor, choose("robust", h=1.2e-5), speed=400.0).advance(5.0, 400.0)
-    assert told(capfd) == [f"error: {failure.value}"]
+    assert output(capfd) == [f"error: {failure.value}"]
     machine.close()
 
 
@@ -91,7 +91,7 @@ def test_it_warns_of_a_machine_that_is_unstable_at_rest(make, capfd):
     said = []
     Simulation(parse_rotor(toml), speed=300.0, warn=said.append)
     assert any("unstable at rest" in text for text in said)
-    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
+    assert output(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
 
@@ -110,7 +110,7 @@ def test_a_speed_that_passes_the_surveyed_ones_is_looked_at_anew(make, capfd):
         machine.step(1e-4)
         simulation.advance(machine.t, speed)
     assert "with all contacts open a forward whirl" in said[0]
-    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
+    assert output(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
 
@@ -150,7 +150,7 @@ def test_component_modes_too_few_for_the_speed_are_said_as_the_simulation_says_t
         machine.step(1e-4)
         simulation.advance(machine.t, speed)
     assert "solver.reduction = 1 is too coarse: mode 3 of the shaft" in said[0]
-    assert told(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
+    assert output(capfd) == [f"warning: {with_code(text, text.code)}" for text in said]
     machine.close()
 
 
@@ -158,7 +158,7 @@ def test_another_number_of_modes_is_refused_in_one_sentence(fmu, capfd):
     machine = Machine(fmu)
     with pytest.raises(fmpy.fmi1.FMICallException):
         machine.start({"solver.reduction": 4})
-    assert told(capfd) == [
+    assert output(capfd) == [
         "error: solver.reduction = 4: this FMU has 0; build one with --reduction 4"
     ]
     machine.close()
@@ -187,7 +187,7 @@ def finer(toml, times):
     toml = re.sub(r"nodes = .*", f"nodes = {nodes}", toml)
     toml = re.sub(r"diameters = .*", f"diameters = {diameters}", toml)
     return re.sub(
-        r"(?m)^node = (\d+)", lambda found: f"node = {(int(found[1]) - 1) * times + 1}", toml
+        r"(?m)^node = (\d+)", lambda result: f"node = {(int(result[1]) - 1) * times + 1}", toml
     )
 
 

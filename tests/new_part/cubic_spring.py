@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..kernels.compiled import compiled
-from ..protocol.law import Law
-from ..protocol.part import Element, Interface, Part
+from ..kernels.jit import jit
 from ..quantities import NOT_NEGATIVE, Output, places, quantity
+from .base import Element, Interface, Part
+from .law import Law
 
 
 @dataclass(frozen=True)
@@ -25,34 +25,34 @@ LOSSES = (Output("cubic", "J", "dissipated by the cubic springs' dampers", nomin
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 
-@compiled
-def _force(part, tables, kinematics, own):
+@jit
+def _force(part, tables, kinematics, internal_state):
     d = kinematics.displacement
     return -part.cubic * abs(d) ** 2 * d - part.drag * kinematics.velocity
 
 
-@compiled
-def _tangent(part, tables, kinematics, weights, free, own):
+@jit
+def _tangent(part, tables, kinematics, weights, free, internal_state):
     d = kinematics.displacement
     p = -2.0 * part.cubic * abs(d) ** 2 * weights.displacement - part.drag * weights.velocity
     q = -part.cubic * d * d * weights.displacement
-    return _force(part, tables, kinematics, own), complex(p, 0.0), q
+    return _force(part, tables, kinematics, internal_state), complex(p, 0.0), q
 
 
-@compiled
-def _energy(part, tables, displacement, own):
+@jit
+def _energy(part, tables, displacement, internal_state):
     return (0.25 * part.cubic * abs(displacement) ** 4,)
 
 
-@compiled
-def _dissipate(part, tables, kinematics, own, out):
+@jit
+def _dissipate(part, tables, kinematics, internal_state, out):
     out[_LOSS.cubic] = part.drag * abs(kinematics.velocity) ** 2
     return 0.0
 
 
-@compiled
-def _observe(part, tables, kinematics, own, out):
-    out[_OUT.pull] = abs(_force(part, tables, kinematics, own))
+@jit
+def _observe(part, tables, kinematics, internal_state, out):
+    out[_OUT.pull] = abs(_force(part, tables, kinematics, internal_state))
 
 
 CUBIC = Law(

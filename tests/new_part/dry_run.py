@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.cubic_spring import CUBIC
-from rotor_fmu.model.protocol.law import Kinematics, Weights
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -20,7 +20,7 @@ TOML = Path(sys.argv[1]).read_text()
 SPEED, DURATION = 180.0, 0.02
 
 
-def refusal(text):
+def input_error(text):
     try:
         parse_rotor(text)
     except QuantityError as error:
@@ -62,8 +62,8 @@ seen = {
     "loss": runs[-1][2],
     "stored": runs[-1][3],
     "table": {v.name: [v.causality, v.unit, v.text] for v in variables},
-    "misspelt": refusal(TOML.replace("cubic = ", "cubik = ")),
-    "impossible": refusal(TOML.replace("4e12", "-4e12")),
+    "misspelt": input_error(TOML.replace("cubic = ", "cubik = ")),
+    "impossible": input_error(TOML.replace("4e12", "-4e12")),
     "page": files["documentation/index.html"].decode(),
 }
 print(json.dumps(seen))

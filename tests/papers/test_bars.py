@@ -26,15 +26,15 @@ def run(scheme, dt, impact="no", **bars):
 
 
 def test_the_average_acceleration_method_doubles_the_energy_at_short_steps():
-    found = run(NEWMARK, 5e-5)
-    assert found.rms_error() > 1
-    assert found.energy_change > 1
+    result = run(NEWMARK, 5e-5)
+    assert result.rms_error() > 1
+    assert result.energy_change > 1
 
 
 def test_newmark_with_beta_one_half_keeps_the_energy_and_rings():
-    found = run(CONTACT_NEWMARK, 5e-5)
-    assert found.rms_error() > 0.4
-    assert abs(found.energy_change) < 0.1
+    result = run(CONTACT_NEWMARK, 5e-5)
+    assert result.rms_error() > 0.4
+    assert abs(result.energy_change) < 0.1
     assert run(CONTACT_NEWMARK, 8e-4).rms_error("plateau") > 0.3
 
 
@@ -67,17 +67,17 @@ def test_errors_are_those_of_an_independent_program(
     scheme, impact, dt, rms, plateau, released, change
 ):
     """Run once by a prototype that shares no code with this one."""
-    found = run(scheme, dt, impact)
-    assert found.rms_error() == pytest.approx(rms, abs=1.5e-3)
-    assert found.rms_error("plateau") == pytest.approx(plateau, abs=1e-3)
-    assert found.rms_error("released") == pytest.approx(released, abs=1e-3)
-    assert found.energy_change == pytest.approx(change, abs=6e-4)
+    result = run(scheme, dt, impact)
+    assert result.rms_error() == pytest.approx(rms, abs=1.5e-3)
+    assert result.rms_error("plateau") == pytest.approx(plateau, abs=1e-3)
+    assert result.rms_error("released") == pytest.approx(released, abs=1e-3)
+    assert result.energy_change == pytest.approx(change, abs=6e-4)
 
 
 @pytest.mark.parametrize(("is_lumped", "lost"), [(True, 0.0125), (False, 0.0125 / np.sqrt(3))])
 def test_an_impulse_costs_the_energy_of_half_an_element(is_lumped, lost):
-    found = run(NEWMARK, 5e-5, "average-time", is_lumped=is_lumped)
-    assert found.energy_change == pytest.approx(-lost, abs=1e-6)
+    result = run(NEWMARK, 5e-5, "average-time", is_lumped=is_lumped)
+    assert result.energy_change == pytest.approx(-lost, abs=1e-6)
 
 
 @pytest.mark.parametrize("opening", [0.01, 0.02, 0.0200008])
@@ -112,31 +112,31 @@ def test_the_status_log_is_paper_bs_figure_8():
     ("scheme", "impact"), [(NEWMARK, "no"), *DAMPED, (NEWMARK, "current-time")]
 )
 def test_the_momentum_of_both_bars_stays_zero(scheme, impact):
-    found = run(scheme, 5e-5, impact)
-    left, both = found.run.seen[:, 1], found.run.seen[:, 2]
+    result = run(scheme, 5e-5, impact)
+    left, both = result.run.seen[:, 1], result.run.seen[:, 2]
     assert left[0] == pytest.approx(0.01)
     assert np.abs(both).max() < 1e-12 * left[0]
 
 
 @pytest.mark.parametrize("scheme", [NEWMARK, CONTACT_NEWMARK])
 def test_the_contact_force_changes_the_momentum_by_its_impulse(scheme):
-    found = run(scheme, 8e-4)
-    impulse = np.trapezoid(found.contact_force, found.t)
-    left = found.run.seen[:, 1]
+    result = run(scheme, 8e-4)
+    impulse = np.trapezoid(result.contact_force, result.t)
+    left = result.run.seen[:, 1]
     assert left[-1] - left[0] == pytest.approx(-impulse, rel=1e-10)
 
 
 def test_the_contact_force_is_the_waves():
     bars = Bars()
-    found = run(MODERATE_DISSIPATION, 5e-5)
-    inside = (found.t > bars.t_impact + 0.004) & (found.t < bars.t_impact + 0.018)
-    assert found.contact_force[inside].mean() == pytest.approx(bars.contact_force, rel=0.01)
+    result = run(MODERATE_DISSIPATION, 5e-5)
+    inside = (result.t > bars.t_impact + 0.004) & (result.t < bars.t_impact + 0.018)
+    assert result.contact_force[inside].mean() == pytest.approx(bars.contact_force, rel=0.01)
 
 
 def test_no_force_ever_pulls_and_no_opening_is_negative():
-    found = run(CONTACT_NEWMARK, 8e-4)
-    assert found.run.force.min() >= 0
-    assert found.run.seen[:, 3].min() > -1e-12 * Bars().opening
+    result = run(CONTACT_NEWMARK, 8e-4)
+    assert result.run.force.min() >= 0
+    assert result.run.seen[:, 3].min() > -1e-12 * Bars().opening
 
 
 def test_a_stiff_penalty_blurs_towards_the_hard_contact():
@@ -150,15 +150,15 @@ def test_a_stiff_penalty_blurs_towards_the_hard_contact():
 
 
 def test_an_unstable_scheme_runs_until_it_is_caught():
-    found = run_bars(Bars(), Scheme(0.3, 0.0, 0.1, 0.4), 8e-4)
-    number = found.run.increments
+    result = run_bars(Bars(), Scheme(0.3, 0.0, 0.1, 0.4), 8e-4)
+    number = result.run.increments
     assert 1 < number < 50
     assert re.fullmatch(
         rf"diverged at t = {8e-4 * number:.6g} s, increment {number}, energy \S+ J \(.*\)",
-        found.run.status,
+        result.run.status,
     )
-    assert found.run.energy[-1] > 1e6 * found.run.energy[0]
-    assert found.run.energy[-2] < 1e6 * found.run.energy[0]
+    assert result.run.energy[-1] > 1e6 * result.run.energy[0]
+    assert result.run.energy[-2] < 1e6 * result.run.energy[0]
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ def test_journals_land_on_the_nearest_points_of_their_circles(seed):
     assert s.min() > -1e-12
     assert np.abs(s * force).max() < 1e-12 * (1 + force.max())
     metric = np.linalg.inv(W)
-    found = minimize(
+    result = minimize(
         lambda x: (x - p) @ metric @ (x - p),
         reached + rng.normal(scale=0.1, size=4),
         constraints=[
@@ -77,7 +77,7 @@ def test_journals_land_on_the_nearest_points_of_their_circles(seed):
         method="SLSQP",
         options={"ftol": 1e-14, "maxiter": 500},
     )
-    np.testing.assert_allclose(found.x, reached, atol=1e-5)
+    np.testing.assert_allclose(result.x, reached, atol=1e-5)
 
 
 def test_a_held_journal_may_be_pulled_back_to_its_circle():
@@ -93,7 +93,7 @@ def test_the_bend_of_a_round_stop_is_the_centripetal_acceleration():
     turn = 7.0
     p = 0.1 * np.array([np.cos(0.4), np.sin(0.4)])
     p_dot = turn * np.array([-p[1], p[0]])
-    # uniform motion on the wall keeps the opening: N^T p'' + bend = 0
+    # uniform motion on the wall keeps the gap: N^T p'' + bend = 0
     p_ddot = -(turn**2) * p
     assert contacts.gradient(p).T @ p_ddot + contacts.bend(p, p_dot) == pytest.approx(0)
     assert contacts.bend(p, p_dot)[0] == pytest.approx(-0.1 * turn**2)
@@ -126,29 +126,29 @@ def fly(scheme, impact="no", dt=0.01, **kinds):
 )
 def test_a_ball_leaves_the_floor_as_the_energy_momentum_criterion_says(scheme):
     """Paper B, eq. (12), where the touch falls on the end of a step: d_{n+1} = d_n."""
-    found = fly(scheme, opening=0.05)
-    (touch,) = np.flatnonzero(found.force[:, 0] > 0)
-    assert found.seen[touch + 1, 1] == pytest.approx(rebound(scheme), rel=1e-9)
+    result = fly(scheme, opening=0.05)
+    (touch,) = np.flatnonzero(result.force[:, 0] > 0)
+    assert result.seen[touch + 1, 1] == pytest.approx(rebound(scheme), rel=1e-9)
 
 
 @pytest.mark.parametrize("impact", ["average-time", "current-time"])
 def test_an_impulse_stops_a_ball(impact):
-    found = fly(TRANSIENT_FIDELITY, impact, opening=0.0537)
-    assert found.seen[-1] == pytest.approx([-0.0537, 0.0], abs=1e-12)
-    assert found.energy[-1] == pytest.approx(0, abs=1e-20)
+    result = fly(TRANSIENT_FIDELITY, impact, opening=0.0537)
+    assert result.seen[-1] == pytest.approx([-0.0537, 0.0], abs=1e-12)
+    assert result.energy[-1] == pytest.approx(0, abs=1e-20)
 
 
 def test_average_time_touches_when_the_ball_does():
-    found = fly(TRANSIENT_FIDELITY, "average-time", opening=0.0537)
-    assert found.cutbacks == 1
-    assert np.abs(found.t - 0.0537).min() < 1e-12
+    result = fly(TRANSIENT_FIDELITY, "average-time", opening=0.0537)
+    assert result.cutbacks == 1
+    assert np.abs(result.t - 0.0537).min() < 1e-12
 
 
 def test_a_penalty_floor_gives_the_ball_its_speed_back():
-    found = fly(newmark(), dt=1e-4, compliance=1e-4)
-    assert found.seen[-1, 1] == pytest.approx(1, rel=1e-3)
+    result = fly(newmark(), dt=1e-4, compliance=1e-4)
+    assert result.seen[-1, 1] == pytest.approx(1, rel=1e-3)
     # half a period of mass and spring
-    touching = (found.force > 0).sum() * 1e-4
+    touching = (result.force > 0).sum() * 1e-4
     assert touching == pytest.approx(math.pi * math.sqrt(2.0 * 1e-4), rel=0.02)
 
 

@@ -66,9 +66,9 @@ def displacements(simulation, h, count):
 def test_a_predicted_cycle_is_a_motion_of_the_integrator(name, direction):
     scheme, rotor = SCHEMES[name], smooth()
     axis = one_axis.axis_of(rotor, 0, direction)
-    found = [c for c in false_state.cycles(axis, scheme, H) if c.is_stable]
-    assert found
-    for cycle in found:
+    result = [c for c in false_state.cycles(axis, scheme, H) if c.is_stable]
+    assert result
+    for cycle in result:
         simulation = simulation_of(scheme, rotor, H)
         plant(simulation, 0, direction, cycle)
         seen = displacements(simulation, H, 60)
@@ -113,9 +113,9 @@ def test_a_cycle_lasts_in_the_rig_with_its_friction_spin_and_weight():
 
 @pytest.mark.parametrize("p", [2, 3, 4, 5, 6])
 def test_the_words_are_all_there_and_none_twice(p):
-    found = false_state.words(p)
-    every = {word[i:] + word[:i] for word in found for i in range(p)}
-    assert len(every) == p * len(found)
+    result = false_state.words(p)
+    every = {word[i:] + word[:i] for word in result for i in range(p)}
+    assert len(every) == p * len(result)
 
     def primitive(letters):
         """Aperiodic words of length p, by Moebius inversion."""

@@ -87,11 +87,11 @@ def test_a_users_own_bars(tmp_path):
 def test_json_has_the_tables_rows_and_what_is_to_be_said_of_the_schemes(tmp_path):
     arguments = ["--scheme", "newmark", "--dt", 8e-4, "--opening", 0.01, "--out", tmp_path]
     status, text = call("bars", *arguments, "--json", "--quiet")
-    told = json.loads(text)
+    output = json.loads(text)
     (row,) = rows_of(tmp_path / "bars.csv")
-    assert (status, told["status"], told["out"]) == (0, "ok", str(tmp_path))
-    assert {name: str(value) for name, value in told["rows"][0].items()} == row
-    assert "does not damp the fastest oscillations" in told["remarks"]["newmark"]
+    assert (status, output["status"], output["out"]) == (0, "ok", str(tmp_path))
+    assert {name: str(value) for name, value in output["rows"][0].items()} == row
+    assert "does not damp the fastest oscillations" in output["remarks"]["newmark"]
 
 
 @pytest.mark.usefixtures("undrawn")

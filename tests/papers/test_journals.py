@@ -41,9 +41,9 @@ def test_the_structure_is_the_dense_oracles():
 
 def test_it_starts_at_rest_on_the_bottom_of_its_stops():
     still = balanced(RIG)
-    found = run_journals(RunDown(still, 0.0, 0.0), MODERATE_DISSIPATION, 1e-3, "no", 0.05)
-    assert np.abs(found.disc - found.disc[0]).max() < 4e-8 * np.abs(found.disc).max()
-    weight = sum(found.run.force[-1])
+    result = run_journals(RunDown(still, 0.0, 0.0), MODERATE_DISSIPATION, 1e-3, "no", 0.05)
+    assert np.abs(result.disc - result.disc[0]).max() < 4e-8 * np.abs(result.disc).max()
+    weight = sum(result.run.force[-1])
     housings = sum(bearing.mass for bearing in RIG.bearings)
     structure = JournalStructure(RunDown(still, 0.0, 0.0))
     ups = np.r_[np.zeros(structure.size), np.ones(structure.size)]
@@ -63,42 +63,42 @@ def test_hard_stops_are_stiff_penalty_bearings_without_friction():
     for t in times:
         simulation.advance(t, 200.0 - 10.0 * simulation.time)
         x.append([simulation.read("disc[3].x"), simulation.read("disc[3].y")])
-    found = run(RIG, MODERATE_DISSIPATION, "no", 2.5e-5)
-    hard = np.stack([np.interp(times, found.t, axis) for axis in found.disc.T], axis=1)
+    result = run(RIG, MODERATE_DISSIPATION, "no", 2.5e-5)
+    hard = np.stack([np.interp(times, result.t, axis) for axis in result.disc.T], axis=1)
     size = np.abs(np.array(x) - x[0]).max()
     assert size > 1e-4
     assert np.abs(hard - x).max() < 0.01 * size
 
 
 def test_no_journal_leaves_its_stop():
-    found = run(RIG, MODERATE_DISSIPATION, "no")
-    assert found.impacts > 0
+    result = run(RIG, MODERATE_DISSIPATION, "no")
+    assert result.impacts > 0
     for j, bearing in enumerate(RIG.bearings):
-        r = np.hypot(*found.run.seen[:, 2 + 2 * j : 4 + 2 * j].T)
+        r = np.hypot(*result.run.seen[:, 2 + 2 * j : 4 + 2 * j].T)
         assert r.max() < bearing.clearance * (1 + 1e-7)
 
 
 def test_average_time_arrives_on_an_undamped_shaft_with_a_damped_scheme():
-    found = run(UNDAMPED, MODERATE_DISSIPATION, "average-time")
-    assert found.run.is_done
-    assert found.run.cutbacks > 0
+    result = run(UNDAMPED, MODERATE_DISSIPATION, "average-time")
+    assert result.run.is_done
+    assert result.run.cutbacks > 0
     plain = run(UNDAMPED, MODERATE_DISSIPATION, "no")
-    assert np.abs(found.disc[-1] - plain.disc[-1]).max() < 0.1 * RIG.bearings[0].clearance
+    assert np.abs(result.disc[-1] - plain.disc[-1]).max() < 0.1 * RIG.bearings[0].clearance
 
 
 def test_average_time_stalls_with_an_undamped_scheme():
-    found = run_journals(
+    result = run_journals(
         RunDown(UNDAMPED, 200.0, -10.0), newmark(), 1e-3, "average-time", 0.1, 1000
     )
-    assert found.run.is_capped
-    assert found.run.cutbacks > 400
+    assert result.run.is_capped
+    assert result.run.cutbacks > 400
 
 
 @pytest.mark.parametrize("scheme", [MODERATE_DISSIPATION, TRANSIENT_FIDELITY])
 def test_impulses_ruin_a_rotor_whose_shaft_is_viscous(scheme):
     for impact in ("average-time", "current-time"):
-        found = run_journals(RunDown(RIG, 200.0, -10.0), scheme, 1e-3, impact, 0.06, 1000)
-        assert not found.run.is_done
+        result = run_journals(RunDown(RIG, 200.0, -10.0), scheme, 1e-3, impact, 0.06, 1000)
+        assert not result.run.is_done
     assert run(RIG, scheme, "no", 1e-3).run.is_done
 
 

@@ -33,23 +33,23 @@ def test_a_rigid_pawl_gives_the_wheels_acceleration():
 
 
 def test_moderate_dissipation_slides_locks_and_rebounds():
-    found = run(MODERATE_DISSIPATION)
-    assert found.run.is_done
-    assert found.run.increments == 3000
-    assert found.slope == pytest.approx(RATCHET.acceleration, rel=2e-4)
-    assert found.slope == pytest.approx(-2867, rel=0.01)
-    assert found.t_reversal == pytest.approx(0.0118, rel=0.02)
-    assert found.wheel_speed.min() == pytest.approx(-33.5, abs=0.5)
-    rebound = found.wheel_speed[found.t < 0.02].max()
+    result = run(MODERATE_DISSIPATION)
+    assert result.run.is_done
+    assert result.run.increments == 3000
+    assert result.slope == pytest.approx(RATCHET.acceleration, rel=2e-4)
+    assert result.slope == pytest.approx(-2867, rel=0.01)
+    assert result.t_reversal == pytest.approx(0.0118, rel=0.02)
+    assert result.wheel_speed.min() == pytest.approx(-33.5, abs=0.5)
+    rebound = result.wheel_speed[result.t < 0.02].max()
     # converged: 21.7 rad/s (increments of 2e-6 s, four schemes)
     assert rebound == pytest.approx(21.7, rel=0.02)
-    assert found.run.energy[-1] < 0
+    assert result.run.energy[-1] < 0
 
 
 def test_no_nose_passes_through_a_tooth():
-    found = run(MODERATE_DISSIPATION)
-    assert (found.run.force >= 0).all()
-    assert found.run.seen[:, 0].min() * 0.05 > -0.0103
+    result = run(MODERATE_DISSIPATION)
+    assert (result.run.force >= 0).all()
+    assert result.run.seen[:, 0].min() * 0.05 > -0.0103
 
 
 def test_average_acceleration_shakes_the_pawl_and_makes_energy():
@@ -60,20 +60,20 @@ def test_average_acceleration_shakes_the_pawl_and_makes_energy():
 
 
 def test_average_time_stalls_in_cutbacks():
-    found = run(TRANSIENT_FIDELITY, "average-time")
-    assert "10000 increments" in found.run.status
-    assert found.run.increments == 10_000
-    assert found.run.cutbacks > 1000
-    assert found.t[-1] < 0.03
-    assert math.isnan(found.t_reversal)
+    result = run(TRANSIENT_FIDELITY, "average-time")
+    assert "10000 increments" in result.run.status
+    assert result.run.increments == 10_000
+    assert result.run.cutbacks > 1000
+    assert result.t[-1] < 0.03
+    assert math.isnan(result.t_reversal)
 
 
 def test_the_same_scheme_without_cutbacks_or_with_impulses_arrives():
     for impact in ("no", "current-time"):
-        found = run(TRANSIENT_FIDELITY, impact)
-        assert found.run.is_done
-        assert found.run.cutbacks == 0
-        assert found.slope == pytest.approx(RATCHET.acceleration, rel=0.01)
+        result = run(TRANSIENT_FIDELITY, impact)
+        assert result.run.is_done
+        assert result.run.cutbacks == 0
+        assert result.slope == pytest.approx(RATCHET.acceleration, rel=0.01)
 
 
 def test_the_pinned_pawl_turns_freely_and_bends_as_a_beam():
@@ -105,11 +105,11 @@ def test_the_pinned_pawl_turns_freely_and_bends_as_a_beam():
 
 
 def test_a_frame_is_kept_at_each_interval():
-    found = run_ratchet(RATCHET, MODERATE_DISSIPATION, t_end=0.001, frame_time=2e-4)
-    assert found.shape_t == pytest.approx([0, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3])
-    assert found.shapes.shape == (6, 21 * 5, 2)
-    assert np.abs(found.shapes[0]).max() == 0
-    assert found.shapes[-1].min() < -1e-5
+    result = run_ratchet(RATCHET, MODERATE_DISSIPATION, t_end=0.001, frame_time=2e-4)
+    assert result.shape_t == pytest.approx([0, 2e-4, 4e-4, 6e-4, 8e-4, 1e-3])
+    assert result.shapes.shape == (6, 21 * 5, 2)
+    assert np.abs(result.shapes[0]).max() == 0
+    assert result.shapes[-1].min() < -1e-5
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, chung_hulbert, hht, newmark, wbz
 
 from papers.integrators.__main__ import app
-from papers.integrators.survey import command, planted, rotor
+from papers.integrators.survey import planted, rotor, survey_command
 from papers.integrators.survey.findings import Findings
 from papers.integrators.survey.grid import (
     TABLE,
@@ -27,7 +27,7 @@ from papers.integrators.survey.page import safe_schemes
 from papers.integrators.survey.sources import closure
 from rotor_fmu.errors import run
 
-from ..test_command_line import refusal_by
+from ..test_command_line import input_error_by
 
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "docs" / "data" / "integrators.csv.gz"
@@ -35,9 +35,9 @@ SCHEMES = {"newmark": newmark(), "chung-hulbert=0.2": chung_hulbert(0.2)}
 
 
 @pytest.fixture
-def refusal(tmp_path, monkeypatch, capsys):
+def input_error(tmp_path, monkeypatch, capsys):
     """The one line that a refused command prints."""
-    return refusal_by(lambda: run(app), tmp_path, monkeypatch, capsys)
+    return input_error_by(lambda: run(app), tmp_path, monkeypatch, capsys)
 
 
 def counted(scheme, h, case, folder):
@@ -104,17 +104,17 @@ def test_a_survey_that_was_stopped_goes_on_where_it_was(tmp_path):
 
 def read_in_order(rows, out):
     """The rows as they come back from the table."""
-    kept = {(row["key"], row["scheme"]): row for row in read_table(out / TABLE)}
-    return [kept[row["key"], row["scheme"]] for row in rows]
+    stored = {(row["key"], row["scheme"]): row for row in read_table(out / TABLE)}
+    return [stored[row["key"], row["scheme"]] for row in rows]
 
 
 def test_rows_of_other_code_leave_the_table_and_are_not_lost(tmp_path):
     run_grid([counting()], SCHEMES, tmp_path, 1)
     run_grid([counting("2", cases=("a",))], SCHEMES, tmp_path, 1)
-    kept, stale = (read_table(tmp_path / name) for name in (TABLE, "stale.csv"))
+    stored, stale = (read_table(tmp_path / name) for name in (TABLE, "stale.csv"))
     assert len(stale) == 4
     assert {row["case"] for row in stale} == {"a"}
-    assert len(kept) == 8  # those of case b have no successor yet
+    assert len(stored) == 8  # those of case b have no successor yet
 
 
 def test_two_names_of_one_scheme_are_run_once(tmp_path):
@@ -148,9 +148,9 @@ def test_a_line_left_unfinished_is_passed_over(tmp_path):
 
 
 def test_the_version_of_a_run_follows_all_that_it_imports():
-    found = set(closure(("rotor_fmu.model.simulation",)))
-    assert {f"rotor_fmu.model.{name}" for name in ("step.step", "schemes.family")} <= found
-    assert not {name for name in found if "impact" in name or "false_state" in name}
+    result = set(closure(("rotor_fmu.model.simulation",)))
+    assert {f"rotor_fmu.model.{name}" for name in ("step.step", "schemes.family")} <= result
+    assert not {name for name in result if "impact" in name or "false_state" in name}
 
 
 @pytest.mark.parametrize(
@@ -166,21 +166,21 @@ def test_the_version_of_a_run_follows_all_that_it_imports():
         (["--out", "/proc/nothing"], "--out /proc/nothing: cannot be written to"),
     ],
 )
-def test_bad_options_are_refused_in_one_line(refusal, arguments, expected):
-    assert expected in refusal("survey", *arguments)
+def test_bad_options_are_refused_in_one_line(input_error, arguments, expected):
+    assert expected in input_error("survey", *arguments)
 
 
-def test_a_partial_table_makes_no_page_and_says_why(refusal, tmp_path_factory):
+def test_a_partial_table_makes_no_page_and_says_why(input_error, tmp_path_factory):
     folder = tmp_path_factory.mktemp("table")
     run_grid([counting()], SCHEMES, folder, 1)
-    assert "has no rows of rotor" in refusal("survey", "--table", str(folder / TABLE))
+    assert "has no rows of rotor" in input_error("survey", "--table", str(folder / TABLE))
 
 
 def test_quick_picks_a_few_runs_of_every_kind():
-    found = command.chosen_experiments((), (), True)
-    assert [experiment.name for experiment in found] == list(command.EXPERIMENTS)
-    schemes = command.chosen_schemes(command.QUICK_SCHEMES)
-    assert len(jobs_of(found, schemes)) < 40
+    result = survey_command.chosen_experiments((), (), True)
+    assert [experiment.name for experiment in result] == list(survey_command.EXPERIMENTS)
+    schemes = survey_command.chosen_schemes(survey_command.QUICK_SCHEMES)
+    assert len(jobs_of(result, schemes)) < 40
 
 
 def test_ctrl_c_ends_a_survey_in_one_line_and_keeps_what_was_finished(tmp_path):
@@ -233,34 +233,35 @@ def test_where_no_cycle_is_predicted_none_is_planted(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def kept():
+def stored():
     """The rows that `docs/explanation/integrators.md` was made of."""
     return Findings(read_table(KEPT))
 
 
-def test_the_table_holds_the_whole_grid(kept):
+def test_the_table_holds_the_whole_grid(stored):
     whole = jobs_of(
-        command.chosen_experiments((), (), False), command.chosen_schemes(command.SCHEMES)
+        survey_command.chosen_experiments((), (), False),
+        survey_command.chosen_schemes(survey_command.SCHEMES),
     )
     places = {(job.experiment, job.label, job.h, job.case_name) for job in whole}
-    assert places == {(r["experiment"], r["scheme"], r["h"], r["case"]) for r in kept.rows}
+    assert places == {(r["experiment"], r["scheme"], r["h"], r["case"]) for r in stored.rows}
 
 
-def test_no_run_down_is_trapped_where_no_impact_is_predicted_to_end_in_the_false_state(kept):
-    for scheme in kept.schemes("rotor"):
-        for h in kept.steps("rotor"):
-            impacts = kept.of("bounce", scheme=scheme, h=h)
+def test_no_run_down_is_trapped_where_no_impact_is_predicted_to_end_in_the_false_state(stored):
+    for scheme in stored.schemes("rotor"):
+        for h in stored.steps("rotor"):
+            impacts = stored.of("bounce", scheme=scheme, h=h)
             if not any(row["trapped"] for row in impacts):
-                assert not kept.trapped_share(scheme, h)
+                assert not stored.trapped_share(scheme, h)
 
 
-def test_what_is_predicted_of_the_false_state_is_what_is_seen(kept):
-    seen, predicted, h = map(np.array, zip(*kept.predictions(), strict=True))
+def test_what_is_predicted_of_the_false_state_is_what_is_seen(stored):
+    seen, predicted, h = map(np.array, zip(*stored.predictions(), strict=True))
     assert np.corrcoef(seen, predicted)[0, 1] > 0.8
     # coarser steps have weak cycles, which the unbalance pulls apart
     assert (seen[(predicted > 0.6) & (h < 7.5e-4)] > 0.0).all()
 
 
-def test_the_presets_default_integrator_is_a_safe_one(kept):
-    assert "chung-hulbert=0.2" in safe_schemes(kept)
-    assert "moderate-dissipation" not in safe_schemes(kept)
+def test_the_presets_default_integrator_is_a_safe_one(stored):
+    assert "chung-hulbert=0.2" in safe_schemes(stored)
+    assert "moderate-dissipation" not in safe_schemes(stored)

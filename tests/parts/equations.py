@@ -116,8 +116,8 @@ def _tables(bearings: Sequence[LinearBearing]) -> tuple[np.ndarray, np.ndarray]:
     speeds = np.full((len(bearings), pieces), math.inf)
     cubics = np.zeros((len(bearings), pieces, 4, 8))
     for i, bearing in enumerate(bearings):
-        told = np.array([np.ravel(getattr(bearing, name))[[0, -1]] for name in COEFFICIENTS])
-        speeds[i, 0], cubics[i, 0, 3] = -math.inf, told[:, 0]
+        output = np.array([np.ravel(getattr(bearing, name))[[0, -1]] for name in COEFFICIENTS])
+        speeds[i, 0], cubics[i, 0, 3] = -math.inf, output[:, 0]
         at = np.array(bearing.speed)
         if len(at):
             values = [np.broadcast_to(getattr(bearing, n), at.shape) for n in COEFFICIENTS]
@@ -125,7 +125,7 @@ def _tables(bearings: Sequence[LinearBearing]) -> tuple[np.ndarray, np.ndarray]:
             cubics[i, 1 : len(at)] = np.moveaxis(
                 [PchipInterpolator(at, value).c for value in values], 0, -1
             ).swapaxes(0, 1)
-            cubics[i, len(at), 3] = told[:, 1]
+            cubics[i, len(at), 3] = output[:, 1]
     return speeds, cubics
 
 

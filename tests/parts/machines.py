@@ -54,8 +54,8 @@ def shaft(*nodes, diameter=0.02):
 
 
 def sections(*lengths, **keys):
-    told = "\n".join(f"{key} = {value}" for key, value in keys.items())
-    return "".join(f"[[section]]\nlength = {length}\n{told}\n" for length in lengths)
+    output = "\n".join(f"{key} = {value}" for key, value in keys.items())
+    return "".join(f"[[section]]\nlength = {length}\n{output}\n" for length in lengths)
 
 
 def touchdown(node, housing):

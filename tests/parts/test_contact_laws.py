@@ -7,12 +7,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts import clearance_contact, touchdown_bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
-from rotor_fmu.model.protocol.law import Kinematics, Weights
 from rotor_fmu.model.quantities import QuantityError, quantities
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -30,13 +30,15 @@ KINDS = {
 TABLES = np.zeros(0)
 
 
-def interpreted(law):
+def interpreted_law(law):
     """A law's functions in Python: they are called a few times each."""
-    return replace(law, **{field.name: plain(getattr(law, field.name)) for field in fields(law)})
+    return replace(
+        law, **{field.name: interpreted(getattr(law, field.name)) for field in fields(law)}
+    )
 
 
-CLEARANCE_CONTACT = interpreted(clearance_contact.CLEARANCE_CONTACT)
-TOUCHDOWN_BEARING = interpreted(touchdown_bearing.TOUCHDOWN_BEARING)
+CLEARANCE_CONTACT = interpreted_law(clearance_contact.CLEARANCE_CONTACT)
+TOUCHDOWN_BEARING = interpreted_law(touchdown_bearing.TOUCHDOWN_BEARING)
 
 
 def record(kind, **changes):
@@ -59,18 +61,26 @@ def states(rng, count):
 @pytest.mark.parametrize("spin", [0.0, 3.0, 200.0])
 def test_the_contacts_tangent_is_the_derivative_of_its_force(name, spin):
     part = record(ClearanceContact, **KINDS[name])
-    own = np.zeros(0)
+    internal_state = np.zeros(0)
     by_d, by_v = 0.7, 40.0
     for d, v in states(np.random.default_rng(1), 20):
         f, p, q = CLEARANCE_CONTACT.tangent(
-            part, TABLES, Kinematics(d, v, spin, spin), Weights(by_d, by_v, 0.0), own, own
+            part,
+            TABLES,
+            Kinematics(d, v, spin, spin),
+            Weights(by_d, by_v, 0.0),
+            internal_state,
+            internal_state,
         )
-        again = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, v, spin, spin), own)
+        again = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, v, spin, spin), internal_state)
         assert f == pytest.approx(again, rel=1e-12)
         for z in (1e-9 + 0j, 1e-9j):
             ahead, behind = (
                 CLEARANCE_CONTACT.force(
-                    part, TABLES, Kinematics(d + s * by_d * z, v + s * by_v * z, spin, spin), own
+                    part,
+                    TABLES,
+                    Kinematics(d + s * by_d * z, v + s * by_v * z, spin, spin),
+                    internal_state,
                 )
                 for s in (1, -1)
             )
@@ -82,21 +92,26 @@ def test_the_contacts_tangent_is_the_derivative_of_its_force(name, spin):
 @pytest.mark.parametrize("spin", [3.0, 200.0])
 def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
     part = record(TouchdownBearing, **KINDS[name], **RACE)
-    law, by_d, by_v, by_own, free = TOUCHDOWN_BEARING, 0.7, 40.0, 2e-4, np.array([5.0, 0.0])
+    law, by_d, by_v, by_rate, free = TOUCHDOWN_BEARING, 0.7, 40.0, 2e-4, np.array([5.0, 0.0])
 
     def force(d, v):
-        own = np.array([5.0, 0.0])
-        found, p, q = law.tangent(
-            part, TABLES, Kinematics(d, v, spin, spin), Weights(by_d, by_v, by_own), free, own
+        internal_state = np.array([5.0, 0.0])
+        result, p, q = law.tangent(
+            part,
+            TABLES,
+            Kinematics(d, v, spin, spin),
+            Weights(by_d, by_v, by_rate),
+            free,
+            internal_state,
         )
         rate = np.zeros(2)
-        law.rates(part, TABLES, Kinematics(d, v, spin, spin), own, rate)
+        law.rates(part, TABLES, Kinematics(d, v, spin, spin), internal_state, rate)
         # the race's own equation holds
-        assert own[0] - free[0] - by_own * rate[0] == pytest.approx(0, abs=1e-9)
-        assert found == pytest.approx(
-            law.force(part, TABLES, Kinematics(d, v, spin, spin), own), rel=1e-12
+        assert internal_state[0] - free[0] - by_rate * rate[0] == pytest.approx(0, abs=1e-9)
+        assert result == pytest.approx(
+            law.force(part, TABLES, Kinematics(d, v, spin, spin), internal_state), rel=1e-12
         )
-        return found, p, q
+        return result, p, q
 
     for d, v in states(np.random.default_rng(2), 20):
         _, p, q = force(d, v)
@@ -108,13 +123,13 @@ def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
 
 def test_the_race_alone_slows_down_by_its_drag():
     part = record(TouchdownBearing, **RACE, race_w_s=1e-6)
-    free, own, none = np.array([100.0, 0.0]), np.array([100.0, 0.0]), 0j
+    free, internal_state, none = np.array([100.0, 0.0]), np.array([100.0, 0.0]), 0j
     b = 1e-3
     TOUCHDOWN_BEARING.tangent(
-        part, TABLES, Kinematics(none, none, 0.0, 0.0), Weights(1.0, 1.0, b), free, own
+        part, TABLES, Kinematics(none, none, 0.0, 0.0), Weights(1.0, 1.0, b), free, internal_state
     )
     expected = (100.0 - b * 0.05 / 1e-4) / (1 + b * 1e-4 / 1e-4)
-    assert own[0] == pytest.approx(expected, rel=1e-12)
+    assert internal_state[0] == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", ["linear", "hertz", "worn", "all"])
@@ -135,7 +150,7 @@ def test_without_friction_and_damping_the_force_is_that_of_the_energy(name):
 def test_wear_is_deepest_in_its_direction_and_narrow_with_its_power():
     def clearance(psi, **changes):
         part = record(ClearanceContact, wear=1e-4, wear_angle=4.0, **changes)
-        return CLEARANCE_CONTACT.opening(part, cmath.rect(1e-5, psi)) + 1e-5
+        return CLEARANCE_CONTACT.gap(part, cmath.rect(1e-5, psi)) + 1e-5
 
     assert clearance(4.0) == pytest.approx(3e-4)
     assert clearance(4.0 + math.pi) == pytest.approx(2e-4)

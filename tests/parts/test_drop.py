@@ -28,8 +28,8 @@ def error(exact):
         pairs = ((orbits, exact[0]), (races, exact[1]))
         lost = sum(sim.read(name) for name in sim.names if name.endswith("_loss"))
         assert lost > 40.0
-        found = [np.abs(mine - true).max() / np.abs(true).max() for mine, true in pairs]
-        return (*found, abs(sim.read("energy.residual")) / lost)
+        result = [np.abs(mine - true).max() / np.abs(true).max() for mine, true in pairs]
+        return (*result, abs(sim.read("energy.residual")) / lost)
 
     return of
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts import LAWS
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.parts.linear_bearing import LINEAR_BEARING, coefficients
-from rotor_fmu.model.protocol.law import Kinematics, Weights
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import RotorNote, RotorWarning, Simulation

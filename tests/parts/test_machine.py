@@ -11,7 +11,7 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import RotorNote, Simulation
 from rotor_fmu.model.structure.assembly import assemble
-from rotor_fmu.model.structure.places import places
+from rotor_fmu.model.structure.parameter_locations import parameter_locations
 
 from rotor_fmu.fmi.binding import build_simulation
 from rotor_fmu.fmi.interface import interface
@@ -94,8 +94,8 @@ def test_the_survey_sees_a_housings_masses_as_the_linear_answers_do():
     rotor = parse_rotor(text + SEAL.replace("5e4", "8e5"))
     with pytest.warns(RotorNote, match="unstable at rest"):
         sim = Simulation(rotor)
-    found = modes(rotor, 0.0, count=20).eigenvalues
-    growing = found[np.argmax(found.real)]
+    result = modes(rotor, 0.0, count=20).eigenvalues
+    growing = result[np.argmax(result.real)]
     assert growing.real > 0
     assert complex(sim._run.survey.rest[0]) == pytest.approx(
         complex(growing.real, abs(growing.imag)), rel=1e-6
@@ -143,8 +143,8 @@ def test_all_component_modes_are_the_whole_machine():
     flight = text + touchdown(2, "") + "[start]\ny = 1e-5\ntilt_x = 1e-4\n"
     for machine in (text, flight):
         ends = []
-        for kept in (0, 50):
-            settings = choose("robust", h=5e-5, reduction=kept)
+        for retained in (0, 50):
+            settings = choose("robust", h=5e-5, reduction=retained)
             loads = np.array([2.0, 3.0 + 1.0j])
             sim = Simulation(parse_rotor(machine), settings, speed=150.0, loads=loads)
             sim.advance(0.005, 150.0, loads)
@@ -177,10 +177,10 @@ def test_the_fmu_has_the_inputs_outputs_and_parameters_of_its_parts():
 def test_every_parameter_of_the_parts_has_its_place_in_an_assembled_machine():
     machine = parse_rotor(DROPPED + touchdown(4, "b") + HELD.replace("z = 0.4", "z = 0.5"))
     structure = assemble(machine)
-    found = places(machine)
-    assert list(found) == [name for name, _, _ in machine.parameters()]
+    result = parameter_locations(machine)
+    assert list(result) == [name for name, _, _ in machine.parameters()]
     for name, _, value in machine.parameters():
-        for place in found[name]:
+        for place in result[name]:
             member, _, code = place.member.partition("[")
             rows = getattr(structure, member)
             rows = rows[int(code.rstrip("]"))] if code else rows

@@ -69,8 +69,8 @@ def test_amplitude_and_phase_are_reached_within_ten_tolerances(machine_of, speed
     np.testing.assert_allclose(seen[..., 1].mean(axis=0), rest.y[at], rtol=10 * tolerance)
     # the part that turns with the rotor
     mark = np.exp(-1j * np.array(angles))[:, None]
-    found = unbalance_response(rotor, [speed])
-    scale = found.major.max()
-    for axis, told in enumerate((found.x[0], found.y[0])):
+    result = unbalance_response(rotor, [speed])
+    scale = result.major.max()
+    for axis, output in enumerate((result.x[0], result.y[0])):
         amplitude = 2 * (seen[..., axis] * mark).mean(axis=0)
-        assert np.abs(amplitude - told[at]).max() < 10 * tolerance * scale
+        assert np.abs(amplitude - output[at]).max() < 10 * tolerance * scale

@@ -6,20 +6,20 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig
+from rotor_fmu.model.parts.base import Interface
 from rotor_fmu.model.parts.clearance_contact import (
     CLEARANCE_CONTACT,
     STICKING_CONTACT,
     ClearanceContact,
 )
+from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.parts.touchdown_bearing import TOUCHDOWN_BEARING, TouchdownBearing
-from rotor_fmu.model.protocol.law import Kinematics, Weights
-from rotor_fmu.model.protocol.part import Interface
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import machine_elements
 
 from .machines import bearings, rigid
-from .test_contact_laws import KINDS, RACE, TABLES, interpreted, record, states
+from .test_contact_laws import KINDS, RACE, TABLES, interpreted_law, record, states
 
 pytestmark = pytest.mark.filterwarnings("ignore::rotor_fmu.model.simulation.RotorWarning")
 WEIGHT, RADIUS, K, K_T, MU = 9.81, 5e-3, 1e7, 1e6, 0.3
@@ -149,8 +149,8 @@ def test_a_journal_on_a_spring_swings_out_as_coulomb_says_and_stays_within_its_d
     expected = start
     while abs(expected) > taken:
         expected = math.copysign(2 * taken, expected) - expected
-        found = min(turns, key=lambda x: abs(x - expected))
-        assert found == pytest.approx(expected, abs=0.01 * start)
+        result = min(turns, key=lambda x: abs(x - expected))
+        assert result == pytest.approx(expected, abs=0.01 * start)
     np.testing.assert_allclose(seen[-100:], expected, atol=0.01 * start)
     assert np.ptp(seen[-100:]) < 1e-4 * start
 
@@ -201,7 +201,7 @@ def test_the_ledger_closes_over_sticking_and_sliding():
 def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_holds(name, kind):
     more = RACE | {"race_inertia": 1.0} if kind is TouchdownBearing else {}
     part = record(kind, **KINDS[name], **more, k_t=3e7, c_t=200.0)
-    law = interpreted(STICKING_CONTACT if kind is ClearanceContact else TOUCHDOWN_BEARING)
+    law = interpreted_law(STICKING_CONTACT if kind is ClearanceContact else TOUCHDOWN_BEARING)
     count, by_d, by_v, b, spin = len(law.states), 0.7, 40.0, 2e-4, 0.5
     stuck = 0
     rng = np.random.default_rng(5)
@@ -211,20 +211,25 @@ def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_hol
         free[-1] = rng.normal() * 1e-6
 
         def force(d, v, free=free):
-            own = free.copy()
-            found, p, q = law.tangent(
-                part, TABLES, Kinematics(d, v, spin, spin), Weights(by_d, by_v, b), free, own
+            internal_state = free.copy()
+            result, p, q = law.tangent(
+                part,
+                TABLES,
+                Kinematics(d, v, spin, spin),
+                Weights(by_d, by_v, b),
+                free,
+                internal_state,
             )
             rate = np.zeros(count)
-            law.rates(part, TABLES, Kinematics(d, v, spin, spin), own, rate)
-            assert own[-1] == pytest.approx(free[-1] + b * rate[-1], abs=1e-12)
-            again = law.force(part, TABLES, Kinematics(d, v, spin, spin), own)
-            assert found == pytest.approx(again, rel=1e-9, abs=1e-9 * abs(found))
-            return found, p, q, own
+            law.rates(part, TABLES, Kinematics(d, v, spin, spin), internal_state, rate)
+            assert internal_state[-1] == pytest.approx(free[-1] + b * rate[-1], abs=1e-12)
+            again = law.force(part, TABLES, Kinematics(d, v, spin, spin), internal_state)
+            assert result == pytest.approx(again, rel=1e-9, abs=1e-9 * abs(result))
+            return result, p, q, internal_state
 
-        _, p, q, own = force(d, v)
+        _, p, q, internal_state = force(d, v)
         out = np.zeros(len(law.outputs))
-        law.observe(part, TABLES, Kinematics(d, v, spin, spin), own, out)
+        law.observe(part, TABLES, Kinematics(d, v, spin, spin), internal_state, out)
         normal, rubbing = out[1], out[2]
         assert abs(rubbing) <= (part.mu + part.mu_rise) * normal * (1 + 1e-12)
         stuck += abs(rubbing) < 0.999 * part.mu * normal
@@ -238,20 +243,27 @@ def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_hol
 
 def test_friction_never_gives_energy():
     part = record(ClearanceContact, k_t=3e7)
-    law = interpreted(STICKING_CONTACT)
+    law = interpreted_law(STICKING_CONTACT)
     rng = np.random.default_rng(6)
     out = np.zeros(2)
     for d, v in states(rng, 100):
-        own = np.array([rng.normal() * 2e-4])
-        law.dissipate(part, TABLES, Kinematics(d, v, 3.0, 3.0), own, out)
+        internal_state = np.array([rng.normal() * 2e-4])
+        law.dissipate(part, TABLES, Kinematics(d, v, 3.0, 3.0), internal_state, out)
         assert out[1] >= 0
 
 
 def test_the_elongation_is_gone_once_the_journal_is_in_the_air():
     part = record(ClearanceContact, k_t=1e7, c_t=100.0)
-    law, free, own, b = interpreted(STICKING_CONTACT), np.array([1e-6]), np.zeros(1), 1e-4
-    law.tangent(part, TABLES, Kinematics(1e-5j, 0j, 0.0, 0.0), Weights(1.0, 1.0, b), free, own)
-    assert own[0] == pytest.approx(1e-6 / (1 + b * 1e7 / 100.0))
+    law, free, internal_state, b = (
+        interpreted_law(STICKING_CONTACT),
+        np.array([1e-6]),
+        np.zeros(1),
+        1e-4,
+    )
+    law.tangent(
+        part, TABLES, Kinematics(1e-5j, 0j, 0.0, 0.0), Weights(1.0, 1.0, b), free, internal_state
+    )
+    assert internal_state[0] == pytest.approx(1e-6 / (1 + b * 1e7 / 100.0))
 
 
 def test_it_is_off_unless_asked_for():
@@ -265,9 +277,9 @@ def test_it_is_off_unless_asked_for():
 
 def test_dry_whip_is_looked_for_as_without():
     """A wall at which a journal may stick slips where it whirls."""
-    found = [Simulation(lying(k_t=k_t), speed=50.0)._whirls for k_t in (0.0, K_T)]
-    assert found[0]
-    assert len(found[0]) == len(found[1])
-    for smooth, sticking in zip(*found, strict=True):
+    result = [Simulation(lying(k_t=k_t), speed=50.0)._whirls for k_t in (0.0, K_T)]
+    assert result[0]
+    assert len(result[0]) == len(result[1])
+    for smooth, sticking in zip(*result, strict=True):
         assert sticking.root == pytest.approx(smooth.root, rel=1e-9)
         assert sticking.closed == smooth.closed

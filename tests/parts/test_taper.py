@@ -119,8 +119,8 @@ def test_the_shapes_of_a_cylinder_are_far_behind():
 def test_a_taper_goes_over_into_a_cylinder(outer):
     cylinder = Section(0.3, 0.05, 0.05, STEEL, 0.01, 0.01, 1e4)
     taper = replace(cylinder, outer_right=outer)
-    for own, told in zip(shaft_element(taper), shaft_element(cylinder), strict=True):
-        np.testing.assert_allclose(own, told, rtol=1e-7, atol=1e-9 * np.abs(told).max())
+    for own, output in zip(shaft_element(taper), shaft_element(cylinder), strict=True):
+        np.testing.assert_allclose(own, output, rtol=1e-7, atol=1e-9 * np.abs(output).max())
 
 
 def test_a_cone_with_a_sleeve_of_the_same_metal_is_the_thicker_cone():

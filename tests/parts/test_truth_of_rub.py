@@ -138,17 +138,17 @@ def test_the_unstable_rub_parts_whirl_without_and_with_contact(rub, omega, radiu
 def test_the_rub_ends_at_the_upper_jump(rub, omega, rubs):
     """At 2.02208, where the two radii meet."""
     r, phase = synchronous(2.0)
-    found = rub(omega, r, phase, duration=1500.0)
-    assert (found > 3.0) == rubs
-    assert (found < 1.0) != rubs
+    result = rub(omega, r, phase, duration=1500.0)
+    assert (result > 3.0) == rubs
+    assert (result < 1.0) != rubs
 
 
 @pytest.mark.parametrize(("mu", "stays"), [(0.140, True), (0.155, False)])
 def test_friction_beyond_hopfs_point_drives_the_rub_away(rub, mu, stays):
     """At mu = 0.147023."""
     r, phase = synchronous(1.4, mu)
-    found = rub(1.4, 1.001 * r, phase, mu, duration=1500.0)
-    assert (abs(found / r - 1) < 1e-3) == stays
+    result = rub(1.4, 1.001 * r, phase, mu, duration=1500.0)
+    assert (abs(result / r - 1) < 1e-3) == stays
     if stays:
         assert r == pytest.approx(1.532005, abs=1e-5)
 
@@ -181,8 +181,8 @@ def backward(orbit):
 @pytest.mark.parametrize("v", [2.0, 4.0, 8.0])
 def test_rolling_has_the_whirl_and_radius_of_the_closed_form(backward, v):
     omega, r = rolling(v)
-    found = backward(v, omega, 1.001 * r, 0.1)
-    assert found == pytest.approx((omega, r), rel=1e-3)
+    result = backward(v, omega, 1.001 * r, 0.1)
+    assert result == pytest.approx((omega, r), rel=1e-3)
 
 
 def test_dry_whirl_dies_below_its_separatrix_and_rolls_above(backward):
@@ -191,8 +191,8 @@ def test_dry_whirl_dies_below_its_separatrix_and_rolls_above(backward):
     r = beta / (beta - 2 * zeta * omega / mu)
     assert (omega, r) == pytest.approx((1.618034, 1.088023), abs=1e-6)
     assert backward(4.0, omega, r, mu, share=0.98)[1] < 0.9
-    found = backward(4.0, omega, r, mu, share=1.02, duration=400.0)
-    assert found == pytest.approx(rolling(4.0), rel=1e-3)
+    result = backward(4.0, omega, r, mu, share=1.02, duration=400.0)
+    assert result == pytest.approx(rolling(4.0), rel=1e-3)
 
 
 @pytest.mark.parametrize(("share", "stays"), [(0.95, False), (1.05, True)])
@@ -200,11 +200,11 @@ def test_rolling_needs_the_friction_of_the_closed_form(backward, share, stays):
     omega, r = rolling(4.0)
     needed = 2 * WHIRL["zeta"] * omega / (WHIRL["beta"] * (1 - 1 / r))
     assert needed == pytest.approx(0.0425, abs=1e-4)
-    found = backward(4.0, omega, r, share * needed, duration=400.0)[1]
+    result = backward(4.0, omega, r, share * needed, duration=400.0)[1]
     if stays:
-        assert found == pytest.approx(r, rel=2e-3)
+        assert result == pytest.approx(r, rel=2e-3)
     else:
-        assert found < 0.95 * r
+        assert result < 0.95 * r
 
 
 @pytest.mark.parametrize(("share", "lasts"), [(0.95, False), (1.05, True)])
@@ -218,12 +218,12 @@ def test_dry_whirl_needs_friction_above_its_threshold(backward, share, lasts):
     if lasts:  # from just above the separatrix
         omega = zeta / mu + math.sqrt(1 + (zeta / mu) ** 2)
         r = beta / (beta - 2 * zeta * omega / mu)
-    found = backward(v, omega, r, mu, 2000.0, 1.03 if lasts else 0.99, gap=1e-4)
+    result = backward(v, omega, r, mu, 2000.0, 1.03 if lasts else 0.99, gap=1e-4)
     if lasts:
         assert r < 0.75 * rolling(v)[1]
-        assert found == pytest.approx(rolling(v), rel=1e-3)
+        assert result == pytest.approx(rolling(v), rel=1e-3)
     else:
-        assert found[1] < 0.3 * r
+        assert result[1] < 0.3 * r
 
 
 # --- T4, T5, T6: drop, sliding, spin-up ---

@@ -31,10 +31,10 @@ def of_a_machine(seed: int) -> list[tolerances.Row]:
     """A machine at each tolerance."""
     case = drawn(seed)
     exact = truth(case)
-    found = [(t, judged(case, exact, choose(tolerance=t))) for t in TOLERANCES]
+    result = [(t, judged(case, exact, choose(tolerance=t))) for t in TOLERANCES]
     return [
         tolerances.Row("drawn", case.name, t, *vars(run).values(), exact.condition)
-        for t, run in found
+        for t, run in result
     ]
 
 
@@ -45,7 +45,7 @@ def known_machines() -> Iterator[tolerances.Row]:
             exact = run.exact()
             condition = known.condition(run, exact)
             for tolerance in TOLERANCES:
-                status, orbit = run.found(choose(tolerance=tolerance))
+                status, orbit = run.solve(choose(tolerance=tolerance))
                 yield tolerances.Row(
                     group, run.name, tolerance, status, *errors(orbit, exact), condition
                 )
@@ -80,11 +80,11 @@ def _is_slow(seed: int) -> bool:
 
 def main(machines: int = MACHINES, processes: int = 2) -> None:
     """Judge everything, keep the rows where `docs/integrators.md` finds them, print its table."""
-    found = [*drawn_machines(machines, processes), *known_machines()]
+    result = [*drawn_machines(machines, processes), *known_machines()]
     with tolerances.TABLE.open("w", encoding="utf-8", newline="") as file:
         lines = csv.writer(file, lineterminator="\n")
         lines.writerow(tolerances.Row._fields)
-        lines.writerows(row.told() for row in found)
+        lines.writerows(row.cells() for row in result)
     for line in (tolerances.head(), *tolerances.table(tolerances.rows())):
         print(*line, sep=" | ")
 

@@ -10,7 +10,7 @@ import numpy as np
 from rotor_fmu.model.linear import unbalance_response
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.protocol.part import BASE
+from rotor_fmu.model.parts.base import BASE
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.spelling import Message

@@ -28,7 +28,7 @@ def test_the_examples_keep_to_the_tolerance_as_the_machines_do(run):
     exact = run.exact()
     condition = known.condition(run, exact)
     for tolerance in TOLERANCES:
-        status, orbit = run.found(choose(tolerance=tolerance))
+        status, orbit = run.solve(choose(tolerance=tolerance))
         error = np.abs(orbit - exact).max() / np.abs(exact).max()
         assert is_kept(Judged(status, 0.0, 0.0, 0.0, error), tolerance, condition)
         assert status == "ok"

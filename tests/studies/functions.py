@@ -8,9 +8,9 @@ import time
 from dataclasses import dataclass
 
 from rotor_fmu import studies
-from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.engines import Engine, Here
+from rotor_fmu.studies.executors import Engine, SerialExecutor
 from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.study import Column, Result
 
 NAMES = ("x1", "x2", "x3")
@@ -71,13 +71,13 @@ def ishigami_study(folder, model=None, text=None):
 @contextlib.contextmanager
 def here():
     """An engine in this process."""
-    yield Engine(Here(), 1, 0.05)
+    yield Engine(SerialExecutor(), 1, 0.05)
 
 
 @contextlib.contextmanager
 def one_by_one():
     """An engine in this process whose chunks are single runs."""
-    yield Engine(Here(), 1, 0.0)
+    yield Engine(SerialExecutor(), 1, 0.0)
 
 
 def quiet(progress):
@@ -88,5 +88,5 @@ def conducted(text, folder):
     """A study written into a folder and run: its file, the folder of its rows, and the rows."""
     path, out = folder / "study.toml", folder / "out"
     path.write_text(text)
-    conduct(read_study(path), out, here, quiet)
+    run_study(read_study(path), out, here, quiet)
     return path, out, studies.open(out)

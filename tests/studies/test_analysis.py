@@ -14,9 +14,9 @@ from rotor_fmu.studies.analysis import (
     statistics,
     worst,
 )
-from rotor_fmu.studies.conduct import conduct
 from rotor_fmu.studies.dataset import about_of, open_dataset
 from rotor_fmu.studies.design import Axis, Design, Distribution
+from rotor_fmu.studies.runner import run_study
 
 from .functions import Ishigami, here, ishigami_study, quiet, study_text
 
@@ -34,13 +34,13 @@ def design_of_folder(folder):
 
 def analysed(folder, kind, size, model=None):
     study = ishigami_study(folder, model, study_text(kind, size))
-    conduct(study, folder / "out", here, quiet)
+    run_study(study, folder / "out", here, quiet)
     return analyse(folder / "out")
 
 
 def test_sobol_indices_of_ishigamis_function_lie_within_their_confidence_intervals(tmp_path):
-    found = analysed(tmp_path, "saltelli", 1024)["sensitivity"]["y"]["indices"]
-    for name, row in found.items():
+    result = analysed(tmp_path, "saltelli", 1024)["sensitivity"]["y"]["indices"]
+    for name, row in result.items():
         assert row["S1"] == pytest.approx(FIRST[name], abs=row["S1_conf"])
         assert row["ST"] == pytest.approx(TOTAL[name], abs=row["ST_conf"])
         assert row["S1_conf"] < 0.1
@@ -48,24 +48,24 @@ def test_sobol_indices_of_ishigamis_function_lie_within_their_confidence_interva
 
 
 def test_morris_ranks_ishigamis_parameters_and_sees_what_acts_with_others(tmp_path):
-    found = analysed(tmp_path, "morris", 64)["sensitivity"]["y"]["indices"]
-    assert found["x2"]["mu"] == pytest.approx(0.0, abs=1e-9 + found["x2"]["mu_star"])
-    assert found["x3"]["mu_star"] > found["x3"]["mu_star_conf"]
-    assert found["x3"]["sigma"] > abs(found["x3"]["mu"])
+    result = analysed(tmp_path, "morris", 64)["sensitivity"]["y"]["indices"]
+    assert result["x2"]["mu"] == pytest.approx(0.0, abs=1e-9 + result["x2"]["mu_star"])
+    assert result["x3"]["mu_star"] > result["x3"]["mu_star_conf"]
+    assert result["x3"]["sigma"] > abs(result["x3"]["mu"])
 
 
 def test_blocks_with_a_failed_run_are_left_out_of_the_indices(tmp_path):
     report = analysed(tmp_path, "saltelli", 256, Ishigami(fails_above=3.1))
-    found = report["sensitivity"]["y"]
+    result = report["sensitivity"]["y"]
     assert 0 < report["failed"] < 30
-    assert 200 < found["blocks"] < 256 == found["of"]
-    assert found["indices"]["x2"]["S1"] == pytest.approx(FIRST["x2"], abs=0.15)
+    assert 200 < result["blocks"] < 256 == result["of"]
+    assert result["indices"]["x2"]["S1"] == pytest.approx(FIRST["x2"], abs=0.15)
 
 
 def test_mean_and_standard_deviation_of_ishigamis_function(tmp_path):
-    found = analysed(tmp_path, "sobol", 1024)["columns"]["y"]
-    assert found["mean"] == pytest.approx(3.5, abs=0.02)
-    assert found["std"] == pytest.approx(math.sqrt(_V), rel=0.01)
+    result = analysed(tmp_path, "sobol", 1024)["columns"]["y"]
+    assert result["mean"] == pytest.approx(3.5, abs=0.02)
+    assert result["std"] == pytest.approx(math.sqrt(_V), rel=0.01)
 
 
 def test_shares_are_counted_over_runs_that_were_drawn_independently(tmp_path):
@@ -81,32 +81,32 @@ def test_shares_are_counted_over_runs_that_were_drawn_independently(tmp_path):
 
 def test_quantiles_are_those_of_the_distribution_that_was_drawn():
     values = np.append(np.linspace(0, 1, 1001), np.nan)
-    found = statistics(values)
-    assert found["count"] == 1001
-    assert found["quantiles"]["0.95"] == pytest.approx(0.95)
+    result = statistics(values)
+    assert result["count"] == 1001
+    assert result["quantiles"]["0.95"] == pytest.approx(0.95)
 
 
 def test_the_share_above_a_limit_has_the_interval_of_clopper_and_pearson():
-    found = exceedance(np.arange(100.0), 94.5)
-    assert found["above"] == 5
+    result = exceedance(np.arange(100.0), 94.5)
+    assert result["above"] == 5
     # R: binom.test(5, 100)$conf.int
-    assert found["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
+    assert result["interval"] == pytest.approx([0.01643187, 0.11283491], abs=1e-7)
 
 
 def with_limit(folder, kind, size, model=None, limit=5.0):
     text = f"{study_text(kind, size)}\n[limits]\ny = {limit}\n"
-    conduct(ishigami_study(folder, model, text), folder / "out", here, quiet)
+    run_study(ishigami_study(folder, model, text), folder / "out", here, quiet)
     return analyse(folder / "out")
 
 
 def test_the_share_of_a_grids_points_is_no_estimate(tmp_path):
     values = "\n".join(f"x{i} = {{ values = [0.1, 1.0, 2.0] }}" for i in (1, 2, 3))
     study = ishigami_study(tmp_path, text=f"[vary]\n{values}\n[limits]\ny = 5.0\n")
-    conduct(study, tmp_path / "out", here, quiet)
+    run_study(study, tmp_path / "out", here, quiet)
     report = analyse(tmp_path / "out")
-    found = report["limits"]["y"]
-    assert 0 < found["above"] < found["count"] == 27
-    assert "interval" not in found
+    result = report["limits"]["y"]
+    assert 0 < result["above"] < result["count"] == 27
+    assert "interval" not in result
     assert "the points of a grid are chosen" in report["says"][0]
 
 
@@ -131,11 +131,11 @@ def test_an_interval_of_points_spread_evenly_says_that_it_is_conservative(
     tmp_path, kind, size, is_conservative
 ):
     report = with_limit(tmp_path, kind, size)
-    found = report["limits"]["y"]
-    assert found["conservative"] == is_conservative
+    result = report["limits"]["y"]
+    assert result["conservative"] == is_conservative
     assert any("conservative" in sentence for sentence in report["says"]) == is_conservative
     # P(y > 5), by four million random draws
-    assert found["interval"][0] < 0.3621 < found["interval"][1]
+    assert result["interval"][0] < 0.3621 < result["interval"][1]
 
 
 @pytest.mark.parametrize("kind", ["latin-hypercube", "sobol"])
@@ -157,7 +157,7 @@ def test_a_draw_at_several_points_of_a_list_is_not_several_draws(tmp_path):
     listed = "x2 = { values = [0.1, 1.0] }\nx3 = { values = [0.5] }"
     design = "[design]\nkind = 'random'\nsize = 20\n"
     text = f"{design}[vary]\n{drawn}\n{listed}\n[limits]\ny = 1.0\n"
-    conduct(ishigami_study(tmp_path, None, text), tmp_path / "out", here, quiet)
+    run_study(ishigami_study(tmp_path, None, text), tmp_path / "out", here, quiet)
     report = analyse(tmp_path / "out")
     assert report["limits"]["y"]["count"] == 40
     assert "interval" not in report["limits"]["y"]
@@ -169,11 +169,11 @@ def test_runs_that_failed_count_in_the_share_and_are_said(tmp_path):
     data = open_dataset(tmp_path / "out")
     failed = int((data.x1 > 2.5).sum())
     above = int((data.y > 5.0).sum())
-    found = report["limits"]["y"]
-    assert failed == found["failed"] == report["failed"] > 5
-    assert (found["above"], found["count"]) == (above, 200)
-    assert found["share"] == (above + failed) / 200
-    assert found["interval"][0] < found["share"] < found["interval"][1]
+    result = report["limits"]["y"]
+    assert failed == result["failed"] == report["failed"] > 5
+    assert (result["above"], result["count"]) == (above, 200)
+    assert result["share"] == (above + failed) / 200
+    assert result["interval"][0] < result["share"] < result["interval"][1]
     assert report["columns"]["y"]["count"] == 200 - failed
     assert f"{failed} of 200 runs failed: they count as above every limit" in report["says"][0]
 
@@ -184,23 +184,23 @@ def test_equal_points_are_one_run_with_one_id(tmp_path):
     text = study_text("morris", 40).replace("seed = 3", "seed = 3\nlevels = 2")
     study = ishigami_study(tmp_path, None, text)
     assert len(study.design) == 8 < study.design.drawn_points == 160
-    conduct(study, tmp_path / "out", here, quiet)
+    run_study(study, tmp_path / "out", here, quiet)
     data = open_dataset(tmp_path / "out")
     assert len(set(data.id.values)) == data.sizes["run"] == 8
     sample = study.design.sample
     x1, x2, x3 = (2 * math.pi * sample - math.pi).T
     y = np.sin(x1) + 7 * np.sin(x2) ** 2 + 0.1 * x3**4 * np.sin(x1)
     right = morris.analyze(study.design.problem(), sample, y, num_levels=2, seed=3)
-    found = analyse(tmp_path / "out")["sensitivity"]["y"]
-    assert (found["blocks"], found["of"]) == (40, 40)
+    result = analyse(tmp_path / "out")["sensitivity"]["y"]
+    assert (result["blocks"], result["of"]) == (40, 40)
     for i, name in enumerate(("x1", "x2", "x3")):
-        assert found["indices"][name]["mu_star"] == pytest.approx(float(right["mu_star"][i]))
+        assert result["indices"][name]["mu_star"] == pytest.approx(float(right["mu_star"][i]))
 
 
 def test_a_value_that_is_listed_twice_is_run_once(tmp_path):
     lists = "x1 = { values = [1.0, 1, 2.0] }\nx2 = { grid = { from = 3, to = 3, count = 4 } }"
     study = ishigami_study(tmp_path, None, f"[vary]\n{lists}\nx3 = {{ values = [0.0, -0.0] }}\n")
-    conduct(study, tmp_path / "out", here, quiet)
+    run_study(study, tmp_path / "out", here, quiet)
     data = open_dataset(tmp_path / "out")
     assert data.x1.values.tolist() == [1.0, 2.0]
     assert len(set(data.id.values)) == 2
@@ -208,7 +208,7 @@ def test_a_value_that_is_listed_twice_is_run_once(tmp_path):
 
 def test_the_worst_runs_are_the_failed_ones_and_then_the_largest(tmp_path):
     study = ishigami_study(tmp_path, Ishigami(fails_above=3.0))
-    conduct(study, tmp_path / "out", here, quiet)
+    run_study(study, tmp_path / "out", here, quiet)
     rows = worst(open_dataset(tmp_path / "out"), "y", 80)
     failed = [row["status"].startswith("failed") for row in rows]
     assert failed == sorted(failed, reverse=True)

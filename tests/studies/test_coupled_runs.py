@@ -12,11 +12,11 @@ from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.runs.recording import load_recording
-from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.engines import Where, engine
+from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, drive_train, fmus
-from rotor_fmu.studies.machine.driving import KINDS
+from rotor_fmu.studies.machine.run_excitation import KINDS
 from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import run_study
 
 from .functions import conducted, here, quiet
 
@@ -70,7 +70,7 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
 @pytest.mark.slow
 def test_two_processes_make_the_same_coupled_rows_bit_for_bit(coupled, tmp_path):
     path, _, data = coupled
-    conduct(read_study(path), tmp_path, partial(engine, Where(jobs=2)), quiet)
+    run_study(read_study(path), tmp_path, partial(engine, ExecutorConfig(jobs=2)), quiet)
     assert studies.open(tmp_path).identical(data)
 
 
@@ -111,7 +111,7 @@ def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path
         STUDY.replace('"run.torque" = { values = [0.05, 0.1] }', f'"bearing[1].mu" = {{ {law} }}')
         + '[design]\nkind = "random"\nsize = 1\n'
     )
-    conduct(read_study(path), tmp_path / "out", here, quiet)
+    run_study(read_study(path), tmp_path / "out", here, quiet)
     (status,) = studies.open(tmp_path / "out").status.values
     assert status.startswith("failed: RotorBearing.fmu: ")
     assert "bearing[1].mu = " in status

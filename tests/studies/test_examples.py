@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from rotor_fmu import studies
-from rotor_fmu.studies.conduct import conduct
 from rotor_fmu.studies.machine.runs import machine_of
 from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import run_study
 
 from .functions import here, quiet
 
@@ -23,7 +23,7 @@ def quick(tmp_path_factory):
     def made(name):
         study = read_study(FOLDER / f"{name}.toml", is_quick=True)
         out = tmp_path_factory.mktemp(name)
-        conduct(study, out, here, quiet)
+        run_study(study, out, here, quiet)
         data = studies.open(out)
         assert (data.status.values == "ok").all()
         return data

@@ -10,11 +10,11 @@ import pytest
 from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.runs.recording import load_recording
-from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.machine.driving import Drive
-from rotor_fmu.studies.machine.keeping import Keep, cells
-from rotor_fmu.studies.machine.watch import Samples, Window
+from rotor_fmu.studies.machine.metrics import Metric, cells
+from rotor_fmu.studies.machine.monitor import Samples, Window
+from rotor_fmu.studies.machine.run_excitation import Excitation
 from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import run_study
 
 from .functions import conducted, here, quiet
 
@@ -93,13 +93,13 @@ def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
     path.write_text(
         RIG.replace("values = [40e-6, 60e-6]", law) + '[design]\nkind = "random"\nsize = 1\n'
     )
-    conduct(read_study(path), tmp_path / "out", here, quiet)
+    run_study(read_study(path), tmp_path / "out", here, quiet)
     (status,) = studies.open(tmp_path / "out").status.values
     assert status.startswith("failed: bearing[")
     assert status.endswith(" m: must be > 0 and finite") or "must be > 0" in status
 
 
-HELD = Drive("constant", {"speed": 10.0, "turns": 8.0, "per_turn": 32.0, "measure": 0.0})
+HELD = Excitation("constant", {"speed": 10.0, "turns": 8.0, "per_turn": 32.0, "measure": 0.0})
 
 
 def window(values, turns=8, per_turn=32):
@@ -118,13 +118,13 @@ WHIRL = {
 
 @pytest.mark.parametrize(("order", "amplitude"), [(1, 3), (0.5, 1), (2, 0.25), (3, 0)])
 def test_orders_are_told_apart(order, amplitude):
-    keep = Keep("q", "order", "d.x", (("order", order),))
-    assert cells(keep, [window(WHIRL)], HELD) == pytest.approx(amplitude, abs=1e-12)
+    metric = Metric("q", "order", "d.x", (("order", order),))
+    assert cells(metric, [window(WHIRL)], HELD) == pytest.approx(amplitude, abs=1e-12)
 
 
 def test_the_full_spectrum_tells_forward_from_backward_whirl():
-    keep = Keep("q", "spectrum", "d", (("orders", 3),))
-    lines = np.array(cells(keep, [window(WHIRL)], HELD))
+    metric = Metric("q", "spectrum", "d", (("orders", 3),))
+    lines = np.array(cells(metric, [window(WHIRL)], HELD))
     at = {float(order): lines[i] for i, order in enumerate(np.arange(-24, 25) / 8)}
     assert at[1.0] == pytest.approx(3)
     assert at[-0.5] == pytest.approx(1)
@@ -133,7 +133,7 @@ def test_the_full_spectrum_tells_forward_from_backward_whirl():
 
 
 def test_poincare_points_are_those_at_the_mark():
-    points = cells(Keep("q", "poincare", "d.x"), [window(WHIRL)], HELD)
+    points = cells(Metric("q", "poincare", "d.x"), [window(WHIRL)], HELD)
     # half an order: two points, in turns
     assert points == pytest.approx([0.5 + 3 - 1 + 0.25, 0.5 + 3 + 1 + 0.25] * 4)
 
@@ -145,9 +145,9 @@ def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(
         window({"d.x": lambda a, r=speed if is_up else 0.5: r + 0 * a})._replace(speed=speed)
         for speed, is_up in zip(speeds, upper, strict=True)
     ]
-    steps = Drive("steps", {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
+    steps = Excitation("steps", {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
     up, down = (
-        cells(Keep("q", "jump", "d.x", (("way", way),)), seen, steps) for way in ("up", "down")
+        cells(Metric("q", "jump", "d.x", (("way", way),)), seen, steps) for way in ("up", "down")
     )
     assert (up, down) == (2.5, 1.5)
 
@@ -156,10 +156,10 @@ def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(
 def test_peak_rms_mean_and_whirl_of_a_circle(per_turn):
     circle = {"d.x": lambda a: 2 * np.cos(-a), "d.y": lambda a: 2 * np.sin(-a)}
     seen = [window(circle, per_turn=per_turn)]
-    assert cells(Keep("q", "whirl", "d"), seen, HELD) == pytest.approx(-10.0)
-    assert cells(Keep("q", "peak", "d.x"), seen, HELD) == pytest.approx(2.0)
-    assert cells(Keep("q", "rms", "d.x"), seen, HELD) == pytest.approx(math.sqrt(2))
-    assert cells(Keep("q", "mean", "d.r"), seen, HELD) == pytest.approx(2.0)
+    assert cells(Metric("q", "whirl", "d"), seen, HELD) == pytest.approx(-10.0)
+    assert cells(Metric("q", "peak", "d.x"), seen, HELD) == pytest.approx(2.0)
+    assert cells(Metric("q", "rms", "d.x"), seen, HELD) == pytest.approx(math.sqrt(2))
+    assert cells(Metric("q", "mean", "d.r"), seen, HELD) == pytest.approx(2.0)
 
 
 JEFFCOTT = 'machine = "jeffcott_rub/jeffcott.toml"\n'
@@ -188,7 +188,7 @@ def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
         f'{head}[run]\nkind = "{kind}"\n{run}\n[vary]\n"solver.tolerance" = {{ values = [1e-3] }}\n'
         f'[keep]\nend = {{ last = "{output}" }}\n'
     )
-    conduct(read_study(path), tmp_path / "out", here, quiet)
+    run_study(read_study(path), tmp_path / "out", here, quiet)
     data = studies.open(tmp_path / "out")
     assert data.status.values.tolist() == ["ok"]
     assert float(data.end.values.ravel()[-1]) == pytest.approx(end, rel=2e-2)
@@ -205,7 +205,7 @@ def test_a_kick_moves_the_rotor_that_would_rest_and_turns_as_it_is_told_to(tmp_p
         '[vary]\n"contact[1].mu" = { values = [0.1] }\n'
         '[keep]\nx = { last = "disc.x" }\ny = { last = "disc.y" }\n'
     )
-    conduct(read_study(path), tmp_path / "out", here, quiet)
+    run_study(read_study(path), tmp_path / "out", here, quiet)
     data = studies.open(tmp_path / "out")
     impulse = 5e-3 * np.exp(0.5e-3j * rate)
     expected = impulse / 100 * math.sin(100 * 10.5e-3) * math.exp(-5 * 10.5e-3)

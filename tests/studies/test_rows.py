@@ -18,8 +18,8 @@ import pytest
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError, RunFailed
 from rotor_fmu.studies import store
-from rotor_fmu.studies.conduct import conduct, row_of
-from rotor_fmu.studies.engines import Engine, Where, engine
+from rotor_fmu.studies.executors import Engine, ExecutorConfig, engine
+from rotor_fmu.studies.runner import row_of, run_study
 from rotor_fmu.studies.store import Store
 
 from .functions import Ishigami, here, ishigami_study, one_by_one, quiet, study_text
@@ -30,7 +30,7 @@ def undisturbed(tmp_path_factory):
     """A study, and its rows made in one go."""
     folder = tmp_path_factory.mktemp("undisturbed")
     study = ishigami_study(folder)
-    conduct(study, folder / "out", here, quiet)
+    run_study(study, folder / "out", here, quiet)
     return study, studies.open(folder / "out")
 
 
@@ -72,7 +72,7 @@ def test_a_call_that_dies_at_any_moment_leaves_rows_that_the_next_one_goes_on_fr
     deaths = 0
     while True:
         try:
-            conduct(study, tmp_path / "out", one_by_one, quiet)
+            run_study(study, tmp_path / "out", one_by_one, quiet)
         except Killed:
             deaths += 1
             continue
@@ -83,7 +83,7 @@ def test_a_call_that_dies_at_any_moment_leaves_rows_that_the_next_one_goes_on_fr
 
 def test_a_row_that_stands_in_two_parts_counts_once(undisturbed, tmp_path):
     study, data = undisturbed
-    conduct(study, tmp_path, here, quiet)
+    run_study(study, tmp_path, here, quiet)
     with Store(tmp_path, study) as again:
         again.write(
             [row_of(study, 7, study.model.run(study.design.settings(study.design.point(7))))]
@@ -118,11 +118,11 @@ def test_a_full_disk_is_said_in_one_line_and_loses_no_row_that_was_written(
 
     monkeypatch.setattr(store, "write_part", full)
     with pytest.raises(RunFailed, match="cannot be written to: No space left on device; what was"):
-        conduct(study, tmp_path, one_by_one, quiet)
+        run_study(study, tmp_path, one_by_one, quiet)
     assert studies.open(tmp_path).sizes["run"] == sum(written)
     assert not list(tmp_path.rglob("*.unfinished"))
     monkeypatch.setattr(store, "write_part", whole)
-    assert conduct(study, tmp_path, one_by_one, quiet).before == sum(written)
+    assert run_study(study, tmp_path, one_by_one, quiet).before == sum(written)
     assert studies.open(tmp_path).identical(data)
 
 
@@ -156,12 +156,12 @@ def test_an_engine_that_is_lost_is_said_in_one_line(undisturbed, tmp_path, end, 
         yield Engine(Lost(), 1, 1.0)
 
     with pytest.raises(RunFailed, match=expected):
-        conduct(study, tmp_path, lost, quiet)
+        run_study(study, tmp_path, lost, quiet)
 
 
 def test_a_run_that_fails_is_a_row_with_its_reason(tmp_path):
     study = ishigami_study(tmp_path, Ishigami(fails_above=2.0))
-    progress = conduct(study, tmp_path / "out", here, quiet)
+    progress = run_study(study, tmp_path / "out", here, quiet)
     data = studies.open(tmp_path / "out")
     too_large = data.x1.values > 2.0
     assert progress.failed == too_large.sum() > 0
@@ -174,11 +174,11 @@ def test_a_run_that_fails_is_a_row_with_its_reason(tmp_path):
 
 def test_a_folder_of_another_study_is_refused_and_left_alone(undisturbed, tmp_path):
     study, _ = undisturbed
-    conduct(study, tmp_path / "out", here, quiet)
+    run_study(study, tmp_path / "out", here, quiet)
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")}
     other = ishigami_study(tmp_path, text=study_text(size=32))
     with pytest.raises(InputError, match="holds another study, 'study'"):
-        conduct(other, tmp_path / "out", here, quiet)
+        run_study(other, tmp_path / "out", here, quiet)
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")} == before
 
 
@@ -194,14 +194,14 @@ def test_two_calls_are_not_at_work_in_one_folder(undisturbed, tmp_path):
 
 def test_a_pool_of_processes_makes_the_same_rows_bit_for_bit(undisturbed, tmp_path):
     study, data = undisturbed
-    conduct(study, tmp_path, partial(engine, Where(jobs=2)), quiet)
+    run_study(study, tmp_path, partial(engine, ExecutorConfig(jobs=2)), quiet)
     assert studies.open(tmp_path).identical(data)
 
 
 @pytest.mark.slow
 def test_a_local_cluster_of_two_makes_the_same_rows_bit_for_bit(undisturbed, tmp_path):
     study, data = undisturbed
-    conduct(study, tmp_path, partial(engine, Where(cluster=2)), quiet)
+    run_study(study, tmp_path, partial(engine, ExecutorConfig(cluster=2)), quiet)
     assert studies.open(tmp_path).identical(data)
 
 
@@ -210,8 +210,8 @@ def test_a_scheduler_at_an_address_shares_the_work_out(undisturbed, tmp_path):
     distributed = pytest.importorskip("distributed", reason="the extra cluster is not installed")
     study, data = undisturbed
     with distributed.LocalCluster(1, threads_per_worker=1, dashboard_address=None) as cluster:
-        where = Where(scheduler=cluster.scheduler_address)
-        conduct(study, tmp_path, partial(engine, where), quiet)
+        where = ExecutorConfig(scheduler=cluster.scheduler_address)
+        run_study(study, tmp_path, partial(engine, where), quiet)
     assert studies.open(tmp_path).identical(data)
 
 
@@ -224,16 +224,16 @@ def test_ctrl_c_ends_a_call_with_its_workers_and_its_rows_stay(undisturbed, tmp_
     process.send_signal(signal.SIGINT)
     process.communicate(timeout=60)
     assert process.returncode != 0
-    kept = studies.open(tmp_path / "out")
-    assert 0 < kept.sizes["run"] < data.sizes["run"]
-    assert (kept.y.values == data.y.sel(run=kept.run).values).all()
+    stored = studies.open(tmp_path / "out")
+    assert 0 < stored.sizes["run"] < data.sizes["run"]
+    assert (stored.y.values == data.y.sel(run=stored.run).values).all()
 
 
 @pytest.mark.slow
 def test_a_run_that_kills_its_process_is_a_row_and_takes_no_other_with_it(tmp_path):
     text = study_text("latin-hypercube", 9)
     study = ishigami_study(tmp_path, Ishigami(deadly_above=2.45), text)
-    conduct(study, tmp_path / "out", partial(engine, Where(jobs=1)), quiet)
+    run_study(study, tmp_path / "out", partial(engine, ExecutorConfig(jobs=1)), quiet)
     data = studies.open(tmp_path / "out")
     deadly = data.x1.values > 2.45
     assert deadly.sum() == 1
@@ -246,8 +246,8 @@ import sys
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
-from rotor_fmu.studies.conduct import conduct
-from rotor_fmu.studies.engines import Where, engine
+from rotor_fmu.studies.runner import conduct
+from rotor_fmu.studies.executors import Where, engine
 from tests.studies.functions import Ishigami, ishigami_study
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
@@ -299,7 +299,7 @@ def test_a_hundred_thousand_rows_are_made_and_opened_in_little_memory(tmp_path):
 import sys
 from pathlib import Path
 from tests.studies.functions import here, ishigami_study, one_by_one, quiet, study_text
-from rotor_fmu.studies.conduct import conduct
+from rotor_fmu.studies.runner import conduct
 study = ishigami_study(Path(sys.argv[1]), text=study_text("random", 100_000))
 conduct(study, Path(sys.argv[1]) / "out", here, quiet)
 print(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split()[1])

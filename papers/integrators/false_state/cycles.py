@@ -106,7 +106,7 @@ def quarter_phase(axis: Axis, scheme: Scheme, h: float) -> float:
 def words(p: int) -> tuple[tuple[int, ...], ...]:
     """All words of p letters that touch both walls, one of those that are the same in turn, and
     none that repeats a shorter one."""
-    found = []
+    result = []
     seen = set()
     for word in itertools.product((RIGHT, FREE, LEFT), repeat=p):
         if word in seen or RIGHT not in word or LEFT not in word:
@@ -114,14 +114,14 @@ def words(p: int) -> tuple[tuple[int, ...], ...]:
         turned = [word[i:] + word[:i] for i in range(p)]
         seen.update(turned)
         if word not in turned[1:]:
-            found.append(word)
-    return tuple(found)
+            result.append(word)
+    return tuple(result)
 
 
 def cycles(axis: Axis, scheme: Scheme, h: float, longest: int = LONGEST) -> list[Cycle]:
     """All cycles of at most `longest` steps of length h [s] that are motions of the integrator
     under the static load, the one that bears most first."""
-    found = []
+    result = []
     for p in range(2, longest + 1):
         roots = np.exp(2j * np.pi * np.arange(1, p) / p)
         try:
@@ -132,8 +132,8 @@ def cycles(axis: Axis, scheme: Scheme, h: float, longest: int = LONGEST) -> list
         for word in words(p):
             cycle = _cycle(axis, scheme, h, word, answers)
             if cycle is not None:
-                found.append(cycle)
-    return sorted(found, key=lambda cycle: -cycle.bears(axis))
+                result.append(cycle)
+    return sorted(result, key=lambda cycle: -cycle.bears(axis))
 
 
 def _cycle(axis, scheme, h, word, answers) -> Cycle | None:

@@ -19,17 +19,17 @@ from rotor_fmu.model.schemes.family import (
 )
 from rotor_fmu.model.structure.dense import clearance_contacts
 
-from rotor_fmu.figures import BLUE, GREEN, GREY, ORANGE, new_figure
+from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 from rotor_fmu.runs.signals import RUN_DOWN_RATE
 
 from ..false_state import bouncing, one_axis
 from ..false_state import cycles as false_state
 from ..false_state.planting import plant
 from . import bounces
-from .figures import SHOWN
 from .findings import Findings, title_of
 from .planted import lasting_cycles
 from .rotor import perturbed
+from .survey_plots import SHOWN
 
 _H = 2.5e-4  # at which the integrators are compared [s]
 
@@ -51,8 +51,8 @@ def phase_limit(member: Callable[[float], Scheme], low: float, high: float) -> f
 
 def free_growth() -> float:
     """Growth of an error in a step of the cycle R.L of Newmark's method [1]."""
-    found = false_state.cycles(_axis(), newmark(), _H)
-    return next(cycle.radius for cycle in found if cycle.word == "R.L")
+    result = false_state.cycles(_axis(), newmark(), _H)
+    return next(cycle.radius for cycle in result if cycle.word == "R.L")
 
 
 def orbits() -> Figure:
@@ -128,13 +128,13 @@ def survival(findings: Findings) -> list[tuple[float, float, int, float]]:
     """Planted cycles by the ratio of the load that they bear to the unbalance's: least and largest
     ratio, number, share that lasts."""
     rows = findings.of("planted", status="ok")
-    found = []
+    result = []
     for low, high in pairwise(LOAD_BINS):
         inside = [row for row in rows if low <= row["bears"] / row["load"] < high]
         if inside:
             lasting = sum(row["trapped"] > 0.99 for row in inside)
-            found.append((low, high, len(inside), lasting / len(inside)))
-    return found
+            result.append((low, high, len(inside), lasting / len(inside)))
+    return result
 
 
 def lasting(findings: Findings) -> Figure:

@@ -60,9 +60,9 @@ class Findings:
 
     def schemes(self, experiment: str) -> list[str]:
         """Labels of the schemes that an experiment was run with, in the order of `TITLES`."""
-        found = {row["scheme"] for row in self.of(experiment)}
-        known = [label for label in TITLES if label in found]
-        return known + sorted(found - set(known))
+        result = {row["scheme"] for row in self.of(experiment)}
+        known = [label for label in TITLES if label in result]
+        return known + sorted(result - set(known))
 
     def steps(self, experiment: str) -> list[float]:
         """Step lengths of an experiment, the longest first [s]."""
@@ -92,14 +92,14 @@ class Findings:
         """Share of the run-downs in the false state, share predicted from one impact [1], step
         length [s], for each scheme and step with which the rotor gets to its end."""
         speed = self.impact_speed()
-        found = []
+        result = []
         for scheme in self.schemes("rotor"):
             for h in self.steps("rotor"):
                 seen = self.trapped_share(scheme, h)
                 predicted = self.bounce_share(scheme, h, speed)
                 if seen is not None and predicted is not None:
-                    found.append((seen, predicted, h))
-        return found
+                    result.append((seen, predicted, h))
+        return result
 
     def impact_speed(self) -> float:
         """Greatest speed of a journal in its clearance in the converged run-down [m/s]."""

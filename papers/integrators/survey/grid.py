@@ -100,7 +100,7 @@ class Job:
 def jobs_of(experiments: Sequence[Experiment], schemes: Mapping[str, Scheme]) -> list[Job]:
     """Every run of the grid, the first case of all before the second of any: a grid that is stopped
     has a bit of everything."""
-    found = []
+    result = []
     for experiment in experiments:
         version = experiment.version()
         for label, scheme in schemes.items():
@@ -111,8 +111,8 @@ def jobs_of(experiments: Sequence[Experiment], schemes: Mapping[str, Scheme]) ->
                     # the label is not in it: two names of one scheme share their runs
                     text = repr((experiment.name, version, tuple(scheme), h, case))
                     key = hashlib.sha256(text.encode()).hexdigest()[:12]
-                    found.append(Job(key, experiment.name, label, scheme, h, i, case))
-    return sorted(found, key=lambda job: (job.case, job.h))
+                    result.append(Job(key, experiment.name, label, scheme, h, i, case))
+    return sorted(result, key=lambda job: (job.case, job.h))
 
 
 def read_table(path: Path) -> list[Row]:
@@ -176,11 +176,11 @@ def run_grid(
     """
     jobs = jobs_of(experiments, schemes)
     path = out / TABLE
-    kept = _without_stale(read_table(path), jobs, out) if path.exists() else []
-    by_key = {row["key"]: row for row in kept}
+    stored = _without_stale(read_table(path), jobs, out) if path.exists() else []
+    by_key = {row["key"]: row for row in stored}
     versions = {e.name: hashlib.sha256(e.version().encode()).hexdigest()[:8] for e in experiments}
     stores = {e.name: out / "reference" / f"{e.name}-{versions[e.name]}" for e in experiments}
-    write_table(kept, path)
+    write_table(stored, path)
     left = list({job.key: job for job in jobs if job.key not in by_key}.values())
     console = Console(stderr=True)
     columns = (*Progress.get_default_columns()[:-1], MofNCompleteColumn(), TimeRemainingColumn())
@@ -202,7 +202,7 @@ def run_grid(
     # a scheme of two names has one run, and a row under each
     rows = [by_key[job.key] | {"scheme": job.label} for job in jobs]
     own = {(row["key"], row["scheme"]) for row in rows}
-    others = [row for row in kept if (row["key"], row["scheme"]) not in own]
+    others = [row for row in stored if (row["key"], row["scheme"]) not in own]
     write_table(sorted(rows + others, key=_order), path)
     return rows
 
@@ -214,15 +214,15 @@ def _order(row: Row) -> tuple[object, ...]:
 def _without_stale(rows: Sequence[Row], jobs: Sequence[Job], out: Path) -> list[Row]:
     """Rows but those whose place in the grid another version has taken: they go to another file."""
     place = {(job.experiment, job.scheme, job.h, job.case_name): job.key for job in jobs}
-    kept: list[Row] = []
+    stored: list[Row] = []
     stale: list[Row] = []
     for row in rows:
         scheme = Scheme(row["alpha_m"], row["alpha_f"], row["beta"], row["gamma"])
         now = place.get((row["experiment"], scheme, row["h"], row["case"]), row["key"])
-        (kept if now == row["key"] else stale).append(row)
+        (stored if now == row["key"] else stale).append(row)
     if stale:
         write_table(stale, out / "stale.csv")
-    return kept
+    return stored
 
 
 def _finished(experiments, left, stores, processes) -> Iterable[Row]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rotor_fmu.model.kernels.compiled import plain
+from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.schemes.family import (
     MODERATE_DISSIPATION,
     Scheme,
@@ -35,13 +35,13 @@ def root(growth: float) -> complex:
 
 def longest(scheme: Scheme, growth: float) -> Sequence[float]:
     """omega h [rad] up to which an integrator leaves the shares `SHARES` of a growth."""
-    resolving_step = plain(resolution.resolving_step)
+    resolving_step = interpreted(resolution.resolving_step)
     return [resolving_step(scheme, root(growth), share) for share in SHARES]
 
 
 def hidden_rows() -> list[list[str]]:
     """A row an integrator: omega h for each growth, and how it damps what is unresolved."""
-    seen_growth = plain(resolution.seen_growth)
+    seen_growth = interpreted(resolution.seen_growth)
     rows = []
     for name, scheme in SCHEMES:
         limits = [" / ".join(map(_limit, longest(scheme, growth))) for growth in GROWTHS]

@@ -14,12 +14,12 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.schemes.family import chung_hulbert, wbz
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.figures import save
+from rotor_fmu.figure_style import save
 
 from .. import tolerances
 from ..false_state import cycles as false_state
 from ..false_state import one_axis
-from . import false_state_figures, figures
+from . import false_state_figures, survey_plots
 from .false_state_figures import free_growth, phase_limit
 from .findings import Findings, false_state_power, median, rebound_of, scheme_of, title_of
 from .grid import Row
@@ -38,10 +38,10 @@ def write_page(rows: Sequence[Row], out: Path) -> Path:
     folder = out / "figures"
     folder.mkdir(exist_ok=True)
     pictures = {
-        "error": figures.error(findings),
-        "false_state": figures.false_states(findings),
-        "bars": figures.bars(findings),
-        "ratchet": figures.ratchet(findings),
+        "error": survey_plots.error(findings),
+        "false_state": survey_plots.false_states(findings),
+        "bars": survey_plots.bars(findings),
+        "ratchet": survey_plots.ratchet(findings),
         "orbit": false_state_figures.orbits(),
         "power": false_state_figures.power(findings),
         "lasting": false_state_figures.lasting(findings),
@@ -94,15 +94,15 @@ def _error(findings: Findings, scheme: str, h: float) -> float | None:
 
 def safe_schemes(findings: Findings) -> list[str]:
     """Integrators of which no run-down, no impact and no planted cycle is in the false state."""
-    found = []
+    result = []
     for scheme in findings.schemes("rotor"):
         rows = findings.of("rotor", scheme=scheme)
         # a planted cycle may begin with a few steps in its state, but has to stay in it
         others = findings.of("bounce", scheme=scheme) + findings.of("planted", scheme=scheme)
         is_free = all(row["status"] == "ok" for row in rows)
         if is_free and not any(row.get("trapped", 0.0) > 0.0 for row in others):
-            found.append(scheme)
-    return found
+            result.append(scheme)
+    return result
 
 
 def _of_the_run_down(findings: Findings) -> dict[str, Any]:
@@ -336,8 +336,8 @@ def _bars_table(findings: Findings) -> str:
         cells = [title_of(scheme)]
         for h in steps:
             for case in ("no", "average-time"):
-                found = findings.of("bars", scheme=scheme, h=h, case=case)
-                cells.append(_bars_cell(found[0]) if found else "-")
+                result = findings.of("bars", scheme=scheme, h=h, case=case)
+                cells.append(_bars_cell(result[0]) if result else "-")
         rows.append(cells)
     return _table(head, rows)
 
@@ -360,8 +360,8 @@ def _ratchet_table(findings: Findings) -> str:
         cells = [title_of(scheme)]
         for case in ("no", "average-time"):
             for h in steps:
-                found = findings.of("ratchet", scheme=scheme, h=h, case=case)
-                cells.append(_ratchet_cell(found[0]) if found else "-")
+                result = findings.of("ratchet", scheme=scheme, h=h, case=case)
+                cells.append(_ratchet_cell(result[0]) if result else "-")
         rows.append(cells)
     return _table(head, rows)
 

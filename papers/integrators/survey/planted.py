@@ -30,15 +30,15 @@ def lasting_cycles(
 ) -> list[tuple[float, int, int, one_axis.Axis, false_state.Cycle]]:
     """The rig's lasting cycles at a step h [s], the one that bears most first: load that it bears
     [N], bearing, direction, axis, cycle."""
-    found = []
+    result = []
     for bearing in range(len(rig().bearings)):
         for direction in (one_axis.X, one_axis.Y):
             axis = one_axis.axis_of(rig(), bearing, direction)
             for cycle in false_state.cycles(axis, scheme, h):
                 bears = cycle.bears(axis)
                 if bears > 0.0 and cycle.is_stable:
-                    found.append((bears, bearing, direction, axis, cycle))
-    return sorted(found, key=lambda entry: -entry[0])
+                    result.append((bears, bearing, direction, axis, cycle))
+    return sorted(result, key=lambda entry: -entry[0])
 
 
 def planted(scheme: Scheme, h: float, case: int, folder: Path) -> Row:

@@ -132,14 +132,14 @@ def run_down(scheme: Scheme, h: float, case: int, folder: Path) -> Row:
 
 
 def _false_state(simulation: Simulation, trapped: np.ndarray) -> Row:
-    found: Row = {"trapped": float(trapped[-1]) / simulation.read("solver.steps")}
+    result: Row = {"trapped": float(trapped[-1]) / simulation.read("solver.steps")}
     if trapped[-1]:
         at = simulation.read("solver.trapped_at")
         last = _ends()[np.flatnonzero(np.diff(trapped, prepend=0.0))[-1]]
-        found["trapped_at"] = at
-        found["trapped_speed"] = RUN_DOWN_SPEED + RUN_DOWN_RATE * at
-        found["trapped_until"] = RUN_DOWN_SPEED + RUN_DOWN_RATE * float(last)
-    return found
+        result["trapped_at"] = at
+        result["trapped_speed"] = RUN_DOWN_SPEED + RUN_DOWN_RATE * at
+        result["trapped_until"] = RUN_DOWN_SPEED + RUN_DOWN_RATE * float(last)
+    return result
 
 
 def work_of(simulation: Simulation, begun: float) -> Row:

@@ -28,11 +28,11 @@ def file_digest(path: str) -> str:
 
 def closure(modules: tuple[str, ...]) -> dict[str, str]:
     """Sources of these modules and of all of this project's that they import, by name."""
-    found: dict[str, str] = {}
+    result: dict[str, str] = {}
     left = list(modules)
     while left:
         name = left.pop()
-        if name in found or name.split(".")[0] not in _OURS:
+        if name in result or name.split(".")[0] not in _OURS:
             continue
         try:
             spec = importlib.util.find_spec(name)
@@ -40,10 +40,10 @@ def closure(modules: tuple[str, ...]) -> dict[str, str]:
             spec = None
         if spec is None or spec.origin is None:  # a name of a module, not a module
             continue
-        found[name] = Path(spec.origin).read_text(encoding="utf-8")
+        result[name] = Path(spec.origin).read_text(encoding="utf-8")
         package = name if spec.submodule_search_locations else name.rpartition(".")[0]
-        left += _imported(found[name], package)
-    return found
+        left += _imported(result[name], package)
+    return result
 
 
 def _imported(text: str, package: str) -> list[str]:

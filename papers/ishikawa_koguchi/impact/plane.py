@@ -69,14 +69,14 @@ def solid(
 
 
 def _renumbered(matrix: object, order: np.ndarray) -> coo_matrix:
-    found = coo_matrix(matrix)
-    return coo_matrix((found.data, (order[found.row], order[found.col])), found.shape)
+    result = coo_matrix(matrix)
+    return coo_matrix((result.data, (order[result.row], order[result.col])), result.shape)
 
 
-def to_band(parts: list[coo_matrix], kept: np.ndarray | None = None) -> np.ndarray:
+def to_band(parts: list[coo_matrix], retained: np.ndarray | None = None) -> np.ndarray:
     """Band storage (see `band`) of matrices one after another on the diagonal.
 
-    kept: the unknowns that stay, in order, shape (n,); all by default.
+    retained: the unknowns that stay, in order, shape (n,); all by default.
     """
     rows, cols, data, at = [], [], [], 0
     for part in parts:
@@ -85,11 +85,11 @@ def to_band(parts: list[coo_matrix], kept: np.ndarray | None = None) -> np.ndarr
         data.append(part.data)
         at += part.shape[0]
     place = np.full(at, -1)
-    kept = np.arange(at) if kept is None else kept
-    place[kept] = np.arange(len(kept))
+    retained = np.arange(at) if retained is None else retained
+    place[retained] = np.arange(len(retained))
     i, j, value = place[np.concatenate(rows)], place[np.concatenate(cols)], np.concatenate(data)
     stays = (i >= j) & (j >= 0) & (value != 0)
     i, j, value = i[stays], j[stays], value[stays]
-    band = np.zeros((len(kept), int((i - j).max()) + 1))
+    band = np.zeros((len(retained), int((i - j).max()) + 1))
     np.add.at(band, (j, i - j), value)
     return band

@@ -47,17 +47,17 @@ def build(ratchet: Ratchet) -> Assembly:
     pawl, tooth, wheel, plate = ratchet.pawl, ratchet.tooth, ratchet.wheel, ratchet.plate
     size = 2 * len(plate.points)
     pin = 2 * plate.columns[0, pawl.elements[1] // 2]
-    kept = np.delete(np.arange(size + 1), [pin, pin + 1])
+    retained = np.delete(np.arange(size + 1), [pin, pin + 1])
     place = np.full(size + 1, -1)
-    place[kept] = np.arange(len(kept))
-    angle = len(kept) - 1
+    place[retained] = np.arange(len(retained))
+    angle = len(retained) - 1
     end = plate.columns[-1]
     bend = pawl.length - pawl.nose_length
     underside = plate.columns[plate.points[plate.columns[:, 0], 0] >= bend * (1 - 1e-9), 0]
 
     m = tooth.slope
     norm = math.hypot(1.0, m)
-    B = np.zeros((len(kept), len(underside) + len(end)))
+    B = np.zeros((len(retained), len(underside) + len(end)))
     for j, node in enumerate(underside):
         B[place[2 * node], j] = m / norm
         B[place[2 * node + 1], j] = 1 / norm
@@ -67,18 +67,18 @@ def build(ratchet: Ratchet) -> Assembly:
         B[angle, j] = wheel.radius
     opening = np.r_[np.full(len(underside), tooth.clearance), np.full(len(end), tooth.slip)]
 
-    force = np.zeros(len(kept))
+    force = np.zeros(len(retained))
     force[place[2 * end + 1]] = -pawl.force / len(end)
     force[angle] = -wheel.torque
     structure = Elastic(
-        to_band([plate.mass, coo_matrix([[wheel.inertia]])], kept),
-        to_band([plate.stiffness, coo_matrix((1, 1))], kept),
+        to_band([plate.mass, coo_matrix([[wheel.inertia]])], retained),
+        to_band([plate.stiffness, coo_matrix((1, 1))], retained),
         force,
         FlatStops(B, opening, np.zeros(len(opening))),
         energy_scale=ratchet.work,
     )
     nose = np.stack([place[2 * end], place[2 * end + 1]], axis=1)
-    return Assembly(structure, nose, kept[:-1])
+    return Assembly(structure, nose, retained[:-1])
 
 
 @dataclass(frozen=True)
@@ -191,5 +191,9 @@ def run_ratchet(
         return motion.q[-1], motion.v[-1], pawl_speed
 
     run = march(made.structure, scheme, start, dt, t_end, impact, observe, cap, progress)
-    kept = (np.array(shape_t), np.array(shape_angle), np.array(shapes).reshape(-1, count // 2, 2))
-    return RatchetRun(ratchet, run, *kept)
+    retained = (
+        np.array(shape_t),
+        np.array(shape_angle),
+        np.array(shapes).reshape(-1, count // 2, 2),
+    )
+    return RatchetRun(ratchet, run, *retained)

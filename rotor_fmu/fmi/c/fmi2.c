@@ -25,13 +25,13 @@ enum { CO_SIMULATION = 1, LAST_SUCCESSFUL_TIME = 2, TERMINATED_KIND = 3 };
     return ERROR
 #define M ((Instance *)c)
 
-static void tell(Instance *m, Status status, const char *category, const char *message)
+static void emit(Instance *m, Status status, const char *category, const char *message)
 {
     const fmi2CallbackFunctions *host = m->host;
     if (host && host->logger)
         host->logger(m->environment, m->name, status, category, "%s", message);
 }
-static const Skin SKIN = {tell, {"Real", "Integer", "Boolean"}};
+static const Skin SKIN = {emit, {"Real", "Integer", "Boolean"}};
 
 EXPORT const char *fmi2GetTypesPlatform(void)
 {
@@ -97,7 +97,7 @@ EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real current, fmi2Real size, f
 {
     (void)no_set;
     NEEDED(c);
-    return march(c, current, size);
+    return advance_to(c, current, size);
 }
 EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
 {

@@ -29,13 +29,13 @@ typedef void (*Callback)(void); /* those that are never called */
     if (!(c))                                                                                    \
     return ERROR
 
-static void tell(Instance *m, Status status, const char *category, const char *message)
+static void emit(Instance *m, Status status, const char *category, const char *message)
 {
     fmi3LogMessageCallback log = (fmi3LogMessageCallback)m->host;
     if (log)
         log(m->environment, status, category, message);
 }
-static const Skin SKIN = {tell, {"Float64", "Int32", "Boolean"}};
+static const Skin SKIN = {emit, {"Float64", "Int32", "Boolean"}};
 
 EXPORT const char *fmi3GetVersion(void)
 {
@@ -116,7 +116,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 si
 {
     NEEDED(c);
     const Instance *m = c;
-    Status status = march(c, current, size);
+    Status status = advance_to(c, current, size);
     int is_early = status == DISCARD && !m->is_whole;
     if (needs_event)
         *needs_event = false;

@@ -14,21 +14,21 @@ EXPORT int rotor_survey(uint8_t *block, double speed, int64_t is_start)
 {
     CALL(rotor_survey, block, speed, is_start);
 }
-EXPORT int rotor_look(uint8_t *block)
+EXPORT int rotor_refresh_outputs(uint8_t *block)
 {
-    CALL(rotor_look, block);
+    CALL(rotor_refresh_outputs, block);
 }
 
-typedef void (*Hear)(void *environment, int status, const char *message);
-static void hear(Instance *m, Status status, const char *category, const char *message)
+typedef void (*Receive)(void *environment, int status, const char *message);
+static void receive(Instance *m, Status status, const char *category, const char *message)
 {
     (void)category;
-    ((Hear)m->host)(m->environment, status, message);
+    ((Receive)m->host)(m->environment, status, message);
 }
-static const Skin SKIN = {hear, {"Real", "Integer", "Boolean"}};
+static const Skin SKIN = {receive, {"Real", "Integer", "Boolean"}};
 /* An instance that tells all to `told`; the rest of its life is FMI 2.0's functions. */
-EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Hear told,
+EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Receive receiver,
                                    void *environment)
 {
-    return create_of_table(name, table, size, 1, &SKIN, (void *)told, environment);
+    return create_of_table(name, table, size, 1, &SKIN, (void *)receiver, environment);
 }

@@ -79,7 +79,7 @@ enum { WARNINGS = 512 };
 typedef struct Instance Instance;
 /* A version of FMI: how its hosts are told, and what it calls the kinds of variables. */
 typedef struct {
-    void (*tell)(Instance *, Status, const char *category, const char *message);
+    void (*emit)(Instance *, Status, const char *category, const char *message);
     const char *kinds[3];
 } Skin;
 struct Instance {
@@ -117,7 +117,7 @@ Status enter(Instance *);
 Status leave_initialization(Instance *);
 Status terminate(Instance *);
 /* DISCARD where the step has ended early: at state->now, or, is_whole, where it began. */
-Status march(Instance *, double current, double size);
+Status advance_to(Instance *, double current, double size);
 Status set_slopes(Instance *, const uint32_t *references, size_t count, const int *orders,
                   const double *values);
 

@@ -5,14 +5,14 @@
 #include <stdint.h>
 
 enum { BROKEN = 1 << 20 };
-enum { UNFINISHED = 3 }; /* of rotor_advance (`model/march/march.py`) */
+enum { UNFINISHED = 3 }; /* of rotor_advance (`model/time_loop/time_loop.py`) */
 
-int32_t rotor_settle_kernel(int64_t *, void **, uint8_t *, double *, double *);
-int32_t rotor_doubt_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);
+int32_t rotor_resolve_settings_kernel(int64_t *, void **, uint8_t *, double *, double *);
+int32_t rotor_settings_warning_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);
 int32_t rotor_start_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_advance_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_survey_kernel(int64_t *, void **, uint8_t *, double, int64_t);
-int32_t rotor_look_kernel(int64_t *, void **, uint8_t *);
+int32_t rotor_refresh_outputs_kernel(int64_t *, void **, uint8_t *);
 int32_t rotor_no_rest_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
 int32_t rotor_growth_kernel(int64_t *, void **, uint8_t *, double *);
 int32_t rotor_unstable_kernel(int64_t *, void **, uint8_t *, double *);
@@ -25,38 +25,38 @@ int32_t rotor_outcome_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
     void *exception = 0;                                                                         \
     return NAME##_kernel(&code, &exception, __VA_ARGS__) ? BROKEN : (int)code
 
-static inline int rotor_settle(uint8_t *block, double *given, double *told)
+static inline int rotor_resolve_settings(uint8_t *block, double *given, double *arguments)
 {
-    CALL(rotor_settle, block, given, told);
+    CALL(rotor_resolve_settings, block, given, arguments);
 }
-static inline int rotor_doubt(uint8_t *block, double *given, double *own, double *told, int64_t slot)
+static inline int rotor_settings_warning(uint8_t *block, double *given, double *own, double *arguments, int64_t slot)
 {
-    CALL(rotor_doubt, block, given, own, told, slot);
+    CALL(rotor_settings_warning, block, given, own, arguments, slot);
 }
-static inline int rotor_no_rest(uint8_t *block, int status, double *told)
+static inline int rotor_no_rest(uint8_t *block, int status, double *arguments)
 {
-    CALL(rotor_no_rest, block, status, told);
+    CALL(rotor_no_rest, block, status, arguments);
 }
-static inline int rotor_growth(uint8_t *block, double *told)
+static inline int rotor_growth(uint8_t *block, double *arguments)
 {
-    CALL(rotor_growth, block, told);
+    CALL(rotor_growth, block, arguments);
 }
-static inline int rotor_unstable(uint8_t *block, double *told)
+static inline int rotor_unstable(uint8_t *block, double *arguments)
 {
-    CALL(rotor_unstable, block, told);
+    CALL(rotor_unstable, block, arguments);
 }
-static inline int rotor_hidden(uint8_t *block, double *told)
+static inline int rotor_hidden(uint8_t *block, double *arguments)
 {
-    CALL(rotor_hidden, block, told);
+    CALL(rotor_hidden, block, arguments);
 }
-static inline int rotor_outcome(uint8_t *block, int status, double *told)
+static inline int rotor_outcome(uint8_t *block, int status, double *arguments)
 {
-    CALL(rotor_outcome, block, status, told);
+    CALL(rotor_outcome, block, status, arguments);
 }
 
 /* Of a run, exported too (`model/kernels/library.py`). */
 int rotor_start(uint8_t *block, double speed, double drive, double rate);
 int rotor_advance(uint8_t *block, double t, double drive, double rate);
 int rotor_survey(uint8_t *block, double speed, int64_t is_start);
-int rotor_look(uint8_t *block);
+int rotor_refresh_outputs(uint8_t *block);
 #endif

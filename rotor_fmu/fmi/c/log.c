@@ -12,7 +12,7 @@ const char *const CATEGORIES[CATEGORY_COUNT] = {"logAll",          "logStatusWar
                                                 "logStatusFatal",   "logStatusPending"};
 
 /* Errors and warnings go to standard error too, since hosts drop them unless logging is on. */
-static void told(Instance *m, Status status, char *message)
+static void log_message(Instance *m, Status status, char *message)
 {
     static const char *const LEVELS[] = {"note", "warning", "discard", "error"};
     const char *level = LEVELS[status];
@@ -23,21 +23,21 @@ static void told(Instance *m, Status status, char *message)
     fprintf(stderr, "%s: %s: %s\n", m->name, level, message);
     fflush(stderr);
     if (m->categories & (1u | 1u << category))
-        m->skin->tell(m, status, CATEGORIES[category], message);
+        m->skin->emit(m, status, CATEGORIES[category], message);
 }
 
-static void vtold(Instance *m, Status status, const char *format, va_list arguments)
+static void vlog_message(Instance *m, Status status, const char *format, va_list arguments)
 {
     char message[LONGEST];
     vsnprintf(message, sizeof message, format, arguments);
-    told(m, status, message);
+    log_message(m, status, message);
 }
 
 Status refuse(Instance *m, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vtold(m, ERROR, format, arguments);
+    vlog_message(m, ERROR, format, arguments);
     va_end(arguments);
     return ERROR;
 }
@@ -46,7 +46,7 @@ void warn_of(Instance *m, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    vtold(m, WARNING, format, arguments);
+    vlog_message(m, WARNING, format, arguments);
     va_end(arguments);
 }
 
@@ -97,19 +97,19 @@ void spell(char *out, const char *pattern, const double *numbers)
     }
 }
 
-Status tell_plainly(Instance *m, Status status, const char *text)
+Status log_text(Instance *m, Status status, const char *text)
 {
     char message[LONGEST] = "";
     add(message, text);
-    told(m, status, message);
+    log_message(m, status, message);
     return status;
 }
 
-Status say(Instance *m, Status status, const char *pattern, const double *numbers)
+Status log_sentence(Instance *m, Status status, const char *pattern, const double *numbers)
 {
     char message[LONGEST];
     spell(message, pattern, numbers);
-    told(m, status, message);
+    log_message(m, status, message);
     return status;
 }
 
@@ -130,7 +130,7 @@ void warn(Instance *m, int code, const double *numbers)
     m->warned[code % WARNINGS] = 1;
     spell(message, sentence(m->table, code), numbers);
     add_start(m, message);
-    told(m, WARNING, message);
+    log_message(m, WARNING, message);
 }
 
 Status choose_categories(Instance *m, int is_on, size_t count, const char *const *names)

@@ -35,11 +35,11 @@ static Status check_machine(Instance *m)
     }
     for (int64_t i = 0; i < t->needs; i++, need++)
         if (m->values[need->variable] > 0 && m->values[need->other] == 0)
-            return say(m, ERROR, text(t, need->sentence), &m->values[need->variable]);
+            return log_sentence(m, ERROR, text(t, need->sentence), &m->values[need->variable]);
     return OK;
 }
 
-static Status settle(Instance *m)
+static Status resolve_settings(Instance *m)
 {
     const Table *t = m->table;
     double given[MOST_SETTINGS] = {0}, own[MOST_SETTINGS] = {0}, numbers[TOLD] = {0};
@@ -51,13 +51,13 @@ static Status settle(Instance *m)
     memcpy(given, own, sizeof given);
     if (m->state->has_tolerance && isnan(given[t->tolerance_at]))
         given[t->tolerance_at] = m->state->tolerance;
-    int code = rotor_settle(m->block, given, numbers);
+    int code = rotor_resolve_settings(m->block, given, numbers);
     if (code >= t->sentences)
         return refuse(m, "internal error in the solver's settings");
     if (code)
-        return say(m, ERROR, sentence(t, code), numbers);
+        return log_sentence(m, ERROR, sentence(t, code), numbers);
     for (int64_t slot = 0; slot < t->settings; slot++)
-        if ((code = rotor_doubt(m->block, given, own, numbers, slot)) != 0)
+        if ((code = rotor_settings_warning(m->block, given, own, numbers, slot)) != 0)
             warn(m, code, numbers);
     return OK;
 }
@@ -122,7 +122,7 @@ Status build(Instance *m)
         else
             *(double *)(m->block + write->place) = value;
     }
-    if (settle(m))
+    if (resolve_settings(m))
         return ERROR;
     *(int64_t *)(m->block + t->is_free_at) = t->is_free;
     for (int64_t i = 0; i < t->observed_at; i++) {
@@ -141,7 +141,7 @@ Status build(Instance *m)
     if (code >= t->sentences)
         return refuse(m, "internal error at the start");
     if (code)
-        return say(m, ERROR, sentence(t, code), numbers);
+        return log_sentence(m, ERROR, sentence(t, code), numbers);
     warn_beyond_tables(m);
     survey(m, 1);
     m->state->is_built = 1;
@@ -198,7 +198,7 @@ static Status stop_early(Instance *m, const char *why)
         forget_slopes(m);
         snprintf(s->failure, sizeof s->failure, "%s", why);
     }
-    return tell_plainly(m, DISCARD, why);
+    return log_text(m, DISCARD, why);
 }
 
 static Status fail(Instance *m, const char *why)
@@ -208,7 +208,7 @@ static Status fail(Instance *m, const char *why)
     return refuse(m, "%s", m->state->failure);
 }
 
-Status march(Instance *m, double current, double size)
+Status advance_to(Instance *m, double current, double size)
 {
     State *s = m->state;
     const Table *t = m->table;

@@ -55,7 +55,7 @@ Status give_state(Instance *m, const void *state)
         /* what is scratch in the block has to be there too */
         memcpy(m->block, (const char *)t + t->first_block, (size_t)t->block);
         memcpy(m->block, run_in(m, m->state), (size_t)t->state_bytes);
-        if (rotor_look(m->block))
+        if (rotor_refresh_outputs(m->block))
             return refuse(m, "internal error");
     }
     return OK;

@@ -66,7 +66,7 @@ def documents(
     related = related_files(rotor, name)
     pages = files(__package__).joinpath("pages")
     carried = ("rotor-fmu", "pythonfmu") if needs_python else ("rotor-fmu",)
-    found = {
+    result = {
         # where FMI 3.0 wants it, and FMI 2.0
         "terminalsAndIcons/icon.png" if fmi == 3 else "model.png": picture,
         "documentation/model.png": picture,
@@ -76,10 +76,10 @@ def documents(
         **related,
     }
     if rotor == rig():
-        found["documentation/run_down.png"] = pages.joinpath("run_down.png").read_bytes()
+        result["documentation/run_down.png"] = pages.joinpath("run_down.png").read_bytes()
     if needs_python:
-        found["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
-    return found
+        result["documentation/externalDependencies.txt"] = _DEPENDENCIES.encode()
+    return result
 
 
 def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int) -> str:
@@ -107,10 +107,10 @@ def _licence(of: str) -> bytes:
     """The licence of an installed distribution."""
     from importlib.metadata import distribution
 
-    found = next(
+    result = next(
         file for file in distribution(of).files or () if file.name.upper().startswith("LICEN")
     )
-    return Path(str(found.locate())).read_bytes()
+    return Path(str(result.locate())).read_bytes()
 
 
 def terminals(table: Sequence[Variable]) -> bytes:

@@ -10,7 +10,7 @@ from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor, rig_toml
 from ..description import TIME, Described, description, guid
 from ..interface import interface
-from ..machine_table import FILE, Face, table_bytes
+from ..machine_table import FILE, FmuInterface, table_bytes
 from ..solver_parameters import REDUCTION
 from ..variables import Variable
 from .archive import DESCRIPTION, xml_bytes
@@ -52,10 +52,10 @@ def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]
     content = f"{of.identifier} {fmi} {core} {machine.toml}"
     of = replace(of, guid=guid(machine.table, content))
     known = machine.table if fmi == 2 else (*machine.table, TIME)
-    face = Face(machine.rotor, known, machine.is_free)
+    fmu_interface = FmuInterface(machine.rotor, known, machine.is_free)
     return {
         **documents(machine.rotor, machine.table, of.identifier, of.needs_python, fmi),
         DESCRIPTION: xml_bytes(description(of, machine.table, fmi)),
-        f"resources/{FILE}": table_bytes(face, core, of.guid),
+        f"resources/{FILE}": table_bytes(fmu_interface, core, of.guid),
         ROTOR_FILE: machine.toml.encode(),
     }

@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.ticker import FuncFormatter
 
-from ...figures import PlainFigure
+from ...figure_style import PlainFigure
 from ...model.machine.rotor import Rotor
-from ...model.protocol.part import Shape
+from ...model.parts.base import Shape
 
 _LABEL = "#555555"
 _LINE = 0.035  # height of a line of names, of the machine's size

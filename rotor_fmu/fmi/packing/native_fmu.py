@@ -39,11 +39,11 @@ def build_native(
 
 
 def _binaries(platforms: Sequence[Platform], name: str, fmi: int) -> dict[str, bytes]:
-    found = {platform: library(platform).read_bytes() for platform in platforms}
+    result = {platform: library(platform).read_bytes() for platform in platforms}
     intel, arm = PLATFORMS["darwin64"], PLATFORMS["aarch64-darwin"]
-    if fmi == 2 and intel in found and arm in found:
-        found[intel] = universal(found[intel], found[arm])
+    if fmi == 2 and intel in result and arm in result:
+        result[intel] = universal(result[intel], result[arm])
     return {
         f"binaries/{platform.fmi3 if fmi == 3 else platform.fmi2}/{name}{platform.suffix}": data
-        for platform, data in found.items()
+        for platform, data in result.items()
     }

@@ -38,8 +38,8 @@ class CallFailed(RuntimeError):
 
 
 @ctypes.CFUNCTYPE(None, ctypes.py_object, c_int, c_char_p)
-def _hear(heard: list[tuple[int, str]], status: int, message: bytes) -> None:
-    heard.append((status, message.decode(errors="replace")))
+def _hear(received: list[tuple[int, str]], status: int, message: bytes) -> None:
+    received.append((status, message.decode(errors="replace")))
 
 
 def _loaded() -> Any:
@@ -133,9 +133,9 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             return
         if isinstance(_LIBRARY, str):
             raise CallFailed(self._print(_LIBRARY))
-        told = _hear, id(self._heard)
+        listener = _hear, id(self._heard)
         name = self.instance_name.encode()
-        self._instance = _LIBRARY.rotor_instantiate(name, self._table, len(self._table), *told)
+        self._instance = _LIBRARY.rotor_instantiate(name, self._table, len(self._table), *listener)
         if not self._instance:
             raise CallFailed(self._heard[-1][1] if self._heard else "out of memory")
 
@@ -147,16 +147,16 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     def _call(self, function: Callable[..., int], *arguments: object) -> None:
         """Let the library carry out a call."""
         if function(self._instance, *arguments) or self._heard:
-            self._tell()
+            self._log()
 
-    def _tell(self, worst: int = _WARNING) -> None:
+    def _log(self, worst: int = _WARNING) -> None:
         """Hand over what the library told during a call; raises `CallFailed` if it failed, its
         status being above `worst`."""
-        heard = self._heard[:]
+        received = self._heard[:]
         self._heard.clear()
-        if not heard or heard[-1][0] > worst:
-            raise CallFailed(heard[-1][1] if heard else "internal error")
-        for level, sentence in heard:
+        if not received or received[-1][0] > worst:
+            raise CallFailed(received[-1][1] if received else "internal error")
+        for level, sentence in received:
             self.log(sentence, Fmi2Status(level))
 
     def _failed(self, error: BaseException) -> CallFailed:
@@ -220,7 +220,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         try:
             status = _LIBRARY.fmi2DoStep(self._instance, current_time, step_size, 0)
             if status or self._heard:
-                self._tell(_DISCARD if self._is_kept else _WARNING)
+                self._log(_DISCARD if self._is_kept else _WARNING)
             if status == _DISCARD:
                 return False
             self._is_kept = False
@@ -282,7 +282,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         try:
             room = self._rooms.get(tuple(vrs)) or self._reals(vrs)
             if _LIBRARY.fmi2GetReal(self._instance, *room.place) or self._heard:
-                self._tell()
+                self._log()
             return room.values.tolist()
         except BaseException as error:
             raise self._failed(error) from None
@@ -293,7 +293,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             room = self._rooms.get(tuple(vrs)) or self._reals(vrs)
             room.fill(room.values, 0, *values)
             if _LIBRARY.fmi2SetReal(self._instance, *room.place) or self._heard:
-                self._tell()
+                self._log()
         except BaseException as error:
             raise self._failed(error) from None
 

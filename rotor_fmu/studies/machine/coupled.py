@@ -29,10 +29,10 @@ from ...model.spelling import Message
 from ...runs.recording import Recording
 from ...status import FAILED, messages_and_codes, status_of
 from ..study import Result
-from .driving import Drive
-from .keeping import cells
+from .metrics import cells
+from .monitor import Samples, Window
+from .run_excitation import Excitation
 from .runs import RUN, MachineRuns, machine_of
-from .watch import Samples, Window
 
 if TYPE_CHECKING:
     from ...cosimulation.coupling import Coupling
@@ -89,8 +89,8 @@ class CoupledRuns(MachineRuns):
         try:
             with self._coupled(values, self._needs(False)) as (rows, how, messages):
                 window = _window(list(rows), self._needs(False))
-                kept = {keep.name: cells(keep, [window], how) for keep in self.keeps}
-                return Result(status_of(messages), kept)
+                row_cells = {metric.name: cells(metric, [window], how) for metric in self.metrics}
+                return Result(status_of(messages), row_cells)
         except (InputError, RunFailed) as error:
             return Result(f"{FAILED}{error}", {})
 
@@ -100,8 +100,8 @@ class CoupledRuns(MachineRuns):
 
         machine, units = machine_of(self.toml, False), self.units
         of_drive = (name for name in units if name.startswith(DRIVE))
-        wished = ("phi", "w", *usual(machine.rotor), *self._needs(False), *of_drive)
-        names = tuple(dict.fromkeys(name for name in wished if name in units))
+        proposed = ("phi", "w", *usual(machine.rotor), *self._needs(False), *of_drive)
+        names = tuple(dict.fromkeys(name for name in proposed if name in units))
         seen: list[tuple[float, ...]] = []
         messages: list[Message] = []
         failure = None
@@ -124,7 +124,7 @@ class CoupledRuns(MachineRuns):
     @contextmanager
     def _coupled(
         self, values: Mapping[str, float], names: Sequence[str]
-    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Drive, list[Message]]]:
+    ) -> Iterator[tuple[Iterator[tuple[float, ...]], Excitation, list[Message]]]:
         """Two FMUs that are ready to run: the points of the run, each its time and what is named;
         how it is driven; and what they have said."""
         from ...cosimulation.master import points
@@ -171,14 +171,14 @@ def fmus(toml: str) -> tuple[Path, Path]:
     from ...runs.job import fmu_in
 
     key = sha256(f"{package_name()} {toml}".encode()).hexdigest()[:16]
-    kept = user_cache() / "coupled"
-    home = kept / key
-    for folder in (user_cache(), kept, home):
+    row_cells = user_cache() / "coupled"
+    home = row_cells / key
+    for folder in (user_cache(), row_cells, home):
         private_folder(folder)
     with optional("filelock", "study", "study").FileLock(home / "lock"):
         built = _extracted(drive_train().build(home)), _extracted(fmu_in(home, toml))
         os.utime(home)
-    by_age = sorted(kept.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
+    by_age = sorted(row_cells.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_MACHINES:]:
         shutil.rmtree(old, ignore_errors=True)
     return built

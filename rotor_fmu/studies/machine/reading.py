@@ -16,11 +16,11 @@ from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole
 from ..study import Column
-from ..tables import Tables, known_name, nearest, table_of
+from ..study_tables import Tables, known_name, nearest, table_of
 from .coupled import CoupledRuns
-from .driving import COUPLED, FREE, KINDS, WHOLE, Drive, Kick, check_numbers
-from .keeping import KINDS as KEPT
-from .keeping import WAYS, Keep, check, column
+from .metrics import KINDS as METRIC_DEFAULTS
+from .metrics import WAYS, Metric, check, column
+from .run_excitation import COUPLED, FREE, KINDS, WHOLE, Excitation, Kick, check_numbers
 from .runs import RUN, VERIFICATION, Machine, MachineRuns, machine_of
 
 
@@ -83,9 +83,9 @@ def _value(where: str, variable: Variable, value: object) -> float:
     return given
 
 
-def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Drive:
+def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Excitation:
     kick, file = run.pop("kick", None), run.pop("file", None)
-    numbers = {name: told.default for name, told in KINDS[kind].items()}
+    numbers = {name: identity.default for name, identity in KINDS[kind].items()}
     for name, value in run.items():
         known_name(f"run {kind}:", name, numbers)
         numbers[name] = number(f"run.{name}", value)
@@ -104,7 +104,7 @@ def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Dr
         zeros = 0.0 * signals.t
         named = {name: zeros for pair in loads for name in pair}
         signals = type(signals)(signals.t, named | dict(signals.values))
-    return Drive(kind, given, signals, _kick(kick, loads), loads)
+    return Excitation(kind, given, signals, _kick(kick, loads), loads)
 
 
 def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
@@ -126,18 +126,18 @@ def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> Mac
     machine = machine_of(runs.toml, runs.is_free)
     units = runs.units
     varied = {target for axis in axes for target in axis.targets}
-    keeps, columns = [], []
+    metrics, columns = [], []
     table = table_of(tables, "keep")
     if not table:
         raise InputError("[keep] is empty; a study keeps something")
     for name, given in table.items():
-        keep = _keep(name, given, units, machine, runs.how)
+        metric = _metric(name, given, units, machine, runs.how)
         moved = bool(varied & {f"{RUN}from", f"{RUN}to"})
         if varied & {f"{RUN}turns", f"{RUN}count", f"{RUN}back", f"{RUN}measure"}:
             raise InputError("vary: what decides the length of lists cannot be varied")
-        keeps.append(keep)
-        unit = units.get(keep.of, units.get(f"{keep.of.removesuffix('.r')}.x", "1"))
-        columns.append(column(keep, unit, runs.how, moved))
+        metrics.append(metric)
+        unit = units.get(metric.of, units.get(f"{metric.of.removesuffix('.r')}.x", "1"))
+        columns.append(column(metric, unit, runs.how, moved))
     is_verified = tables.get("verify", False)
     if not isinstance(is_verified, bool):
         raise InputError(f"verify = {is_verified!r}: must be true or false")
@@ -146,16 +146,18 @@ def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> Mac
             raise InputError(f"verify: not of runs of the kind {COUPLED}")
         text = "largest difference of what is kept from the same run, finer"
         columns.append(Column(VERIFICATION, "1", text))
-    return replace(runs, keeps=tuple(keeps), columns=tuple(columns), is_verified=is_verified)
+    return replace(runs, metrics=tuple(metrics), columns=tuple(columns), is_verified=is_verified)
 
 
-def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, how: Drive) -> Keep:
+def _metric(
+    name: str, given: object, units: Mapping[str, str], machine: Machine, how: Excitation
+) -> Metric:
     where = f"keep {name}"
     if not isinstance(given, dict):
         raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
-    kinds = [key for key in given if key in KEPT and key != "passing"]
+    kinds = [key for key in given if key in METRIC_DEFAULTS and key != "passing"]
     if not kinds and given:
-        known_name(where + ":", next(iter(given)), KEPT)
+        known_name(where + ":", next(iter(given)), METRIC_DEFAULTS)
     kind = kinds[0] if kinds else ""
     # `order = 1, of = OUTPUT`, and likewise of others whose own word is a number or a list
     if "of" in given:
@@ -163,30 +165,30 @@ def _keep(name: str, given: object, units: Mapping[str, str], machine: Machine, 
     elif kind:
         of = given[kind]
     else:
-        raise InputError(f"{where}: must have one of {', '.join(KEPT)}")
-    told = KEPT[kind]
+        raise InputError(f"{where}: must have one of {', '.join(METRIC_DEFAULTS)}")
+    identity = METRIC_DEFAULTS[kind]
     options = {key: value for key, value in given.items() if key not in (kind, "of")}
     if kind == "order":  # the order itself, unless a speed is to be passed
         kind = "passing" if "speed" in given else kind
-        told = KEPT[kind]
+        identity = METRIC_DEFAULTS[kind]
         options["order"] = given["order"]
     for key in options:
-        known_name(where + ":", key, (*told.needed, *told.optional))
-    for key in told.needed:
+        known_name(where + ":", key, (*identity.needed, *identity.optional))
+    for key in identity.needed:
         if key not in options:
             raise InputError(f"{where}: {kind} needs {key}")
     if not isinstance(of, str):
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
     checked = {key: _option(where, key, value) for key, value in options.items()}
     scale = _radius(machine, of) if kind == "dissipated" else 0.0
-    keep = Keep(name, kind, of, tuple(checked.items()), scale)
-    check(keep, how)
-    for need in keep.needs:
+    metric = Metric(name, kind, of, tuple(checked.items()), scale)
+    check(metric, how)
+    for need in metric.needs:
         if need not in units:
             parts = {n.rpartition(".")[0] for n in units if "." in n}
             choice = parts if need.startswith(f"{of}.") else {*units, *(f"{p}.r" for p in parts)}
             raise InputError(f"{where}: {of}: unknown name; {nearest(of, choice)}")
-    return keep
+    return metric
 
 
 def _option(where: str, key: str, value: object) -> Any:
@@ -221,8 +223,8 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
             for value in axis.values:
                 if target.startswith(RUN):
                     how = runs.how.changed({target.removeprefix(RUN): value})
-                    for keep in runs.keeps:
-                        check(keep, how)
+                    for metric in runs.metrics:
+                        check(metric, how)
                 else:
                     _value(f"vary {axis.name}", _settable(machine, target), value)
             own = target.removeprefix(RUN)

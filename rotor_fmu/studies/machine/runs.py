@@ -17,18 +17,18 @@ from ...fmi.interface import interface
 from ...fmi.variables import Variable
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor
-from ...model.march.tape import Record, recordable
 from ...model.quantities import QuantityError
 from ...model.settings import Settings, SettingsError
 from ...model.simulation import EquilibriumError, Simulation, StepFailure
 from ...model.spelling import Message
+from ...model.time_loop.recorder import Record, recordable
 from ...runs.recording import Recording
 from ...runs.verification import NOT_CONFIRMED_CODE, allowed, finer
 from ...status import FAILED, messages_and_codes, status_of, with_doubt
 from ..study import Cell, Column, Result
-from .driving import FREE, Drive, drive
-from .keeping import KINDS, Keep, cells
-from .watch import TAPE_ROWS, Watch
+from .metrics import KINDS, Metric, cells
+from .monitor import RECORDER_ROWS, Monitor
+from .run_excitation import FREE, Excitation, excite
 
 RUN = "run."
 VERIFICATION = "verification"  # the column of a study whose runs are verified
@@ -57,8 +57,8 @@ class MachineRuns:
 
     toml: str
     values: Mapping[str, float]
-    how: Drive
-    keeps: tuple[Keep, ...]
+    how: Excitation
+    metrics: tuple[Metric, ...]
     columns: tuple[Column, ...] = field(default=())
     is_verified: bool = False
 
@@ -82,10 +82,18 @@ class MachineRuns:
             columns = {name: value.tolist() for name, value in how.signals.values.items()}
             signals = [how.signals.t.tolist(), columns]
         kick = None if how.kick is None else vars(how.kick)
-        keeps = [[k.name, k.kind, k.of, k.options, k.scale] for k in self.keeps]
-        told = [self.toml, dict(self.values), how.kind, dict(how.numbers), signals, kick, keeps]
-        told += [VERIFICATION] if self.is_verified else []
-        return json.dumps(told, sort_keys=True)
+        metrics = [[k.name, k.kind, k.of, k.options, k.scale] for k in self.metrics]
+        identity = [
+            self.toml,
+            dict(self.values),
+            how.kind,
+            dict(how.numbers),
+            signals,
+            kick,
+            metrics,
+        ]
+        identity += [VERIFICATION] if self.is_verified else []
+        return json.dumps(identity, sort_keys=True)
 
     def warm(self) -> None:
         """Compile what runs need, or load it, by a start and a short step."""
@@ -117,14 +125,14 @@ class MachineRuns:
             messages: list[Message] = []
             how, simulation = self._prepared(values, messages, self._needs(False))
             settings = simulation.settings
-            watch = Watch(simulation, self._needs(False), self._needs(True))
-            windows = list(drive(simulation, how, watch))
+            monitor = Monitor(simulation, self._needs(False), self._needs(True))
+            windows = list(excite(simulation, how, monitor))
         except StepFailure as error:
             return Result(f"{FAILED}{error}", {}), settings
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
             return Result(f"{FAILED}{error}", {}), settings
-        kept = {keep.name: cells(keep, windows, how) for keep in self.keeps}
-        return Result(status_of(messages), kept), settings
+        row_cells = {metric.name: cells(metric, windows, how) for metric in self.metrics}
+        return Result(status_of(messages), row_cells), settings
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """One run at its own steps, as far as it comes; the same run as its row's."""
@@ -135,13 +143,13 @@ class MachineRuns:
         names = tuple(dict.fromkeys(names))
         messages: list[Message] = []
         how, simulation = self._prepared(values, messages, names)
-        watch, failure = Watch(simulation, names, is_whole=True), None
+        monitor, failure = Monitor(simulation, names, is_whole=True), None
         try:
-            for _ in drive(simulation, how, watch):
+            for _ in excite(simulation, how, monitor):
                 pass
         except StepFailure as error:
             failure = str(error)
-        seen = watch.window().steps
+        seen = monitor.window().steps
         units = {str(entry.name): entry.output.unit for entry in recordable(machine.rotor)}
         about = {
             "machine": machine.rotor.name,
@@ -155,20 +163,20 @@ class MachineRuns:
 
     def _needs(self, by_turns: bool) -> tuple[str, ...]:
         """The outputs that are kept of, at the solver's steps or by turns at equal angles."""
-        chosen = (keep for keep in self.keeps if KINDS[keep.kind].in_turns == by_turns)
-        return tuple(dict.fromkeys(name for keep in chosen for name in keep.needs))
+        chosen = (metric for metric in self.metrics if KINDS[metric.kind].in_turns == by_turns)
+        return tuple(dict.fromkeys(name for metric in chosen for name in metric.needs))
 
     def _prepared(
         self, values: Mapping[str, float], messages: list[Message], recorded: Sequence[str]
-    ) -> tuple[Drive, Simulation]:
+    ) -> tuple[Excitation, Simulation]:
         own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
         of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
         how = self.how.changed(own)
         machine = machine_of(self.toml, self.is_free)
         everything = {**machine.start, **how.start, **self.values, **of_machine}
-        tape = Record(recorded, 0.0, TAPE_ROWS)
+        recorder = Record(recorded, 0.0, RECORDER_ROWS)
         return how, build_simulation(
-            machine.rotor, machine.table, everything, messages.append, record=tape
+            machine.rotor, machine.table, everything, messages.append, record=recorder
         )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rotor_fmu.model.refusal import Refusal
+from rotor_fmu.model.errors import UserInputError
 
 
-class ImpactError(Refusal, ValueError):
+class ImpactError(UserInputError, ValueError):
     """An experiment that cannot be; names the thing, its value and what is allowed."""

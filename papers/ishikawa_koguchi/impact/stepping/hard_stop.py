@@ -8,7 +8,7 @@ accelerations after it.
 from __future__ import annotations
 
 import numpy as np
-from rotor_fmu.model.kernels.compiled import compiled
+from rotor_fmu.model.kernels.jit import jit
 from rotor_fmu.model.step.interface_problem import solve_dense
 
 from .contacts import Contacts, RoundStops
@@ -33,7 +33,7 @@ def complementarity(A: np.ndarray, b: np.ndarray, is_active: np.ndarray) -> tupl
     return np.maximum(z, 0.0), is_found
 
 
-@compiled
+@jit
 def _solve_active(A, b, is_active, z, w, x, part, index):
     """z of the active set, w = A z + b of the others; False if the set's matrix is singular."""
     m = len(b)
@@ -60,14 +60,14 @@ def _solve_active(A, b, is_active, z, w, x, part, index):
     return True
 
 
-@compiled
+@jit
 def _is_wrong(A, is_active, z, w, i, scale):
     if is_active[i]:
         return z[i] * A[i, i] < -_ROUNDING * scale
     return w[i] < -_ROUNDING * scale
 
 
-@compiled
+@jit
 def _pivot(A, b, is_active, z, w, x, part, index):
     """`complementarity` with its scratch; False if no solution was found."""
     m = len(b)

@@ -63,10 +63,10 @@ def compatible_accelerations(stepper, state, motion: Instant) -> Instant:
 def pushing(here, state, rates: np.ndarray, loose: float) -> np.ndarray:
     """Impulses or forces on the closed contacts, none of them pulling, that leave no negative rate
     of theirs; contacts whose rate is above `loose` then open."""
-    found = np.zeros(len(rates))
+    result = np.zeros(len(rates))
     closed = np.flatnonzero(state.closed)
     part = here.flexibility[np.ix_(closed, closed)]
-    found[closed], _ = complementarity(part, rates[closed], np.ones(len(closed), dtype=bool))
-    after = rates + here.flexibility @ found
-    state.closed = state.closed & ((found > 0) | (after <= loose))
-    return found
+    result[closed], _ = complementarity(part, rates[closed], np.ones(len(closed), dtype=bool))
+    after = rates + here.flexibility @ result
+    state.closed = state.closed & ((result > 0) | (after <= loose))
+    return result

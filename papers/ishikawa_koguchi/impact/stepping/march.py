@@ -94,29 +94,29 @@ def march(
         raise ImpactError(f"impact = {impact}: needs hard contacts, a penalty law has no impulse")
     stepper = Stepper(structure, scheme)
     state = _at_start(stepper, start)
-    kept: list[tuple] = []
-    _keep(kept, structure, observe, state.motion)
+    retained: list[tuple] = []
+    _keep(retained, structure, observe, state.motion)
     status = "done"
     tiny = 0.5 * RESTART * dt
     while state.motion.t < t_end - tiny and status == "done":
-        if len(kept) > cap:
+        if len(retained) > cap:
             status = f"gave up after {cap} increments at t = {state.motion.t:.6g} s"
             break
         k = math.floor((state.motion.t - start.t + tiny) / dt) + 1
         target = min(start.t + k * dt, t_end)
         try:
-            for motion in _INCREMENT[impact](stepper, state, dt, target, len(kept), cap):
-                energy = _keep(kept, structure, observe, motion)
+            for motion in _INCREMENT[impact](stepper, state, dt, target, len(retained), cap):
+                energy = _keep(retained, structure, observe, motion)
                 if not abs(energy) <= _EXPLOSION * structure.energy_scale:
                     status = (
-                        f"diverged at t = {motion.t:.6g} s, increment {len(kept) - 1}, "
+                        f"diverged at t = {motion.t:.6g} s, increment {len(retained) - 1}, "
                         f"energy {energy:.4g} J (the system's: {structure.energy_scale:.4g} J)"
                     )
                     break
         except ArithmeticError as error:
-            status = f"stopped at t = {state.motion.t:.6g} s, increment {len(kept)}: {error}"
+            status = f"stopped at t = {state.motion.t:.6g} s, increment {len(retained)}: {error}"
         progress(state.motion.t)
-    t, seen, force, energies = (np.array(column) for column in zip(*kept, strict=True))
+    t, seen, force, energies = (np.array(column) for column in zip(*retained, strict=True))
     return Run(t, seen, force, energies, state.log, state.cutbacks, state.solves, status)
 
 
@@ -133,7 +133,7 @@ def _at_start(stepper: Stepper, start: Instant) -> State:
     return state
 
 
-def _keep(kept, structure, observe, motion) -> float:
+def _keep(retained, structure, observe, motion) -> float:
     energy = structure.energy(motion.q, motion.v)
-    kept.append((motion.t, tuple(observe(motion)), motion.force, energy))
+    retained.append((motion.t, tuple(observe(motion)), motion.force, energy))
     return energy

@@ -29,8 +29,8 @@ def push_inside(
     radius = contacts.clearance
     for _ in range(_CHANGES):
         p, nu = _on_circles(free.W, reached, active, radius)
-        kept = active & (nu > 0)
-        wanted = kept | (~active & (contacts.openings(p) < 0))
+        retained = active & (nu > 0)
+        wanted = retained | (~active & (contacts.openings(p) < 0))
         if (wanted == active).all():
             return _forces(free, contacts, p, nu)
         active = wanted

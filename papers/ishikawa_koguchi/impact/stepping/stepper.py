@@ -117,9 +117,9 @@ class Stepper:
         solver = self.structure.step_solver(m, c, k, t)
         B = self.structure.contacts.B
         columns = solver(B)
-        found = solver, columns, B.T @ columns
+        result = solver, columns, B.T @ columns
         if self.structure.is_constant:
             while len(self._factorized) >= self._KEPT:
                 self._factorized.pop(next(iter(self._factorized)))
-            self._factorized[h] = found
-        return found
+            self._factorized[h] = result
+        return result

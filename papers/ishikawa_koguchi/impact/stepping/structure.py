@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 from rotor_fmu.model.kernels.band import add_product, factorize, solve
-from rotor_fmu.model.kernels.compiled import compiled
+from rotor_fmu.model.kernels.jit import jit
 
 from .contacts import Contacts
 
@@ -103,7 +103,7 @@ def _product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
     return y
 
 
-@compiled
+@jit
 def _solve_rows(factors, rows):
     for k in range(len(rows)):
         solve(factors, rows[k])

@@ -1,0 +1,97 @@
+"""What carries out the functions of `entries`: the library of kernels where there is one for this
+machine, else numba, else Python. The numbers are the same."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from enum import Enum
+from functools import cache, partial
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .kernels import library
+from .kernels.cache import warn_once
+from .kernels.jit import IS_COMPILED, IS_SWITCHED_OFF, has_to_compile, interpreted
+from .time_loop import entries
+
+VARIABLE = "ROTOR_FMU_KERNELS"
+
+
+class Backend(Enum):
+    """What carries out the kernels."""
+
+    LIBRARY = "library"
+    NUMBA = "numba"
+    PYTHON = "python"
+
+
+class EntryPoints(NamedTuple):
+    """The functions of `entries` for one block, which has to outlive them."""
+
+    start: Callable[[float, float, float], int]
+    advance: Callable[[float, float, float], int]
+    survey: Callable[[float, int], object]
+    refresh_outputs: Callable[[], object]
+
+
+@cache
+def selected_backend() -> Backend:
+    """What carries out the kernels in this process: the one that the environment's
+    ROTOR_FMU_KERNELS names, or the first that there is.
+
+    Raises `ValueError` for a name that is none, or a library that is not there.
+    """
+    wanted = os.environ.get(VARIABLE)
+    if wanted is not None and wanted not in {backend.value for backend in Backend}:
+        known = ", ".join(backend.value for backend in Backend)
+        raise ValueError(f"{VARIABLE} = {wanted}: must be one of {known}")
+    if wanted == Backend.PYTHON.value or (wanted is None and IS_SWITCHED_OFF):
+        return Backend.PYTHON
+    if wanted != Backend.NUMBA.value and library.loaded():
+        return Backend.LIBRARY
+    if wanted == Backend.LIBRARY.value:
+        raise ValueError(
+            f"{VARIABLE} = {wanted}: there is none made of these kernels for this machine"
+        )
+    return Backend.NUMBA if IS_COMPILED and _has_numba() else Backend.PYTHON
+
+
+def _has_numba() -> bool:
+    try:
+        import_module(".kernels.dispatching", __package__)
+    except ImportError as error:
+        warn_once("numba", f"numba cannot be imported: {error}")
+        return False
+    return True
+
+
+def waits_for_compiler() -> bool:
+    """Whether the first run in this process compiles the kernels."""
+    return selected_backend() is Backend.NUMBA and has_to_compile(entries.advance)
+
+
+def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
+    """The functions for a block, carried out by `backend`, the one chosen if None."""
+    backend = backend or selected_backend()
+    functions: tuple[Any, ...] = (
+        entries.start,
+        entries.advance,
+        entries.survey,
+        entries.refresh_outputs,
+    )
+    if backend is Backend.LIBRARY:
+        made = library.loaded()
+        assert made is not None
+        address = block.ctypes.data
+        return EntryPoints(
+            partial(made.rotor_start, address),
+            partial(made.rotor_advance, address),
+            partial(made.rotor_survey, address),
+            partial(made.rotor_refresh_outputs, address),
+        )
+    if backend is Backend.NUMBA:
+        return EntryPoints(*(partial(function.dispatcher, block) for function in functions))
+    return EntryPoints(*(partial(interpreted(function), block) for function in functions))

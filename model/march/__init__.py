@@ -1,1 +1,0 @@
-"""The loop over steps: memory, step control, energy ledger, watches, what can be read."""

@@ -1,0 +1,192 @@
+"""A force law between a node and a housing, and the calls of a machine's laws in compiled code.
+
+A law is a handful of compiled functions of a record `part` with the quantities of the part, by
+their names, and of the node's `Kinematics` relative to the housing:
+
+    force(part, tables, kinematics, own)                        -> F
+    tangent(part, tables, kinematics, weights, free, own)       -> F, p, q
+    energy(part, tables, displacement, own)                     -> energies
+    dissipate(part, tables, kinematics, own, out)               -> torque
+    rates(part, tables, kinematics, own, out)
+    observe(part, tables, kinematics, own, out)
+    opening(part, displacement)                                 -> distance
+    length(part)                                                -> scale
+
+F: complex force on the node [N], the housing gets -F. tangent: the change of F for `Weights` of its
+derivatives, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of what is
+stored [J], in the order of `Law.stores`. dissipate: fills `out` with the powers dissipated [W] at
+the `places` of `Law.losses`; returns the torque that brakes the rotor [N.m]. observe: fills `out`
+at the places of `Law.outputs`. gap: how far the displacement is from where the force begins
+[m], negative where it acts. length: displacement that matters [m], 0 for that of the machine; of a
+law with a wall the wall's radius.
+
+tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
+with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
+
+A law may have internal states, `internal_state`, shape (len(Law.states),): rates fills in their
+rates. Over a step they are implicit, internal_state = free + weights.rate * rate: `tangent` finds
+them, fills `internal_state`, and lets them take part in p and q.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..kernels.jit import jit
+from ..quantities import Output, quantities
+
+_Kernel = Callable[..., Any]
+
+
+class Kinematics(NamedTuple):
+    """How a node moves relative to its housing or to ground: displacement u + i v [m] and velocity
+    [m/s]; speed: of the machine [rad/s], on which coefficients may depend; sliding_speed: at which
+    the journal's surface turns past what it rubs on [rad/s], 0 where equilibrium is sought, which
+    has no friction."""
+
+    displacement: complex
+    velocity: complex
+    speed: float
+    sliding_speed: float
+
+
+class Weights(NamedTuple):
+    """Of a tangent: dF = displacement dF/dd + velocity dF/dd', of an unknown of which d and d' are
+    linear functions; rate: internal_state = free + rate * rates, of a law's states [s]."""
+
+    displacement: float
+    velocity: float
+    rate: float
+
+
+@jit
+def no_length(part):
+    """The length of a law without one of its own."""
+    return 0.0
+
+
+@jit
+def always_acts(part, displacement):
+    """The opening of a law without a wall."""
+    return -1.0
+
+
+@jit
+def no_rates(part, tables, kinematics, internal_state, out):
+    """The rates of a law without states."""
+    return
+
+
+@dataclass(frozen=True)
+class Law:
+    """A force law: its compiled functions, and the entries that it adds to outputs and ledger.
+
+    Parameters
+    ----------
+    name : str
+        Name of its records.
+    kind : type
+        Data class whose quantities the records hold.
+    force, tangent, energy, dissipate, observe : callable
+        Compiled functions, see the module.
+    outputs : tuple of Output
+        Outputs, at whose `places` `observe` fills.
+    stores : tuple of Output
+        Energies that it stores [J], in the order in which `energy` returns them.
+    losses : tuple of Output
+        Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
+    opening, length, rates : callable
+        Compiled functions of a law with a wall, with a length of its own, with states.
+    states : tuple of float
+        Values of its states at the start.
+    has_wall : bool
+        Whether the force begins at a wall, the circle of radius `length` about the housing.
+    turns : bool
+        Whether friction turns that wall, which then slips for a while only.
+    table : callable, optional
+        The table of a part, shape (rows, columns), where the law takes one.
+    stiffness : callable, optional
+        Stiffness by which a part holds its node at rest [N/m], where the law holds it softly.
+    """
+
+    name: str
+    kind: type
+    force: Callable[..., Any]
+    tangent: Callable[..., Any]
+    energy: Callable[..., Any]
+    dissipate: Callable[..., Any]
+    observe: Callable[..., Any]
+    outputs: tuple[Output, ...]
+    stores: tuple[Output, ...]
+    losses: tuple[Output, ...]
+    gap: Callable[..., Any] = always_acts
+    length: Callable[..., Any] = no_length
+    rates: Callable[..., Any] = no_rates
+    states: tuple[float, ...] = ()
+    has_wall: bool = False
+    turns: bool = False
+    table: Callable[[Any], np.ndarray] | None = None
+    stiffness: Callable[[Any], float] | None = None
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Type of a record: the quantities of the part, by their names, and where its table lies.
+
+        Returns
+        -------
+        numpy.dtype
+            The type.
+        """
+        places = [("table", "i8"), ("rows", "i8")] if self.table else []
+        return np.dtype([*((name, "f8") for name in quantities(self.kind)), *places])
+
+
+def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
+    """Calls `function` for interfaces of the law `code`, `rest` for the others."""
+    if rest is None:
+
+        def call(laws, interface, *arguments):
+            return function(laws[code][interface.row], *arguments)
+    else:
+
+        def call(laws, interface, *arguments):
+            if interface.law == code:
+                return function(laws[code][interface.row], *arguments)
+            return rest(laws, interface, *arguments)
+
+    return jit(call, to_cache=False)
+
+
+def dispatcher(functions: Sequence[_Kernel], takes_tables: bool = True) -> _Kernel:
+    """Return one compiled function `call(laws, interface, ...)` of a function a law.
+
+    Parameters
+    ----------
+    functions : sequence of callable
+        A compiled function of each law.
+    takes_tables : bool
+        Whether the functions take the tables behind the record.
+
+    Returns
+    -------
+    callable
+        The function. laws: the records of each law, in the order of `functions`, and last the
+        tables; interface: a record whose `law` is the place in that order and whose `row` is that
+        of the law's record.
+    """
+    *others, lowest = range(len(functions))
+    call = _link(lowest, functions[lowest], None)
+    for code in reversed(others):
+        call = _link(code, functions[code], call)
+    if not takes_tables:
+        return call
+    last = len(functions)
+
+    def call_with_tables(laws, interface, *arguments):
+        return call(laws, interface, laws[last], *arguments)
+
+    return jit(call_with_tables, to_cache=False)

@@ -1,5 +1,0 @@
-"""What every error about a user's input is."""
-
-
-class Refusal(Exception):
-    """Something given that cannot be; the message names it, its value and what is allowed."""

@@ -1,0 +1,141 @@
+"""The block of memory of a run: which named tuples lie in it, and its layout."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..kernels.block import Group, Layout
+from ..parts import LAWS
+from ..schemes.family import Scheme
+from ..stability.memory import Survey, coarse_shaft
+from ..step.interface_problem import InterfaceProblem
+from ..step.laws import MOST_LOSSES
+from ..step.step import Motion, Workspace
+from ..structure.ledger import FLOWS, STORES
+from ..structure.structure import Structure, sizes_of
+from .control import Control
+from .memory import Memory
+from .recorder import Recorder
+
+_INTEGERS = ("mode", "indicator", "norm", "is_fitted")
+# What is found out during a run stands in its memory instead.
+_CHOSEN = tuple(n for n in Control._fields if n not in Control._field_defaults)
+METHOD = np.dtype(
+    [(n, "f8") for n in Scheme._fields] + [(n, "i8" if n in _INTEGERS else "f8") for n in _CHOSEN]
+)
+
+
+class Integrator(NamedTuple):
+    """The integrator and its step control: one record of the numbers of `Scheme` and `Control`."""
+
+    numbers: Annotated[np.recarray, METHOD, "1"]
+
+
+class Reading(NamedTuple):
+    """What can be read, in the order of `observe.observed`."""
+
+    observed: Annotated[np.ndarray, float, "outputs"]
+
+
+class RunData(NamedTuple):
+    """All of a run. `motion` and `memory` are its state; what stands before them belongs to the
+    machine, what stands behind is made anew by every call."""
+
+    structure: Structure
+    method: Integrator
+    motion: Motion
+    memory: Memory
+    trial: Motion
+    work: Workspace
+    problem: InterfaceProblem
+    reading: Reading
+    recorder: Recorder
+    survey: Survey
+
+
+_SIZES = (
+    *(
+        "n",
+        "width",
+        "weights_width",
+        "housings",
+        "size",
+        "deflections",
+        "loads",
+        "probes",
+        "velocities",
+        "releases",
+        "unbalances",
+        "springs",
+    ),
+    *(
+        "interfaces",
+        "internal_states",
+        "stores",
+        "losses",
+        "all_stores",
+        "flows",
+        "most_losses",
+        "outputs",
+    ),
+    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width"),
+    *(f"rows_{law.name}" for law in LAWS),
+)
+_LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
+LAYOUT = Layout(
+    RunData,
+    [
+        Group("structure", Structure, {"laws": _LAWS}),
+        Group("method", Integrator, {}),
+        Group("motion", Motion, {}),
+        Group("memory", Memory, {}),
+        Group("trial", Motion, {}),
+        Group("work", Workspace, {}),
+        Group("problem", InterfaceProblem, {}),
+        Group("reading", Reading, {}),
+        Group("recorder", Recorder, {}),
+        Group("survey", Survey, {}),
+    ],
+    _SIZES,
+)
+
+
+def new_block(
+    structure: Structure, outputs: int, channels: int = 0, recorder_rows: int = 0
+) -> np.ndarray:
+    """A block for runs of a machine, its structure copied in; outputs: how many can be read;
+    channels and an even number of rows: of the recorder."""
+    basis, mass = coarse_shaft(structure)
+    sizes = sizes_of(structure) | {
+        "all_stores": len(STORES),
+        "flows": len(FLOWS),
+        "most_losses": MOST_LOSSES,
+        "outputs": outputs,
+        "channels": channels,
+        "recorder_rows": recorder_rows,
+        "basis": basis.shape[1],
+        "coarse": len(mass),
+        "coarse_width": mass.shape[1],
+    }
+    block = LAYOUT.new(sizes)
+    run = LAYOUT.view_in_python(block)
+    for mine, given in zip(run.structure, structure, strict=True):
+        pairs = zip(mine, given, strict=True) if isinstance(given, tuple) else [(mine, given)]
+        for target, source in pairs:
+            target[...] = source
+    for interface in run.structure.interfaces:
+        starts = LAWS[interface.law].states
+        run.motion.internal_state[
+            interface.internal_state : interface.internal_state + len(starts)
+        ] = starts
+    run.memory.record[0].trapped_at = np.nan
+    for instant in ("overdamped_at", "slow_at", "coarse_at", "blind_at"):
+        run.memory.record[0][instant] = np.nan
+    for name, value in Control._field_defaults.items():
+        run.memory.record[0][name] = value
+    run.survey.basis[:], run.survey.mass[:] = basis, mass
+    run.memory.record[0].damping = 1.0
+    run.work.key[:] = np.nan
+    return block

@@ -1,0 +1,80 @@
+"""How the step length is chosen: the numbers of the three modes, and the one place that switches
+between them."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.jit import jit
+from .error_control import next_length, repeated_length, whirl_error
+from .paper_control import error_indicator, next_step, shorter_step
+
+FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
+
+
+class Control(NamedTuple):
+    """How the step length is chosen.
+
+    mode: FIXED, ADAPTIVE (`paper_control`) or CONTROLLED (`error_control`); h_min, h_max [s];
+    eps_min, eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or
+    LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
+    MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of
+    h^2 (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to
+    the motion (`fitting`); h_in_contact, h_in_the_open: longest of CONTROLLED while a
+    journal touches, and while none does [s];
+    overdamping: what the integrator may take of the energy of a rub, over what the dampers do [1].
+    """
+
+    mode: int
+    h_min: float
+    h_max: float
+    eps_min: float
+    eps_max: float
+    indicator: int
+    beta_error: float
+    norm: int
+    atol: float
+    rtol: float
+    tolerance: float
+    error_constant: float
+    is_fitted: bool
+    h_in_contact: float = math.inf
+    h_in_the_open: float = math.inf
+    overdamping: float = 1.0
+
+
+@jit
+def step_error(structure, control, local, h, is_first, old, new):
+    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated. local:
+    its `local_error` [1]."""
+    if control.mode == ADAPTIVE:
+        return error_indicator(control, h, is_first, old, new)
+    if control.mode == CONTROLLED:
+        return max(local, whirl_error(structure, control, h, new))
+    return 0.0
+
+
+@jit
+def retry_step(structure, control, h, error, is_solved, old, new):
+    """Length to repeat a step with [s]; is_solved: whether it is its error that was too large."""
+    if not is_solved:
+        shorter = 0.5 * h
+    elif control.mode == CONTROLLED:
+        shorter = repeated_length(structure, h, error, old, new)
+    else:
+        shorter = shorter_step(control, h, error)
+    return max(control.h_min, shorter)
+
+
+@jit
+def propose_step(control, desired, h, error, error_before, was_rejected):
+    """Proposed length of the next step [s], after one of length h that a communication point may
+    have cut shorter than was proposed."""
+    if control.mode == ADAPTIVE:
+        return next_step(control, desired, h, error)
+    if control.mode == CONTROLLED:
+        longest = h if was_rejected else control.h_max
+        proposed = next_length(desired, h, error, error_before)
+        return max(control.h_min, min(longest, proposed))
+    return desired

@@ -1,0 +1,122 @@
+"""The energy ledger: what the machine holds, what flows in, what is dissipated [J, W].
+
+Energy of the machine + dissipation = work of the drive and of external loads + residual; what
+remains is the integrator's own. Exact power balance of the equations in `assembly`, so the residual
+falls with the step length.
+"""
+
+from __future__ import annotations
+
+from ..kernels.band import form
+from ..kernels.jit import jit
+from ..parts.housing import masses
+from ..quantities import places
+from ..step.excitation import at_load, at_place, circulation, drive_torque, internal_torque
+from ..step.laws import add_energy, add_losses, kinematics, relative
+from ..structure.ledger import MACHINE_FLOWS, MACHINE_STORES
+
+_MACHINE_STORES, _MACHINE_FLOWS = len(MACHINE_STORES), len(MACHINE_FLOWS)
+_STORE, FLOW = places(MACHINE_STORES), places(MACHINE_FLOWS)
+
+
+@jit
+def powers(structure, spin, loads, motion, scratch, out):
+    """Fill out, shape (flows,) [W], in the order of `ledger.FLOWS`; returns the drive torque [N.m].
+
+    Inflows: drive, external loads. Dissipations: shaft and supports, housing dampers, what the laws
+    of the interfaces dissipate. The torque takes the accelerations of the equation of motion: those
+    that generalized-alpha carries along belong to another instant, (alpha_m - alpha_f) h away.
+    """
+    n = structure.M.shape[0]
+    q, v = motion.q, motion.v
+    external = 0.0
+    for i in range(len(loads)):
+        if structure.load_dof[i] >= 0:
+            external += (loads[i].conjugate() * at_load(structure, i, v)).real
+        else:
+            external -= (loads[i].conjugate() * _momentum(structure, spin, v)).real
+    structural = form(structure.C, v[:n], v[:n]).real
+    internal = internal_torque(structure, q, v, spin.omega)
+    if internal != 0.0:
+        kappa = circulation(structure, spin.omega)
+        structural += internal * spin.omega + kappa * form(structure.K_shaft, v[:n], q[:n]).imag
+    housing = 0.0
+    for h in range(len(structure.housings)):
+        rate = v[n + h]
+        damper = structure.housings[h]
+        housing += damper.cx * rate.real**2 + damper.cy * rate.imag**2
+    for i in range(_MACHINE_FLOWS, len(out)):
+        out[i] = 0.0
+    braking = 0.0
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        moving = kinematics(interface, spin, q, v)
+        internal_state = motion.internal_state[interface.internal_state :]
+        braking += add_losses(structure.laws, interface, moving, internal_state, scratch, out)
+    torque = drive_torque(structure, loads, q, v, motion.v_dot, spin, braking)
+    out[FLOW.drive] = torque * spin.omega
+    out[FLOW.external] = external
+    out[FLOW.structure] = structural
+    out[FLOW.housing] = housing
+    return torque
+
+
+@jit
+def _momentum(structure, spin, v):
+    """Of all that the base carries [N.s]."""
+    n = structure.M.shape[0]
+    total = 0.0j
+    for i in range(n):
+        total += structure.mass_sum[i] * v[i]
+    for i in range(len(structure.unbalance)):
+        total += 1j * spin.omega * structure.unbalance[i] * spin.direction
+    for h in range(len(structure.housings)):
+        m_x, m_y = masses(structure.housings[h])
+        total += complex(m_x * v[n + h].real, m_y * v[n + h].imag)
+    return total
+
+
+@jit
+def total_energy(structure, spin, motion, out):
+    """Energy of the machine [J]. Fills out, shape (stores,) [J], in the order of `ledger.STORES`:
+    kinetic (lateral, spin and what couples them), elastic (shaft, supports, housing springs),
+    gravity, and what the laws of the interfaces store."""
+    n = structure.M.shape[0]
+    numbers = structure.numbers[0]
+    rotor_q, rotor_v = motion.q[:n], motion.v[:n]
+    kinetic = 0.5 * form(structure.M, rotor_v, rotor_v).real
+    kinetic += 0.5 * numbers.inertia * spin.omega * spin.omega
+    kinetic -= 0.5 * spin.omega * form(structure.G, rotor_q, rotor_v).imag
+    elastic = 0.5 * form(structure.K, rotor_q, rotor_q).real
+    g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
+    gravity = 0.0
+    for i in range(n):
+        gravity -= (structure.weight[i].conjugate() * rotor_q[i]).real
+    for i in range(len(structure.unbalance)):
+        arm = structure.unbalance[i] * spin.direction
+        v = at_place(structure.unbalances[i], motion.v)
+        kinetic += spin.omega * (arm.conjugate() * v).imag
+        gravity -= (g.conjugate() * arm).real
+    for h in range(len(structure.housings)):
+        housing = structure.housings[h]
+        q, v = motion.q[n + h], motion.v[n + h]
+        m_x, m_y = masses(housing)
+        kinetic += 0.5 * (m_x * v.real * v.real + m_y * v.imag * v.imag)
+        elastic += 0.5 * (housing.kx * q.real * q.real + housing.ky * q.imag * q.imag)
+        gravity -= m_x * g.real * q.real + m_y * g.imag * q.imag
+    out[_STORE.kinetic] = kinetic
+    out[_STORE.elastic] = elastic
+    out[_STORE.gravity] = gravity
+    for i in range(_MACHINE_STORES, len(out)):
+        out[i] = 0.0
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        d, internal_state = (
+            relative(interface, motion.q),
+            motion.internal_state[interface.internal_state :],
+        )
+        add_energy(structure.laws, interface, d, internal_state, out)
+    total = 0.0
+    for i in range(len(out)):
+        total += out[i]
+    return total

@@ -1,0 +1,200 @@
+"""Error-controlled step lengths: the local error in the norm of the masses, and a PI controller.
+
+The error of a step is taken per unit of time, in cycles of the motion, so that the error of a run
+is proportional to the tolerance (Hairer, Norsett and Wanner, Solving Ordinary Differential
+Equations I, sec. II.4; PI control: Gustafsson 1991).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.functions import root
+from ..kernels.jit import jit
+from ..step.laws import law_gap, relative
+
+# Of the motion's size and the tolerance, the error of a radian; revolutions over which the size is
+# remembered; what motion counts as none, of the clearance or of a small length of the machine.
+SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
+SAFETY = 0.8
+# Of one step length to the next, at most; growing slowly costs little and calms the next impact.
+GROWTH, SHRINKAGE = 1.25, 0.2
+# Of steps that are to stay as they are: turns over which errors are remembered, the largest that a
+# longer step may be expected to have, and how much longer it may be.
+STEADY_TURNS, STEADY_ERROR, STEADY_GROWTH = 4.0, 0.6, 4.0
+CUT = 0.9  # of the proposed length: a step below it was cut short and says nothing against it
+SMALLEST = 1e-8  # an error that it does not pay to tell from none
+# Share of a step before which a contact's opening or closing is worth ending a repeated step at.
+LATE = 0.9
+
+
+class Measures(NamedTuple):
+    """Mean squares over the masses, of a step: change of the accelerations, the same beside that of
+    a whirl with the motion's characteristic frequency [m2/s4]; of its middle: acceleration [m2/s4],
+    velocity [m2/s2].
+    """
+
+    change: float
+    beside_whirl: float
+    acceleration: float
+    velocity: float
+
+
+NOTHING = Measures(0.0, 0.0, 0.0, 0.0)
+
+
+@jit
+def _product(x, y):
+    """Real part of x conj(y)."""
+    return x.real * y.real + x.imag * y.imag
+
+
+@jit
+def measure(weights, turned, old, new):
+    """`Measures` of a step; turned: by what a whirl of the motion's characteristic frequency turns
+    in it, e^(i p h)."""
+    change, beside, acceleration, velocity = 0.0, 0.0, 0.0, 0.0
+    n, width = weights.shape
+    for i in range(n):
+        for d in range(min(width, n - i)):
+            weight = weights[i, d]
+            if weight == 0.0:
+                continue
+            if d > 0:
+                weight *= 2.0
+            k = i + d
+            change += weight * _product(new.a[i] - old.a[i], new.a[k] - old.a[k])
+            beside += weight * _product(new.a[i] - turned * old.a[i], new.a[k] - turned * old.a[k])
+            acceleration += weight * _product(new.a[i] + old.a[i], new.a[k] + old.a[k])
+            velocity += weight * _product(new.v[i] + old.v[i], new.v[k] + old.v[k])
+    return Measures(change, beside, 0.25 * acceleration, 0.25 * velocity)
+
+
+@jit
+def update_size(structure, omega, h, new, memory):
+    """Follow the size of the motion over the last revolutions, after a step of length h [s].
+
+    The size is the root mean square, over the masses, of the amplitude about the mean position: of
+    a swing with the speed of rotation, or with the slowest motion's if that is faster, displacement
+    and velocity over that speed have the same. It falls to a share of exp(-1) in `TURNS` turns of
+    that speed after the motion has ceased. What is smaller than `FLOOR` counts as large as that.
+    """
+    r = memory.record[0]
+    numbers = structure.numbers[0]
+    fastest = max(numbers.slowest, abs(omega))
+    share = min(1.0, h * fastest / (2.0 * math.pi * TURNS))
+    center = memory.center
+    for i in range(len(center)):
+        center[i] += share * (new.q[i] - center[i])
+    apart, velocity = 0.0, 0.0
+    weights = structure.weights
+    n, width = weights.shape
+    for i in range(n):
+        for d in range(min(width, n - i)):
+            weight = weights[i, d]
+            if weight == 0.0:
+                continue
+            if d > 0:
+                weight *= 2.0
+            k = i + d
+            apart += weight * _product(new.q[i] - center[i], new.q[k] - center[k])
+            velocity += weight * _product(new.v[i], new.v[k])
+    seen = math.sqrt(0.5 * (apart + velocity / (fastest * fastest)))
+    floor = FLOOR * min(numbers.clearance, numbers.small)
+    r.motion_size = max(floor, seen, (1.0 - share) * r.motion_size)
+
+
+@jit
+def first_size(structure, omega, motion, memory):
+    """Size of the motion that begins: that of a swing with the speed of rotation, or the slowest
+    motion's, that has the accelerations of the start."""
+    fastest = max(structure.numbers[0].slowest, abs(omega))
+    for i in range(len(memory.center)):
+        memory.center[i] = motion.q[i]
+    # the start taken as both ends of a step
+    start = measure(structure.weights, 1.0 + 0.0j, motion, motion)
+    memory.record[0].motion_size = math.sqrt(start.acceleration) / (fastest * fastest)
+    update_size(structure, omega, 0.0, motion, memory)
+
+
+@jit
+def local_error(structure, control, size, frequency, h, measures):
+    """Error of a step of length h [s] over the one tolerated [1]; size: of the motion [m],
+    frequency: of the motion [rad/s].
+
+    Displacements are weighted with their masses (root mean square), so that neither the turning
+    point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
+    of the motion's size, per 2.5 radians of the slowest motion or of the pace, whichever is faster.
+
+    At the turn of a swing along a line the accelerations do not change for a moment; there the
+    distance to what a whirl of this pace would have changed them to is taken.
+    """
+    change = math.sqrt(max(measures.change, measures.beside_whirl))
+    radians = h * max(structure.numbers[0].slowest, abs(frequency))
+    tolerated = SHARE * radians * control.tolerance * size
+    return abs(control.error_constant) * h * h * change / tolerated
+
+
+@jit
+def whirl_error(structure, control, h, new):
+    """Error of a step of length h [s] that ends in contact and may be too long to see a whirl grow
+    there [1]: as long as its
+    amplitude is below the tolerance, no other error shows that it does not."""
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
+            ratio = h / control.h_in_contact
+            return ratio * ratio
+    return 0.0
+
+
+@jit
+def next_length(proposed, h, error, error_before):
+    """Proposed length of the next step [s] after one of length h [s] with these last errors [1]; a
+    communication point may have cut h shorter than was proposed, which says nothing against it.
+
+    The factor is SAFETY error^-0.35 trend^0.2, of gains for an error per unit of time of order 2.
+    """
+    error = max(error, SMALLEST)
+    trend = max(error_before, SMALLEST) / error
+    fifth = root(error, 5)
+    twentieth = math.sqrt(math.sqrt(fifth))
+    factor = SAFETY * root(trend, 5) / (fifth * twentieth * twentieth * twentieth)
+    shortest = SHRINKAGE * h if h > CUT * proposed else proposed
+    return min(GROWTH * proposed, max(shortest, factor * h))
+
+
+@jit
+def steady_length(structure, control, omega, proposed, h, error, memory):
+    """Proposed length of the next step of a machine that is unstable with its contacts open [s].
+
+    Steps that lengthen and shorten with a beat of the motion feed it or damp it as a slow growth
+    does. So they stay as they are, and lengthen where the errors of many turns allow it.
+    """
+    r = memory.record[0]
+    fastest = max(structure.numbers[0].slowest, abs(omega))
+    share = min(1.0, h * fastest / (2.0 * math.pi * STEADY_TURNS))
+    r.error_peak = max(error, (1.0 - share) * r.error_peak)
+    growth = min(STEADY_GROWTH, math.sqrt(STEADY_ERROR / max(r.error_peak, SMALLEST)))
+    if growth < GROWTH or h < CUT * proposed:
+        return proposed
+    r.error_peak *= growth * growth
+    return max(control.h_min, min(control.h_in_the_open, control.h_max, growth * proposed))
+
+
+@jit
+def repeated_length(structure, h, error, old, new):
+    """Length to repeat a step with whose error is too large [s].
+
+    That of the error, or, if it is longer, up to where a contact opens or closes: the two parts of
+    such a step are smooth each, and only their joint is not.
+    """
+    share = max(SHRINKAGE, SAFETY / math.sqrt(error))
+    joint = 1.0
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        before = law_gap(structure.laws, interface, relative(interface, old.q))
+        after = law_gap(structure.laws, interface, relative(interface, new.q))
+        if before * after < 0.0:
+            joint = min(joint, before / (before - after))
+    return h * (joint if share < joint < LATE else share)

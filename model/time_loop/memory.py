@@ -1,0 +1,169 @@
+"""What a run remembers besides the motion: time and rotation, counters, the ledger, the peaks."""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..kernels.jit import jit
+from ..quantities import places
+from ..step.excitation import spin_of
+
+RECORD = np.dtype(
+    [
+        (name, "f8")
+        for name in (
+            "t",  # time [s]
+            "t_ref",  # since then the speed has been linear in time: [s], [rad/s], [rad/s2], [rad]
+            "omega_ref",
+            "alpha",
+            "theta_ref",
+            "omega",  # at t [rad/s]
+            "theta",  # at t [rad]
+            "h",  # proposed step length [s]
+            "h_last",
+            "h_carried",  # to which the carried accelerations belong
+            "characteristic_frequency_squared",  # square of the motion's `pace_after` [rad2/s2]
+            "motion_size",  # see `error_control.update_size` [m]
+            "damping",  # factor that the last step's fitting gave to the damping [1]
+            "h_smallest",
+            "h_largest",
+            "error",  # of the last step in the terms of the mode, see `control.step_error` [1]
+            "error_largest",  # local error of a step, in tolerances [1]: the largest in the present
+            "error_largest_before",  # revolution and in the last, the angle swept of the present
+            "error_swept",  # one [rad], the integral of the square over it [rad], and the root mean
+            "error_square",  # square over the last
+            "error_rms",
+            "error_peak",  # see `error_control.steady_length` [1]
+            "energy_at_start",  # of the machine [J]
+            "torque",  # that the motion needs at t [N.m]
+            "drive",  # torque on a free rotor at t [N.m]
+            "drive_ref",  # and at t_ref, since when it has been linear in time: [N.m], [N.m/s]
+            "drive_rate",
+            "turn",  # angle at which the present revolution began [rad]
+            "swept",  # of the present revolution, negative where the angle falls [rad]
+            "trapped_at",  # time at which the false state was first seen [s], or NaN
+            "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
+            "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
+            "coarse_at",  # time of the first step at h_min that misses the tolerance [s], or NaN
+            "blind_at",  # time of the first too coarse step in which a contact closed [s], or NaN
+            "cycle_end",  # when the work of a cycle is counted anew [s]
+            "touched_at",  # time of the first touch in the window of the losses looked at, or NaN
+            "window_end",  # when they are looked at next [s]
+            "window_residual",  # of the ledger, what was dissipated, and that without friction [J]
+            "window_losses",
+            "window_vibration",
+            "leaky_taken",  # by the integrator, by all that dissipates, by that without friction:
+            "leaky_losses",  # sums over windows that fade [J]
+            "leaky_vibration",
+            "failed_at",  # time of the step that failed [s], and its length [s]
+            "failed_h",
+            "h_in_contact",  # see `Control`
+            "h_in_the_open",
+            "overdamping",
+            "surveyed_at",  # speed at which growing whirls were looked for [rad/s], and the sizes
+            "surveyed_from",  # of speed below and above which they are looked for anew
+            "surveyed_to",
+            "max_iterations",  # that an advance may take
+        )
+    ]
+    + [
+        (name, "i8")
+        for name in (
+            *("steps", "rejected", "newton", "trapped", "continues", "is_free"),
+            "error_touched",  # whether a wall was touched in the present revolution
+            "varies",  # whether loads or the torque on a free rotor change between t_ref and later
+            "cycle_newton",  # iterations when the present cycle began
+        )
+    ]
+)
+
+
+# Places in `Memory.peaks`, `Memory.once` and `Memory.bounce`.
+PEAK = places(("this_revolution", "last_revolution", "since_communication"))
+AXIS = places(("x", "y", "squared_distance"))
+ONCE = places(("now", "integral", "mean"))
+SENSE = places(("forward", "backward"))
+BOUNCE = places(("cosine", "sine", "steps", "score"))
+
+
+class Memory(NamedTuple):
+    """What a run remembers besides the motion; every array changes in place.
+
+    record: of dtype `RECORD`; work, power: of `ledger.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
+    and squared distance [m2] from rest of the probes in the present revolution, in the one before,
+    and since the last communication point; once: of their z from rest, z exp(-i theta) and
+    z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
+    one before, by the angle turned [m]; bounce: of each interface the direction of the last contact
+    (cos, sin), steps since then, score of crossings; rest: the probes under the loads at the start
+    [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
+    base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
+    in time [N, N/s].
+    """
+
+    record: Annotated[np.recarray, RECORD, "1"]
+    work: Annotated[np.ndarray, float, "flows"]
+    power: Annotated[np.ndarray, float, "flows"]
+    peaks: Annotated[np.ndarray, float, str(len(PEAK)), str(len(AXIS)), "probes"]
+    once: Annotated[np.ndarray, complex, str(len(ONCE)), str(len(SENSE)), "probes"]
+    bounce: Annotated[np.ndarray, float, "interfaces", str(len(BOUNCE))]
+    rest: Annotated[np.ndarray, complex, "probes"]
+    center: Annotated[np.ndarray, complex, "n"]
+    loads: Annotated[np.ndarray, complex, "loads"]
+    load_refs: Annotated[np.ndarray, complex, "loads"]
+    load_rates: Annotated[np.ndarray, complex, "loads"]
+
+
+@jit
+def spin_at(record, t, alpha):
+    """Rotation at time t [s]: the speed is linear in time, the angle its integral. A free rotor's
+    rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal rule."""
+    r = record[0]
+    if r.is_free == 1:
+        h = t - r.t
+        omega = r.omega + 0.5 * h * (r.alpha + alpha)
+        return spin_of(omega, alpha, r.theta + 0.5 * h * (r.omega + omega))
+    since = t - r.t_ref
+    return spin_of(
+        r.omega_ref + r.alpha * since,
+        r.alpha,
+        r.theta_ref + since * (r.omega_ref + 0.5 * r.alpha * since),
+    )
+
+
+@jit
+def take_loads(memory, drive, rate):
+    """Let loads and the torque on a free rotor, now `drive` [N.m] with its rate [N.m/s], be linear
+    in time from now on."""
+    r = memory.record[0]
+    r.varies = 0
+    for i in range(len(memory.loads)):
+        memory.load_refs[i] = memory.loads[i]
+        if memory.load_rates[i] != 0.0:
+            r.varies = 1
+    if r.is_free == 1:
+        r.drive = drive
+        r.drive_ref = drive
+        r.drive_rate = rate
+        if rate != 0.0:
+            r.varies = 1
+
+
+@jit
+def move_loads(memory, t):
+    """Make loads and torque those at time t [s]."""
+    r = memory.record[0]
+    if r.varies == 1:
+        since = t - r.t_ref
+        for i in range(len(memory.loads)):
+            memory.loads[i] = memory.load_refs[i] + since * memory.load_rates[i]
+        if r.is_free == 1:
+            r.drive = r.drive_ref + since * r.drive_rate
+
+
+@jit
+def spin_now(record):
+    """Rotation at the time reached."""
+    r = record[0]
+    return spin_of(r.omega, r.alpha, r.theta)

@@ -1,0 +1,213 @@
+"""What is looked at after every step: the probes' amplitudes and 1x components, the false
+wall-to-wall state, whether the integrator damps the machine more than the machine itself, and the
+work that a cycle takes."""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.functions import modulus
+from ..kernels.jit import jit
+from ..step.excitation import at_place
+from ..step.laws import relative
+from ..structure.ledger import FLOWS, INFLOWS
+from .control import CONTROLLED
+from .energy import total_energy
+from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
+
+# A journal that crosses its whole clearance in at most CROSSING_STEPS steps again and again is in
+# the integrator's limit cycle, not in the machine's motion: a crossing scores CROSSING_SCORE, any
+# step takes one away, and at TRAPPED_SCORE (some twenty crossings) the state is called false.
+CROSSING_STEPS = 2
+CROSSING_SCORE = 3.0
+TRAPPED_SCORE = 60.0
+# The ledger is looked at every so many cycles of the rotation or of the lowest mode, whichever is
+# faster. Friction between the rotor and what it slides on is the drive's loss, not the whirl's: a
+# loss to the integrator counts against the others, if it stands out of the ledger's rounding. Where
+# the rotation is taken in steps longer than COARSE [rad] the ledger's own quadrature is as large.
+WINDOW_CYCLES = 10.0
+LEAST_LOSS = 3e-4
+MEMORY = 0.8  # of a window's sums in the next
+COARSE = 0.5
+# Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
+# tolerance some hundreds; a run that takes more than SLOW says so.
+SLOW = 300_000
+# What error control with a tolerance of 0.1 keeps to: the error of a step, and about the root mean
+# square of all. A coarser step in which a contact closes, or a coarser revolution with a touch, may
+# put a run on another branch of solutions without any other sign.
+COARSEST, COARSEST_RMS = 0.1, 0.02
+TURN = 2.0 * math.pi
+# Speed below which a shaft stands [rad/s]: a revolution takes a thousand seconds.
+STANDSTILL = TURN / 1000.0
+_FRICTION = FLOWS.index("friction")
+_LOSSES = len(INFLOWS)
+
+
+@jit
+def monitor_revolution(structure, spin, motion, memory):
+    """Of the probes: largest displacements, over the last whole revolution and what has passed of
+    the present one; forward and backward 1x components, over the last whole revolution. Where the
+    shaft stands or turns back there is no revolution before, and none that goes on."""
+    r = memory.record[0]
+    peaks, once = memory.peaks, memory.once
+    past = spin.theta - r.turn
+    if abs(spin.omega) < STANDSTILL or (past - r.swept) * r.swept < 0.0:
+        r.turn = spin.theta
+        r.swept = 0.0
+        past = 0.0
+        peaks[: PEAK.since_communication, :, :] = 0.0
+        once[ONCE.integral :, :, :] = 0.0
+    by_step = abs(past - r.swept)
+    is_whole = abs(past) >= TURN
+    before = (TURN - abs(r.swept)) / by_step if is_whole else 1.0
+    r.swept = past
+    if is_whole:
+        r.turn += math.copysign(TURN, past)
+        r.swept = past - math.copysign(TURN, past)
+        if abs(r.swept) >= TURN:  # of steps longer than a revolution nothing can be said
+            r.turn = spin.theta
+            r.swept = 0.0
+            before = 0.0
+    for i in range(len(structure.probes)):
+        moved = at_place(structure.probes[i], motion.q) - memory.rest[i]
+        turned = (moved * spin.direction.conjugate(), moved * spin.direction)
+        for way in range(len(SENSE)):
+            last, now = once[ONCE.now, way, i], turned[way]
+            # at the end of the revolution, as if it were linear over the step
+            end = last + before * (now - last)
+            once[ONCE.integral, way, i] += 0.5 * before * by_step * (last + end)
+            if is_whole:
+                # by the angle turned, so that a lag is negative whichever way the shaft turns
+                ahead = way if past > 0.0 else 1 - way
+                once[ONCE.mean, ahead, i] = once[ONCE.integral, way, i] * (1.0 / TURN)
+                once[ONCE.integral, way, i] = 0.5 * abs(r.swept) * (end + now)
+            once[ONCE.now, way, i] = now
+        x, y = abs(moved.real), abs(moved.imag)
+        size = (x, y, x * x + y * y)
+        for axis in range(len(AXIS)):
+            if is_whole:
+                peaks[PEAK.last_revolution, axis, i] = peaks[PEAK.this_revolution, axis, i]
+                peaks[PEAK.this_revolution, axis, i] = 0.0
+            for span in (PEAK.this_revolution, PEAK.since_communication):
+                peaks[span, axis, i] = max(peaks[span, axis, i], size[axis])
+
+
+@jit
+def monitor_errors(structure, control, local, spin, old, new, memory):
+    """Keep the local errors of the last revolution, after a step from `old` to `new` whose own is
+    `local`, in tolerances; see whether a contact closed in a step too coarse to tell what follows.
+    """
+    r = memory.record[0]
+    by_step = abs(spin.theta - r.theta)
+    r.error_largest = max(r.error_largest, local)
+    r.error_swept += by_step
+    r.error_square += by_step * local * local
+    has_closed = False
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
+            r.error_touched = 1
+            has_closed = has_closed or old.force[j] == 0.0
+    is_bound = control.mode == CONTROLLED and control.tolerance <= COARSEST
+    is_coarse = has_closed and local * control.tolerance > COARSEST and not is_bound
+    if r.error_swept >= TURN:
+        r.error_rms = math.sqrt(r.error_square / r.error_swept)
+        rms = r.error_rms * control.tolerance
+        is_coarse |= r.error_touched == 1 and rms > COARSEST_RMS and not is_bound
+        r.error_largest_before = r.error_largest
+        r.error_largest, r.error_swept, r.error_square = 0.0, 0.0, 0.0
+        r.error_touched = 0
+    if is_coarse and math.isnan(r.blind_at):
+        r.blind_at = r.t
+
+
+@jit
+def monitor_bounces(structure, motion, memory):
+    """Count the steps in which a journal keeps hitting opposite walls within a step or two."""
+    r = memory.record[0]
+    interfaces = structure.interfaces
+    bounce = memory.bounce
+    for j in range(len(interfaces)):
+        if interfaces[j].has_wall == 0:
+            continue
+        bounce[j, BOUNCE.steps] += 1.0
+        bounce[j, BOUNCE.score] = max(0.0, bounce[j, BOUNCE.score] - 1.0)
+        if motion.force[j] != 0.0:
+            d = relative(interfaces[j], motion.q)
+            e = d * (1.0 / modulus(d))
+            is_opposite = e.real * bounce[j, BOUNCE.cosine] + e.imag * bounce[j, BOUNCE.sine] < -0.5
+            if is_opposite and bounce[j, BOUNCE.steps] <= CROSSING_STEPS:
+                bounce[j, BOUNCE.score] = min(
+                    2.0 * TRAPPED_SCORE, bounce[j, BOUNCE.score] + CROSSING_SCORE
+                )
+            bounce[j, BOUNCE.cosine] = e.real
+            bounce[j, BOUNCE.sine] = e.imag
+            bounce[j, BOUNCE.steps] = 0.0
+        if bounce[j, BOUNCE.score] >= TRAPPED_SCORE:
+            r.trapped += 1
+            if math.isnan(r.trapped_at):
+                r.trapped_at = r.t
+
+
+@jit
+def monitor_work(structure, memory):
+    """Count the iterations of the present cycle, and remember when they became too many."""
+    r = memory.record[0]
+    if r.t >= r.cycle_end:
+        fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
+        r.cycle_end = r.t + 2.0 * math.pi / fastest
+        r.cycle_newton = r.newton
+    taken = r.newton - r.cycle_newton
+    if taken > SLOW and math.isnan(r.slow_at):
+        r.slow_at = r.t
+
+
+@jit
+def open_window(structure, memory):
+    """Begin a window of `monitor_losses` at the time reached."""
+    r = memory.record[0]
+    fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
+    r.window_end = r.t + WINDOW_CYCLES * 2.0 * math.pi / fastest
+    r.touched_at = math.nan
+
+
+@jit
+def monitor_losses(structure, control, motion, memory, work):
+    """Compare what the integrator took of the energy of a machine that touched, once in a window,
+    with what the machine's dampers did.
+
+    Not of error control: its steps resolve what the survey knows to grow, and what they take of
+    anything else is within the tolerance.
+    """
+    if control.mode == CONTROLLED:
+        return
+    r = memory.record[0]
+    if math.isnan(r.touched_at):
+        for j in range(len(structure.interfaces)):
+            if structure.interfaces[j].has_wall == 1 and motion.force[j] != 0.0:
+                r.touched_at = r.t
+    if r.t < r.window_end:
+        return
+    flows = memory.work
+    residual = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    residual -= r.energy_at_start
+    for i in range(_LOSSES):
+        residual -= flows[i]
+    losses = 0.0
+    for i in range(_LOSSES, len(flows)):
+        losses += flows[i]
+    residual += losses
+    vibration = losses - flows[_FRICTION]
+    r.leaky_taken = MEMORY * r.leaky_taken + r.window_residual - residual
+    r.leaky_losses = MEMORY * r.leaky_losses + losses - r.window_losses
+    r.leaky_vibration = MEMORY * r.leaky_vibration + vibration - r.window_vibration
+    is_large = r.leaky_taken > control.overdamping * r.leaky_vibration
+    is_seen = r.leaky_taken > LEAST_LOSS * r.leaky_losses
+    # friction feeds a whirl where the rotor turns
+    is_fine = 0.0 < abs(r.omega) * r.h_last < COARSE and losses > vibration
+    has_touched = not math.isnan(r.touched_at)
+    if has_touched and is_large and is_seen and is_fine and math.isnan(r.overdamped_at):
+        r.overdamped_at = r.touched_at
+    r.window_residual = residual
+    r.window_losses = losses
+    r.window_vibration = vibration
+    open_window(structure, memory)

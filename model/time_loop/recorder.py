@@ -1,0 +1,142 @@
+"""The recorder: what a run was at its own steps, written by the kernel into memory of a fixed size.
+
+The outputs of an FMU are those of its communication points, which may be many revolutions apart;
+between them the steps go by unseen. A recorder keeps the chosen ones of what can be read, a row a
+step, no closer than a least angle. Where it is full every second row goes and the angle doubles.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Sequence
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..kernels.jit import jit, jit_not_inlined
+from ..machine.rotor import Name, Rotor, spelled
+from ..parts.base import VELOCITY_OUTPUTS, Probe
+from ..step.excitation import at_place
+from .observe import Observed, energies_at, observe, observed
+
+RECORDER = np.dtype(
+    [
+        ("least", "f8"),  # angle between rows that was asked for [rad], 0 for every step
+        ("spacing", "f8"),  # and that it has become since the recorder was emptied
+        ("since", "f8"),  # the last row
+        ("covered", "f8"),  # since the recorder was emptied
+        ("written", "i8"),  # rows
+    ]
+)
+_ROUNDING = 1e-9  # of sums of angles
+ANGLE = 2.0 * math.pi / 64.0
+ROWS = 4096
+
+
+class Recorder(NamedTuple):
+    """What is recorded: head, of dtype `RECORDER`; channels: places in `recordable`; rows: time [s]
+    and the channels. Without rows nothing is."""
+
+    head: Annotated[np.recarray, RECORDER, "1"]
+    channels: Annotated[np.ndarray, np.int64, "channels"]
+    rows: Annotated[np.ndarray, float, "recorder_rows", "1 + channels"]
+
+
+def recordable(rotor: Rotor) -> tuple[Observed, ...]:
+    """All that a recorder can hold: what `observed` has, and then the velocities `vx`, `vy` [m/s]
+    of the probes."""
+    probes = [
+        Name(*key, output.name)
+        for key, part in rotor.indexed_parts()
+        for element in part.elements(spelled(*key), rotor.material.density)
+        if isinstance(element, Probe)
+        for output in VELOCITY_OUTPUTS
+    ]
+    axes = len(VELOCITY_OUTPUTS)
+    velocities = (Observed(name, VELOCITY_OUTPUTS[i % axes]) for i, name in enumerate(probes))
+    return (*observed(rotor), *velocities)
+
+
+class Record(NamedTuple):
+    """What to keep of a run at its own steps: names of `recordable`; the least angle of rotation
+    between two rows [rad], 0 for every step; the most rows held until they are taken."""
+
+    names: Sequence[str]
+    angle: float = ANGLE
+    rows: int = ROWS
+
+
+def channels_of(rotor: Rotor, record: Record) -> list[int]:
+    """Places of what is to be recorded in `recordable`; `ValueError` where it cannot be."""
+    if not 0.0 <= record.angle < math.inf:
+        raise ValueError(f"record: angle = {record.angle} rad: must be >= 0 and finite")
+    if record.rows < 2 or record.rows % 2:
+        raise ValueError(f"record: rows = {record.rows}: must be an even number, at least 2")
+    place = {str(entry.name): i for i, entry in enumerate(recordable(rotor))}
+    for name in record.names:
+        if name not in place:
+            near = difflib.get_close_matches(name, place, 1, 0.0)[0]
+            raise ValueError(f"record: {name!r} is unknown; the nearest name is {near}")
+    return [place[name] for name in record.names]
+
+
+@jit
+def is_due(structure, record, head):
+    """Whether the step just taken is to be recorded. The angle counted is that of the rotation, or
+    of the lowest mode where this is faster: a rotor at rest still vibrates."""
+    fastest = max(abs(record[0].omega), structure.numbers[0].lowest_omega)
+    passed = fastest * record[0].h_last
+    head[0].since += passed
+    head[0].covered += passed
+    return head[0].since >= head[0].spacing * (1.0 - _ROUNDING)
+
+
+@jit_not_inlined
+def write(structure, motion, memory, work, recorder, out):
+    """Write the present state as a row; `out` is filled by `observe`."""
+    head, rows = recorder.head[0], recorder.rows
+    if head.written == len(rows):
+        _thin(recorder)
+        head.since = head.spacing
+    head.since = min(head.since - head.spacing, head.spacing)
+    low, has_energies = energies_at(structure, out), False
+    for i in range(len(recorder.channels)):
+        has_energies = has_energies or low <= recorder.channels[i] < len(out)
+    observe(structure, motion, memory, work, out, has_energies)
+    row = rows[head.written]
+    row[0] = memory.record[0].t
+    for i in range(len(recorder.channels)):
+        channel = recorder.channels[i]
+        if channel < len(out):
+            row[1 + i] = out[channel]
+        else:
+            beyond = channel - len(out)
+            v = at_place(structure.probes[beyond // 2], motion.v)
+            row[1 + i] = v.real if beyond % 2 == 0 else v.imag
+    head.written += 1
+
+
+@jit
+def _thin(recorder):
+    """Drop every second of an even number of rows, the last among them, and double the angle."""
+    head, rows = recorder.head[0], recorder.rows
+    retained = len(rows) // 2
+    for i in range(1, retained):
+        for k in range(rows.shape[1]):
+            rows[i, k] = rows[2 * i, k]
+    head.written = retained
+    # where the steps are longer than the angle that was asked for it is theirs
+    head.spacing = max(2.0 * head.spacing, head.covered / retained)
+
+
+@jit
+def start(structure, motion, memory, work, recorder, out):
+    """Empty the recorder and write the state at the start."""
+    head = recorder.head[0]
+    head.spacing = head.least
+    head.since = head.least
+    head.covered = 0.0
+    head.written = 0
+    if len(recorder.rows) > 0:
+        write(structure, motion, memory, work, recorder, out)

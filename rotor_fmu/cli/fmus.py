@@ -1,0 +1,90 @@
+"""`rotor-fmu build` and `rotor-fmu core`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import InputError, writable_folder
+from ..fmi.packing.native_fmu import build_native
+from ..fmi.packing.python_fmu import SYSTEMS
+from ..fmi.packing.python_fmu import build as build_python
+from ..library.build import PLATFORMS, library
+from ..linear.machine_warnings import machine_warnings
+from ..model.kernels.library import here
+from ..output_options import with_output_options
+from ..runs.job import load_rotor
+from .runs import Free, RotorFile
+
+_ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
+Platforms = Annotated[list[str] | None, typer.Option("--platform", help=f"{_ONE_OF}; default all.")]
+Carried = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--platform",
+        help=f"{_ONE_OF}. Default: with --native all; else those of {' and '.join(SYSTEMS)} whose "
+        "library is there.",
+    ),
+]
+Native = Annotated[
+    bool, typer.Option("--native", help="The FMU that needs no Python, RotorBearingNative.fmu.")
+]
+Fmi = Annotated[int, typer.Option("--fmi", help="With --native: the version of FMI, 2 or 3.")]
+Reduction = Annotated[
+    int,
+    typer.Option("--reduction", min=0, help="solver.reduction, which a host cannot change."),
+]
+
+
+@with_output_options
+def build(
+    rotor: RotorFile = None,
+    is_free: Free = False,
+    is_native: Native = False,
+    fmi: Fmi = 2,
+    platforms: Carried = None,
+    reduction: Reduction = 0,
+    out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
+) -> dict[str, Any]:
+    """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
+    toml, machine = load_rotor(rotor)
+    if fmi not in (2, 3):
+        raise InputError(f"--fmi {fmi}: must be 2 or 3")
+    if fmi == 3 and not is_native:
+        raise InputError("--fmi 3: only with --native")
+    names = _known(platforms, tuple(PLATFORMS) if is_native else SYSTEMS)
+    folder, result = writable_folder(out), machine_warnings(machine)
+    for warning in result:
+        typer.echo(f"warning: {warning}", err=True)
+    if is_native:
+        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction)
+    else:
+        fmu = build_python(folder, toml, is_free, reduction, names or None)
+    typer.echo(fmu)
+    return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": result}
+
+
+@with_output_options
+def core(platforms: Platforms = None) -> dict[str, Any]:
+    """Make the libraries of the solver, with which nothing has to be compiled to run or to build.
+
+    Where they are missing a run compiles the solver, and a build of an FMU makes them.
+    """
+    names = _known(platforms, tuple(PLATFORMS)) or list(PLATFORMS)
+    made = {name: library(PLATFORMS[name]) for name in names}
+    for library_file in made.values():
+        typer.echo(library_file)
+    return made
+
+
+def _known(platforms: list[str] | None, allowed: tuple[str, ...]) -> list[str]:
+    mine = here()
+    if platforms and "here" in platforms and mine is None:
+        raise InputError("--platform here: there is no library for this machine")
+    platforms = [mine if name == "here" and mine else name for name in platforms or ()]
+    for name in platforms:
+        if name not in allowed:
+            raise InputError(f"--platform {name}: must be one of {', '.join(allowed)}")
+    return platforms

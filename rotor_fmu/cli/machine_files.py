@@ -1,0 +1,68 @@
+"""`rotor-fmu schema` and `rotor-fmu example`: what a machine file may say, and some that say it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from difflib import get_close_matches
+from importlib.resources import as_file, files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import InputError, writable_folder
+
+
+def schema_command(
+    as_page: Annotated[bool, typer.Option("--page", help="as a page in Markdown")] = False,
+) -> None:
+    """Print what a machine file may say, as a JSON schema for editors or as a page."""
+    from ..machine_file.page import page
+    from ..machine_file.schema import schema
+
+    typer.echo(page() if as_page else json.dumps(schema(), indent=2))
+
+
+def example(
+    name: Annotated[str | None, typer.Argument(help="One of the list that none prints.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder to copy all of the example into.")
+    ] = None,
+) -> None:
+    """List the examples, print the machine of one, or copy its folder."""
+    known = {
+        folder.name: folder
+        for folder in sorted(files("rotor_fmu.examples").iterdir(), key=str)
+        if folder.is_dir() and folder.joinpath("README.md").is_file()
+    }
+    if name is None:
+        for folder in known.values():
+            title = folder.joinpath("README.md").read_text("utf-8").splitlines()[0].lstrip("# ")
+            typer.echo(f"{folder.name:20s} {title}")
+        return
+    if name not in known:
+        near = get_close_matches(name, known, 1)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        raise InputError(f"example {name}: must be one of {', '.join(known)}{meant}")
+    if out is not None:
+        _copy(known[name], writable_folder(out) / name)
+        return
+    machines = [entry for entry in known[name].iterdir() if entry.name.endswith(".toml")]
+    if not machines:
+        raise InputError(f"example {name}: has no machine file of its own; copy it with --out DIR")
+    typer.echo(max(machines, key=lambda file: file.name).read_text("utf-8"), nl=False)
+
+
+def _copy(folder: Traversable, target: Path) -> None:
+    if target.exists():
+        raise InputError(f"--out {target.parent}: {target.name} is there already")
+    part = target.with_name(f"{target.name}.part")
+    with as_file(folder) as source:
+        try:
+            shutil.copytree(source, part, ignore=shutil.ignore_patterns("__pycache__"))
+            part.replace(target)
+        finally:
+            shutil.rmtree(part, ignore_errors=True)
+    typer.echo(f"written to {target}")

@@ -1,0 +1,105 @@
+"""`rotor-fmu plot` and `report`."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import InputError, writable_folder
+from ..files import write_text
+from ..output_options import with_output_options
+from ..runs import PLOTS
+
+# What draws is imported where it is asked for: bad input should not wait for it.
+
+
+@with_output_options
+def plot(
+    kind: Annotated[str, typer.Argument(help=f"One of {', '.join(PLOTS)}.")],
+    run: Annotated[Path, typer.Argument(help="Folder of a run, with its recording.npz.")],
+    place: Annotated[
+        str | None,
+        typer.Option(help="As disc[2] or bearing[1]; default: what moves, or is pressed, most."),
+    ] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="For orbit and spectrum, in Hz; default: the 1x peak.")
+    ] = None,
+    pp: Annotated[bool, typer.Option("--pp", help="Peak-to-peak, instead of 0-p.")] = False,
+    out: Annotated[Path | None, typer.Option(help="Folder; default: the run's.")] = None,
+) -> dict[str, Any]:
+    """Draw a recorded run as vibration engineers do."""
+    if kind not in PLOTS:
+        near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
+        raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
+    if speed is not None and not 0 < abs(speed) < math.inf:
+        raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
+    from ..figure_style import save
+    from ..plotting.reading import read_run
+    from ..report.signal_plots import KINDS
+    from ..report.view import View
+    from ..vibration import TooFewTurns
+
+    recorded = read_run(run)
+    folder = writable_folder(out or (run if run.is_dir() else run.parent))
+    view = View(recorded, place, None if speed is None else speed * 2 * math.pi, pp)
+    try:
+        figure = KINDS[kind](view)
+    except TooFewTurns as error:
+        raise InputError(f"{run}: {error}") from error
+    picture = save(figure, folder / f"{kind}.png")
+    typer.echo(picture)
+    return {"out": picture}
+
+
+@with_output_options
+def report(
+    paths: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="RUN_OR_STUDY [RUN]",
+            help="Folders of one or two runs, with their recording.npz, or of a study.",
+        ),
+    ],
+    out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
+) -> dict[str, Any]:
+    """Write the page of a run, of two runs laid over each other, or of a study."""
+    from ..plotting.reading import (
+        is_study,
+        read_run,
+        read_study,
+        read_summary,
+        rows_of_quantiles,
+        told_apart,
+    )
+
+    for path in paths:
+        if not path.exists():
+            raise InputError(f"{path}: is not there; give the folder of a run or of a study")
+    studies = [path for path in paths if is_study(path)]
+    if studies and len(paths) > 1:
+        raise InputError(f"{studies[0]}: is a study, which has a page of its own; give it alone")
+    if len(paths) > 2:
+        raise InputError(f"{len(paths)} runs: a page shows one or two")
+    writable_folder(out.parent)
+    if out.is_dir():
+        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    if studies:
+        from ..plotting.selected import pages_of_runs
+        from ..report.study import study_page
+
+        about, rows = read_study(paths[0])
+        drawn = rows_of_quantiles(about, rows)
+        page = study_page(about, rows, pages_of_runs(paths[0], out.parent), drawn)
+    else:
+        from ..report.page import runs_page
+
+        runs = [read_run(path) for path in paths]
+        told_apart(runs, paths)
+        page = runs_page(runs, [read_summary(path) for path in paths])
+    write_text(page, out)
+    typer.echo(out)
+    return {"out": out}

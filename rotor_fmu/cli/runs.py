@@ -1,0 +1,132 @@
+"""`rotor-fmu run-down`, `variables` and `host-env`."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import writable_folder
+from ..fmi.interface import interface
+from ..fmi.packing.variable_table import markdown
+from ..model.settings import PRESETS
+from ..output_options import with_output_options
+from ..report.page import write_report
+from ..report.verification import text_of
+from ..runs.host_env import host_environment
+from ..runs.job import (
+    clear,
+    difference,
+    execute,
+    execute_recorded,
+    fmu_in,
+    load_rotor,
+    prepare,
+    verified,
+    write_csv,
+    write_json,
+)
+from ..runs.run_plots import write_run_down
+from ..runs.signals import RUN_DOWN_STOP
+from ..runs.summary import summary
+from ..runs.verification import finer_job
+
+RotorFile = Annotated[
+    Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
+]
+Free = Annotated[
+    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
+]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="NAME=VALUE of a parameter, or of an input held constant."),
+]
+
+
+@with_output_options
+def run_down(
+    preset: Annotated[str | None, typer.Option(help=f"One of {', '.join(PRESETS)}.")] = None,
+    sets: Sets = None,
+    signals: Annotated[
+        Path | None, typer.Option("--input", help="CSV: time and inputs, SI units.")
+    ] = None,
+    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
+    step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
+    direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
+    verify: Annotated[
+        bool,
+        typer.Option("--verify", help="Run again with a tenth of the tolerance or half the step."),
+    ] = False,
+    rotor: RotorFile = None,
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
+) -> dict[str, Any]:
+    """Drive the built FMU over the paper's run-down and write figures and pictures.
+
+    The same run is recorded at the solver's own steps, without the FMU, for the pictures. With
+    --verify it is held against the same run, solved more finely: peaks and final state side by
+    side, and what follows.
+    """
+    job = prepare(rotor, preset, sets or [], signals, stop, step)
+    if verify:
+        finer_job(job)  # refused before anything is run
+    writable_folder(out)
+    fmu = None if direct else fmu_in(out, job.toml, job.settings.reduction)
+    clear(out)
+    label = f"run-down, {preset or 'default'}"
+    driven = None if fmu is None else execute(job, fmu, label)
+    recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
+    # an FMU holds its loads between two communication points
+    result = driven if driven is not None and job.signals.is_held else recorded
+    if verify:
+        recorded, recording = verified(job, recorded, recording, f"{label}, finer")
+        if "verification" in recording.about:
+            result = replace(result, status=recorded.status)
+    report = summary(result) | {
+        "recorded_steps": len(recording.t),
+        "recorded_apart": driven and difference(driven, recorded),
+        "verification": recording.about.get("verification"),
+    }
+    write_csv(result, out / "run_down.csv")
+    recording.save(out / "recording.npz")
+    name = f"Preset {preset}" if preset else "Default solver"
+    write_run_down(result, recording, report, name, job.settings.mode == "adaptive", out)
+    write_json(report, out / "summary.json")
+    write_report(recording, report, out / "report.html")
+    if apart := report["recorded_apart"]:
+        why = "" if job.signals.is_held else ", which holds its inputs over a communication step"
+        typer.echo(
+            f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "
+            f"apart from the FMU's{why}; the pictures are of the recorded one",
+            err=True,
+        )
+    for key, value in report.items():
+        if key not in ("messages", "codes", "verification"):
+            typer.echo(f"{key:20s} {_value_text(value)}")
+    if report["verification"]:
+        typer.echo(text_of(report["verification"]), nl=False)
+    typer.echo(f"{'written to':20s} {out}")
+    return report | {"out": str(out)}
+
+
+def _value_text(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    if isinstance(value, list):
+        return " .. ".join(_value_text(item) for item in value)
+    return "-" if value is None else str(value)
+
+
+@with_output_options
+def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
+    """Print the FMU's variables as a Markdown table."""
+    table = interface(load_rotor(rotor)[1], is_free)
+    typer.echo(markdown(table), nl=False)
+    return {variable.name: asdict(variable) for variable in table}
+
+
+def host_env() -> None:
+    """Print the environment that a C host needs to run the FMU on this machine."""
+    for name, value in host_environment().items():
+        typer.echo(f'export {name}="{value}"')

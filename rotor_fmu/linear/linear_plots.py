@@ -1,0 +1,234 @@
+"""Pictures of linear answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from scipy.interpolate import CubicHermiteSpline
+
+from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
+from ..model.linear.campbell import Campbell
+from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
+from ..model.linear.static import Static
+from ..model.linear.unbalance import UnbalanceResponse
+from .linear_tables import hertz, turns
+
+PURPLE = "#cc79a7"
+_COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
+_WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
+_MOST_SHAPES = 6
+_FINE = 12  # points an element of a curve through the nodes
+
+
+def _figure(width: float, height: float, rows: int, columns: int = 1, **options) -> tuple:
+    figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    grid = figure.subplots(rows, columns, squeeze=False, **options)
+    for axes in grid.flat:
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+    return figure, grid
+
+
+def _curve(z: np.ndarray, w: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A line through the nodes with their slopes, as the shaft bends; z in mm."""
+    fine = np.unique(np.concatenate([np.linspace(a, b, _FINE) for a, b in pairwise(z)]))
+    return fine * 1e3, CubicHermiteSpline(z, w, slope)(fine)
+
+
+def modes_figure(result: Modes) -> Figure:
+    """Shapes of the lowest modes: each plane at the instant of its largest deflection."""
+    shown = min(_MOST_SHAPES, len(result.eigenvalues))
+    columns = 2 if shown > 1 else 1
+    rows = max(1, -(-shown // columns))
+    figure, grid = _figure(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, sharex=True)
+    for i, axes in enumerate(grid.flat):
+        if i >= shown:
+            axes.set_visible(False)
+            continue
+        axes.axhline(0, color=GREY, lw=0.8)
+        for w, slope, color, label, dashes in (
+            (result.x[i], result.slope_x[i], BLUE, "x", "-"),
+            (result.y[i], result.slope_y[i], ORANGE, "y", (0, (4, 2))),
+        ):
+            turn = np.exp(-1j * np.angle(w[np.argmax(np.abs(w))]))
+            axes.plot(
+                *_curve(result.z, (w * turn).real, (slope * turn).real),
+                color=color,
+                lw=1.6,
+                ls=dashes,
+                label=label,
+            )
+            axes.plot(result.z * 1e3, (w * turn).real, "o", color=color, ms=3)
+        zeta = result.damping_ratio[i]
+        axes.set_title(
+            f"{i + 1}: {hertz(result.damped[i]):.4g} Hz, {result.whirl[i]}, "
+            f"damping {0.0 if abs(zeta) < 1e-10 else zeta:.2g}",
+            loc="left",
+            fontsize=9,
+        )
+        axes.set_ylim(-1.15, 1.15)
+        if i + columns >= shown:
+            axes.set_xlabel("Along the shaft z [mm]")
+            axes.tick_params(labelbottom=True)
+        if i % columns == 0:
+            axes.set_ylabel("Shape [1]")
+    if shown:
+        figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+    figure.suptitle(
+        f"Modes at {turns(result.speed, result.contacts)}", fontsize=10, x=0.01, ha="left"
+    )
+    return figure
+
+
+def campbell_figure(result: Campbell) -> Figure:
+    """Frequencies, with the excitation and where they meet it, and logarithmic decrements."""
+    figure, grid = _figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
+    above, below = grid[:, 0]
+    speed = result.speeds / (2 * math.pi)
+    frequency = result.damped / (2 * math.pi)
+    for mode in range(frequency.shape[1]):
+        for axes, values in ((above, frequency[:, mode]), (below, result.log_dec[:, mode])):
+            _whirling(axes, speed, values, [of[mode] for of in result.whirl])
+    above.plot(speed, result.harmonic * np.abs(speed), color="black", lw=1.0, ls=(0, (4, 3)))
+    for c in result.critical:
+        place = hertz(c.speed), result.harmonic * hertz(c.speed)
+        above.plot(*place, "o", color="black", mfc="white", ms=5)
+        above.annotate(
+            f"{place[0]:.4g}",
+            place,
+            xytext=(5, -9) if c.whirl == FORWARD else (-4, 5),
+            ha="left" if c.whirl == FORWARD else "right",
+            textcoords="offset points",
+            fontsize=8,
+        )
+    below.axhline(0, color="black", lw=1.0)
+    if result.threshold is not None:
+        for axes in (above, below):
+            axes.axvline(hertz(result.threshold), color=PURPLE, lw=1.2, ls=":")
+        below.annotate(
+            f"unstable above {hertz(result.threshold):.4g} Hz",
+            (hertz(result.threshold), 0.97),
+            xycoords=("data", "axes fraction"),
+            xytext=(-4, 0),
+            textcoords="offset points",
+            va="top",
+            ha="right",
+            fontsize=8,
+            color=PURPLE,
+        )
+    seen = {word for words in result.whirl[1:] for word in words if word}
+    handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
+    times = "" if result.harmonic == 1 else f"{result.harmonic:g} times "
+    label = f"{times}the speed"
+    handles.append(Line2D([], [], color="black", lw=1.0, ls=(0, (4, 3)), label=label))
+    above.legend(handles=handles, frameon=False, loc="upper left", fontsize=8)
+    highest = np.nanmax(frequency, initial=0.0)
+    above.set_ylim(0, 1.05 * max(highest, 1e-9))
+    above.set_xlim(speed[0], speed[-1])
+    above.set_ylabel("Frequency [Hz]")
+    below.set_ylabel("Logarithmic decrement [1]")
+    finite = result.log_dec[np.isfinite(result.log_dec)]
+    if len(finite) and np.abs(finite).max() < 1e-8:
+        below.set_ylim(-1, 1)
+    elif len(finite) and finite.max() > 3:
+        below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
+    below.set_xlabel("Rotational speed n [Hz]")
+    above.set_title(f"Campbell diagram, contacts {result.contacts}", loc="left", fontsize=10)
+    return figure
+
+
+def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
+    """A line in pieces of the colour of its whirl."""
+    for i in range(len(speed) - 1):
+        # a mode at rest whirls neither way: its first piece has the colour of what it becomes
+        word = whirl[i + 1] if whirl[i] in ("", PLANAR) else whirl[i]
+        axes.plot(speed[i : i + 2], values[i : i + 2], color=_WHIRL.get(word, GREY), lw=1.6)
+
+
+def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
+    """Semi-axes and phases of nodes (from 1) over the speed."""
+    figure, grid = _figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
+    above, below = grid[:, 0]
+    speed = result.speeds / (2 * math.pi)
+    mark = "o" if len(speed) < 3 else ""
+    for node, color in zip(nodes, _COLORS, strict=False):
+        at = node - 1
+        above.plot(
+            speed,
+            result.major[:, at] * 1e6,
+            marker=mark,
+            color=color,
+            lw=1.8,
+            ls="-",
+            label=f"node {node}",
+        )
+        for values, dashes in ((result.x, (0, (4, 2))), (result.y, (0, (1, 1.5)))):
+            above.plot(speed, np.abs(values[:, at]) * 1e6, color=color, lw=1.0, ls=dashes)
+        for values, dashes in ((result.phase_x, (0, (4, 2))), (result.phase_y, (0, (1, 1.5)))):
+            phase = np.degrees(values[:, at])
+            phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+            phase[result.speeds == 0] = np.nan
+            below.plot(speed, phase, marker=mark, color=color, lw=1.2, ls=dashes)
+    handles, _ = above.get_legend_handles_labels()
+    for label, style, width in (
+        ("major semi-axis", "-", 1.8),
+        ("x", (0, (4, 2)), 1.0),
+        ("y", (0, (1, 1.5)), 1.0),
+    ):
+        handles.append(Line2D([], [], color=GREY, lw=width, ls=style, label=label))
+    above.legend(handles=handles, frameon=False, fontsize=8, loc="best")
+    above.set_ylim(bottom=0)
+    above.set_ylabel("Amplitude [µm]")
+    below.set_ylabel("Phase to the mark [deg]")
+    below.set_ylim(-185, 185)
+    below.set_yticks([-180, -90, 0, 90, 180])
+    below.set_xlabel("Rotational speed n [Hz]")
+    title = f"Steady response to unbalance, contacts {result.contacts}"
+    above.set_title(title, loc="left", fontsize=10)
+    return figure
+
+
+def static_figure(result: Static) -> Figure:
+    """Deflection along the shaft and, beside its nodes' names, what the supports bear."""
+    figure, grid = _figure(6.8, 3.8, 1)
+    axes = grid[0, 0]
+    axes.axhline(0, color=GREY, lw=0.8)
+    z, y = _curve(result.z, result.y * 1e6, result.slope_y * 1e6)
+    axes.plot(z, y, color=BLUE, lw=1.8, label="y")
+    axes.plot(result.z * 1e3, result.y * 1e6, "o", color=BLUE, ms=3.5)
+    if np.abs(result.x).max(initial=0) > 1e-3 * np.abs(result.y).max(initial=0):
+        axes.plot(
+            *_curve(result.z, result.x * 1e6, result.slope_x * 1e6),
+            color=ORANGE,
+            lw=1.5,
+            ls=(0, (4, 2)),
+            label="x",
+        )
+        axes.legend(frameon=False, fontsize=8)
+    for place, name, load in zip(result.support_z, result.supports, result.load_y, strict=True):
+        at = int(np.argmin(np.abs(result.z - place)))
+        axes.annotate(
+            f"{name}\n{abs(load):.4g} N",
+            (place * 1e3, result.y[at] * 1e6),
+            xytext=(0, -34 if load <= 0 else 34),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=8,
+            arrowprops={"arrowstyle": "->", "color": "black", "lw": 0.9},
+        )
+    axes.margins(x=0.08, y=0.3)
+    axes.set_xlabel("Along the shaft z [mm]")
+    axes.set_ylabel("Deflection [µm]")
+    state = turns(result.speed, result.contacts)
+    axes.set_title(f"At rest under gravity, {state}", loc="left", fontsize=10)
+    return figure

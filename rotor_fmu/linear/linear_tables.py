@@ -1,0 +1,185 @@
+"""Tables of linear answers: as text, as HTML for notebooks, and as numbers for JSON."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model.linear.campbell import Campbell
+from ..model.linear.modes import Modes
+from ..model.linear.static import Static
+from ..model.linear.unbalance import UnbalanceResponse
+
+_MOST_SPEEDS = 12  # of a table of the response
+
+
+class Table(NamedTuple):
+    """A heading, columns with units, rows of numbers and words."""
+
+    title: str
+    heads: Sequence[str]
+    rows: Sequence[Sequence[object]]
+
+    def text(self) -> str:
+        """For a terminal, in columns."""
+        shown = [list(self.heads), *([_shown(cell) for cell in row] for row in self.rows)]
+        widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
+        lines = [
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+            for row in shown
+        ]
+        return "\n".join([self.title, *lines])
+
+    def html(self) -> str:
+        """For a notebook."""
+        heads = "".join(f"<th>{html.escape(head)}</th>" for head in self.heads)
+        rows = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>"
+            for row in self.rows
+        )
+        title = f"<caption>{html.escape(self.title)}</caption>"
+        return f"<table>{title}<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+
+
+def _shown(cell: object) -> str:
+    if isinstance(cell, float):
+        return "-" if math.isnan(cell) else f"{cell:.5g}"
+    return str(cell)
+
+
+def hertz(omega: float) -> float:
+    """Of an angular frequency [rad/s]."""
+    return float(omega) / (2 * math.pi)
+
+
+def turns(speed: float, contacts: str) -> str:
+    """The state of a machine in a heading."""
+    return f"{speed:.5g} rad/s ({hertz(speed) * 60:.5g} rev/min), contacts {contacts}"
+
+
+def modes_table(result: Modes) -> Table:
+    """A row a mode."""
+    heads = ("mode", "f_d [Hz]", "f_n [Hz]", "omega_d [rad/s]", "damping", "log dec", "whirl")
+    columns = zip(
+        result.damped,
+        result.natural,
+        result.damping_ratio,
+        result.log_dec,
+        result.whirl,
+        strict=True,
+    )
+    rows = [
+        (i, hertz(damped), hertz(natural), float(damped), _clean(zeta), _clean(decrement), whirl)
+        for i, (damped, natural, zeta, decrement, whirl) in enumerate(columns, 1)
+    ]
+    title = f"Modes at {turns(result.speed, result.contacts)}"
+    if not result.is_sound.all():
+        numbers = ", ".join(str(i + 1) for i in np.flatnonzero(~result.is_sound))
+        title += (
+            f"; of mode {numbers} rounding leaves residuals up to {np.max(result.residuals):.1g}: "
+            "its stiffnesses and masses lie too far apart"
+        )
+    return Table(title, heads, rows)
+
+
+def _clean(ratio: float) -> float:
+    """A damping without what is rounding."""
+    return 0.0 if abs(ratio) < 1e-10 else float(ratio)
+
+
+def campbell_table(result: Campbell) -> Table:
+    """A row a critical speed; the threshold of stability in the heading."""
+    heads = ("mode", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
+    rows = [
+        (c.mode + 1, c.speed, hertz(c.speed), 60 * hertz(c.speed), _clean(c.log_dec), c.whirl)
+        for c in result.critical
+    ]
+    between = f"{result.speeds[0]:.5g} and {result.speeds[-1]:.5g} rad/s"
+    stability = "stable at all of them"
+    if result.threshold is not None:
+        stability = f"unstable above {result.threshold:.6g} rad/s"
+        if result.threshold == result.speeds[0]:
+            stability = f"unstable already at {result.threshold:.6g} rad/s"
+    harmonic = "" if result.harmonic == 1 else f" of {result.harmonic:g} times the speed"
+    title = f"Critical speeds{harmonic} between {between}, contacts {result.contacts}; {stability}"
+    return Table(title, heads, rows)
+
+
+def static_table(result: Static) -> Table:
+    """A row a node, then a row for what each support bears."""
+    heads = ("where", "z [mm]", "x [um]", "y [um]", "load x [N]", "load y [N]")
+    nodes = [
+        (f"node {i}", z * 1e3, x * 1e6, y * 1e6, "", "")
+        for i, (z, x, y) in enumerate(zip(result.z, result.x, result.y, strict=True), 1)
+    ]
+    housings = [
+        (f"housing {name}", "", x * 1e6, y * 1e6, "", "")
+        for name, x, y in zip(result.housings, result.housing_x, result.housing_y, strict=True)
+    ]
+    loads = [
+        (f"on {name}", "", "", "", float(x), float(y))
+        for name, x, y in zip(result.supports, result.load_x, result.load_y, strict=True)
+    ]
+    rows = [tuple(_rounded(cell) for cell in row) for row in (*nodes, *housings, *loads)]
+    return Table(f"At rest, {turns(result.speed, result.contacts)}", heads, rows)
+
+
+def _rounded(cell: object) -> object:
+    return (0.0 if abs(cell) < 1e-9 else float(cell)) if isinstance(cell, float) else cell
+
+
+def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
+    """Rows of speed and node (from 1): at every speed where they are few, else where the largest
+    semi-axis of a node peaks."""
+    heads = (
+        *("node", "speed [rad/s]", "[Hz]", "x [um]", "y [um]", "major [um]", "minor [um]"),
+        *("phase x [deg]", "phase y [deg]"),
+    )
+    rows = [
+        (
+            node,
+            float(result.speeds[i]),
+            hertz(result.speeds[i]),
+            *(float(of[i, node - 1]) * 1e6 for of in (np.abs(result.x), np.abs(result.y))),
+            *(float(of[i, node - 1]) * 1e6 for of in (result.major, result.minor)),
+            *(math.degrees(of[i, node - 1]) for of in (result.phase_x, result.phase_y)),
+        )
+        for node in nodes
+        for i in _json_values(result.major[:, node - 1])
+    ]
+    what = "" if len(result.speeds) <= _MOST_SPEEDS else " where it peaks"
+    return Table(f"Response to unbalance{what}, contacts {result.contacts}", heads, rows)
+
+
+def _json_values(major: np.ndarray) -> Sequence[int]:
+    if len(major) <= _MOST_SPEEDS:
+        return range(len(major))
+    inner = np.flatnonzero((major[1:-1] > major[:-2]) & (major[1:-1] >= major[2:])) + 1
+    return inner.tolist() if len(inner) else [int(np.argmax(major))]
+
+
+def numbers(result: Any) -> dict[str, object]:
+    """All that an answer says, in SI units, for JSON: complex numbers as [real, imaginary]."""
+    fields = {name: getattr(result, name) for name in result.__dataclass_fields__}
+    for name in ("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"):
+        if hasattr(result, name):
+            fields[name] = getattr(result, name)
+    return {name: _plain(value) for name, value in fields.items()}
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        return [_plain(item) for item in value.tolist()]
+    if hasattr(value, "__dataclass_fields__"):
+        return numbers(value)
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,43 @@
+"""What makes a machine doubtful before it is run, by its linear answers."""
+
+from __future__ import annotations
+
+from ..model.linear.machine import OPEN, LinearError, LinearMachine
+from ..model.linear.modes import modes
+from ..model.machine.rotor import Rotor
+from ..model.outcomes import grows_at_rest
+from ..model.parts.base import Release
+
+# Least Re lambda / |lambda| of what is called growing; share of the machine's lowest frequency
+# below which a root is a motion as a rigid body: rounding.
+_GROWING, _SLOW = 1e-5, 1e-3
+
+
+def machine_warnings(rotor: Rotor) -> list[str]:
+    """Sentences about a machine that nothing holds, and about one that is unstable at rest."""
+    result = []
+    machine = LinearMachine(rotor)
+    if (
+        rotor.gravity * rotor.weight_share != 0.0
+        and not machine.is_held
+        and not _is_released(rotor)
+    ):
+        result.append(f"{machine.why_not_held()}, or a [start] in the air is told")
+    try:
+        at_rest = modes(rotor, 0.0, contacts=OPEN)
+    except LinearError:
+        return result
+    roots = [*at_rest.eigenvalues[at_rest.is_sound], *(complex(decay) for decay in at_rest.decays)]
+    slow = _SLOW * machine.structure.numbers[0].lowest_omega
+    growing = [r for r in roots if abs(r) > slow and r.real > _GROWING * abs(r)]
+    if growing:
+        result.append(grows_at_rest(max(growing, key=lambda r: r.real / abs(r))))
+    return result
+
+
+def _is_released(rotor: Rotor) -> bool:
+    return any(
+        isinstance(element, Release)
+        for where, part in rotor.named_parts()
+        for element in part.elements(where, rotor.material.density)
+    )

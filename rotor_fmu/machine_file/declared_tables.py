@@ -1,0 +1,122 @@
+"""The tables of a machine file with their keys, as the data classes declare them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import MISSING, dataclass, fields
+from typing import Any
+
+from ..model.machine.rotor import Rotor
+from ..model.parts import PARTS
+from ..model.parts.base import Part
+from ..model.parts.shaft import SHEARS, TAPERS, Material, Section
+from ..model.quantities import Quantity, quantities
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a table: its quantity, or `text` and `choices` where it is no number; default: None
+    where it must be given."""
+
+    name: str
+    quantity: Quantity | None
+    text: str
+    default: Any = None
+    is_needed: bool = False
+    choices: tuple[str, ...] = ()
+    kind: str = "number"
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: how it is headed, what it is, whether there may be several, its keys."""
+
+    heading: str
+    name: str
+    text: str
+    is_list: bool
+    keys: tuple[Key, ...]
+
+
+# Keys that are no quantities, by their names.
+_WORDS = {
+    "node": ("integer", "number of the node, from 1; or `z`, its position [m]"),
+    "housing": ("string", "name of the `[[housing]]` that it sits on; ground without"),
+    "name": ("string", "name, by which others and the FMU call it"),
+    "material": ("string", "name of a `[material.NAME]`; the machine's own without"),
+}
+
+
+def part_tables() -> Iterator[Table]:
+    """The table of every kind of part."""
+    for kind in PARTS:
+        heading = f"[{kind.KIND}]" if kind.IS_SINGLE else f"[[{kind.KIND}]]"
+        yield Table(heading, kind.KIND, kind.TEXT, not kind.IS_SINGLE, tuple(_part_keys(kind)))
+
+
+def _part_keys(kind: type[Part]) -> Iterator[Key]:
+    numbers = quantities(kind)
+    ordered = sorted(fields(kind), key=lambda field: field.name in numbers)
+    for field in ordered:
+        default = None if field.default is MISSING else field.default
+        is_needed = field.default is MISSING
+        if field.name in numbers:
+            quantity = numbers[field.name]
+            yield Key(field.name, quantity, quantity.text, default, is_needed)
+        else:
+            word, text = _WORDS[field.name]
+            yield Key(field.name, None, text, default or None, is_needed, kind=word)
+            if field.name == "node":
+                yield Key("z", None, "position of the node [m]", kind="number")
+
+
+def own_tables() -> Iterator[Table]:
+    """What stands beside the parts: the machine's own keys, material, shaft and sections."""
+    own = quantities(Rotor)
+    top = [Key("name", None, "name of the machine", "rotor", kind="string")]
+    top.append(Key("extends", None, "machine file that this one adds to", kind="string"))
+    defaults = {field.name: field.default for field in fields(Rotor)}
+    for name in ("gravity", "gravity_angle", "inclination"):
+        top.append(Key(name, own[name], own[name].text, defaults[name]))
+    yield Table("", "", "The machine as a whole.", False, tuple(top))
+    material = [
+        Key(
+            name,
+            quantity,
+            quantity.text,
+            None if field.default is MISSING else field.default,
+            field.default is MISSING,
+        )
+        for field in fields(Material)
+        for name, quantity in quantities(Material).items()
+        if name == field.name
+    ]
+    text = "of discs and of the shaft; `[material.NAME]` for others"
+    yield Table("[material]", "material", text, False, tuple(material))
+    shaft = [
+        Key("nodes", None, "positions of the nodes [m], ascending", kind="numbers"),
+        Key("diameters", None, "of the solid cylinders between them [m]", kind="numbers"),
+        Key("start", own["start"], "position of the first node, with `[[section]]`", 0.0),
+    ]
+    for name in ("eta_v", "eta_h", "rotating_damping"):
+        shaft.append(Key(name, own[name], own[name].text, defaults[name]))
+    yield Table("[shaft]", "shaft", "nodes and what lies between them", False, tuple(shaft))
+    text = "one stretch of the shaft after another, in the place of `nodes` and `diameters`"
+    yield Table("[[section]]", "section", text, True, tuple(_section_keys()))
+
+
+def _section_keys() -> Iterator[Key]:
+    quantity = quantities(Section)
+    yield Key("length", quantity["length"], "length", is_needed=True)
+    yield Key("elements", None, "elements that it is divided into", 1, kind="integer")
+    for name, end in (("outer", "outer diameter"), ("bore", "diameter of the bore")):
+        default = 0.0 if name == "bore" else None
+        yield Key(name, quantity[f"{name}_left"], end, default)
+        for side in ("left", "right"):
+            yield Key(f"{name}_{side}", quantity[f"{name}_{side}"], f"{end} at its {side} end")
+    yield Key("material", None, _WORDS["material"][1], kind="string")
+    yield Key("axial_force", quantity["axial_force"], quantity["axial_force"].text, 0.0)
+    yield Key("shear", None, "shear coefficient", SHEARS[0], choices=SHEARS, kind="string")
+    text = "shape of a tapered element: its own, or a cylinder's of mean or (ROSS) middle shear"
+    yield Key("taper", None, text, TAPERS[0], choices=TAPERS, kind="string")
+    yield Key("layer", None, "`[[section.layer]]`: what else lies there", kind="tables")

@@ -1,0 +1,79 @@
+"""What a command tells of its results: words, the same figures as JSON, or nothing."""
+
+from __future__ import annotations
+
+import inspect
+import io
+import math
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack, redirect_stderr, redirect_stdout
+from functools import wraps
+from json import dumps
+from numbers import Integral
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+from .errors import RunFailed
+from .status import FAILED
+
+
+def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
+    """Give a command that returns its figures the options `--json` and `--quiet`; a `status` among
+    the figures that says `failed: ` is a `RunFailed` once they are told."""
+
+    @wraps(command)
+    def run_command(*, as_json: bool = False, is_quiet: bool = False, **options: Any) -> None:
+        """Call the command and tell what it returns."""
+        with ExitStack() as stack:
+            if as_json or is_quiet:
+                stack.enter_context(redirect_stdout(io.StringIO()))
+            if is_quiet:
+                stack.enter_context(redirect_stderr(io.StringIO()))
+            figures = command(**options)
+        if as_json:
+            print(json_text(figures), end="")
+        status = str(figures.get("status", ""))
+        if status.startswith(FAILED):
+            raise RunFailed(f"the run stopped before its end: {status.removeprefix(FAILED)}")
+
+    options = _options()
+    hints = get_type_hints(command, include_extras=True) | options
+    own = inspect.signature(command).parameters.values()
+    added = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=False) for n in options]
+    run_command.__annotations__ = hints
+    run_command.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [parameter.replace(annotation=hints[parameter.name]) for parameter in (*own, *added)]
+    )
+    return run_command
+
+
+def _options() -> dict[str, Any]:
+    import typer  # which no run in Python needs
+
+    return {
+        "as_json": Annotated[
+            bool, typer.Option("--json", help="Print the summary as JSON to standard output.")
+        ],
+        "is_quiet": Annotated[
+            bool,
+            typer.Option("--quiet", help="Print nothing but errors, and what --json asks for."),
+        ],
+    }
+
+
+def json_text(figures: Mapping[str, Any]) -> str:
+    """Figures as JSON, which knows no infinity: null where a number is not finite."""
+    return dumps(as_json_value(figures), indent=2, allow_nan=False) + "\n"
+
+
+def as_json_value(value: Any) -> Any:
+    """Figures of which JSON has words: None where a number is not finite."""
+    if isinstance(value, Mapping):
+        return {str(key): as_json_value(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [as_json_value(item) for item in value]
+    if isinstance(value, Path):
+        return str(value)
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        return int(value)
+    return None if isinstance(value, float) and not math.isfinite(value) else value

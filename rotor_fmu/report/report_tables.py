@@ -1,0 +1,162 @@
+"""What the page says in words and tables, which need no script."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from .. import vibration
+from ..status import FAILED, OK
+from ..vibration import TooFewTurns
+from .measuring_points import Recorded, hertz
+from .verification import headline_of, rows_of
+
+_SUMMARY = {
+    "wall_s": "wall time [s]",
+    "steps": "steps",
+    "rejected": "steps rejected",
+    "newton_per_step": "iterations a step",
+    "h_min": "shortest step [s]",
+    "h_max": "longest step [s]",
+    "energy_residual": "energy the integrator made, of all dissipated [1]",
+}
+
+
+def notices(run: Recorded, why: str | None) -> str:
+    """What a reader has to know first: how far a failed run came, why, what makes it doubtful."""
+    said = []
+    if run.status.startswith(FAILED):
+        reason = run.status.removeprefix(FAILED)
+        said.append(f"{run.name} stopped before its end. It came to {_reached(run)}: {reason}")
+    elif run.status != OK:
+        said.append(f"{run.name} is {run.status}")
+    for message in dict.fromkeys(map(str, run.about.get("messages", ()))):
+        if message not in run.status:
+            said.append(f"{run.name}: {message}")
+    if why:
+        said.append(f"{run.name} has no pictures over speed: {why}")
+    return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
+
+
+def _reached(run: Recorded) -> str:
+    if not len(run.t):
+        return "no step"
+    return f"t = {run.t[-1]:.4g} s at {_speed(run, -1)} Hz"
+
+
+def _speed(run: Recorded, at: int) -> str:
+    # rounding leaves something of a shaft that stands
+    return f"{hertz(run.w[at]) if abs(run.w[at]) > 1e-9 else 0.0:.4g}"
+
+
+def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
+    """Tables of a run: responses of its places, contacts, sinks, what the solver did."""
+    of = f"{run.name}: " if runs > 1 else ""
+    made = [_ran(run, summary, of), _verification(run, of)]
+    with suppress(TooFewTurns):
+        made.append(_places(run, of))
+    made += [_contacts(run, of), _sinks(run, of)]
+    return "\n".join(text for text in made if text)
+
+
+def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
+    rows: list[Sequence[object]] = [
+        ["status", "failed" if run.status.startswith(FAILED) else run.status]
+    ]
+    if len(run.t):
+        rows += [
+            ["reached [s]", run.t[-1]],
+            ["speed, from and to [Hz]", f"{_speed(run, 0)} to {_speed(run, -1)}"],
+            ["turns", float(np.abs(np.diff(run.phi)).sum()) / (2 * math.pi)],
+        ]
+    rows.append(["samples", len(run.t)])
+    rows += [[text, summary[name]] for name, text in _SUMMARY.items() if name in summary]
+    given = run.about.get("parameters", {})
+    rows += [[f"{name}, as set", value] for name, value in given.items()]
+    return table(f"{of}the run", ["", ""], rows)
+
+
+def _verification(run: Recorded, of: str) -> str:
+    figures = run.about.get("verification")
+    if not figures:
+        return ""
+    heads = ["", "this run [µm]", "finer run [µm]", "difference [%]"]
+    return table(f"{of}{headline_of(figures)}", heads, rows_of(figures))
+
+
+def _places(run: Recorded, of: str) -> str:
+    heads = [
+        "place", "1x, largest [µm 0-p]", "at [Hz]", "amplification [1]", "x [µm pp]", "y [µm pp]",
+        "S_max [µm 0-p]",
+    ]  # fmt: skip
+    rows = []
+    for place in run.places:
+        signal = run.resampled(place)
+        track = vibration.order_track_of(signal, (1.0,))
+        at = int(np.nanargmax(track.major()))
+        direct = vibration.displacement_of(signal)
+        largest = [float(v.max()) for v in (direct.x_pp, direct.y_pp, direct.s_max)]
+        speed = hertz(track.speed[at])
+        rows.append([place.label, track.major()[at], speed, _amplification(track), *largest])
+    return table(f"{of}responses over the run (API RP 684, ISO 20816-1)", heads, rows)
+
+
+def _amplification(track: vibration.OrderTrack) -> float | str:
+    """The factor of the highest resonance, marked where the run passed it too quickly."""
+    if not _passes(track.speed):
+        return math.nan
+    result = vibration.resonances(track.speed, track.major(), t=track.t)
+    if result and result[0].is_fast:
+        return f"> {_cell(result[0].amplification)}, passed too fast"
+    return result[0].amplification if result else math.nan
+
+
+def _passes(speed: np.ndarray) -> bool:
+    """Whether a run goes one way through speeds wide apart, as a resonance is told by."""
+    ways = np.sign(np.diff(speed[:: max(len(speed) // 50, 1)]))
+    span = np.abs(speed)
+    return bool(abs(ways.sum()) == len(ways) and span.max() > 1.3 * span.min())
+
+
+def _contacts(run: Recorded, of: str) -> str:
+    heads = ["contact", "largest force [N]", "at [Hz]", "touches [% of the time]"]
+    rows = []
+    weight = np.gradient(run.t) if len(run.t) > 1 else run.t
+    for touch in run.touches if weight.any() else ():
+        at = int(np.argmax(np.nan_to_num(touch.fn)))
+        share = 100 * float((weight * (touch.fn > 0)).sum() / weight.sum())
+        rows.append([touch.label, touch.fn[at], hertz(run.w[at]), share])
+    return table(f"{of}contacts", heads, rows) if rows else ""
+
+
+def _sinks(run: Recorded, of: str) -> str:
+    losses = {name: float(column[-1]) for name, column in run.losses.items() if len(column)}
+    whole = sum(losses.values())
+    if not whole:
+        return ""
+    order = sorted(losses, key=lambda name: -losses[name])
+    rows = [[name, losses[name], 100 * losses[name] / whole] for name in order]
+    return table(f"{of}energy dissipated", ["sink", "energy [J]", "share [%]"], rows)
+
+
+def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """A table as HTML; heads that are all empty are left out."""
+    head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
+    lines = ["".join(f"<td>{escape(_cell(value))}</td>" for value in row) for row in rows]
+    body = "".join(f"<tr>{line}</tr>" for line in lines)
+    top = f"<thead><tr>{head}</tr></thead>" if any(heads) else ""
+    return (
+        f'<div class="table"><table><caption>{escape(caption)}</caption>{top}'
+        f"<tbody>{body}</tbody></table></div>"
+    )
+
+
+def _cell(value: object) -> str:
+    if value is None or value != value:
+        return "-"
+    return f"{value:.5g}" if isinstance(value, float) else str(value)

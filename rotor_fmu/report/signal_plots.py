@@ -1,0 +1,323 @@
+"""Pictures of recorded signals, one function a kind, for `rotor-fmu plot`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from .. import vibration
+from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure, new_figure
+from .measuring_points import hertz
+from .view import View, parted, two
+
+SPEED = "Rotational speed n [Hz]"
+PURPLE, BLACK = "#cc79a7", "#000000"
+_SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
+_PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
+
+
+def bode(view: View) -> Figure:
+    """1x amplitude and phase of x and y over speed, with 2x and 0.5x beside."""
+    figure, (above, below) = two()
+    place = view.run.place(view.name)
+    track = vibration.order_track(*view.signal)
+    n = hertz(track.speed)
+    for vector, color, label, style in (
+        (track.x(), BLUE, "1x of x", (0, ())),
+        (track.y(), ORANGE, "1x of y", (0, (4, 2))),
+    ):
+        length = parted(n, np.abs(vector) * view.scale)
+        above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
+        phase = np.degrees(np.angle(vector))
+        phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+        below.plot(n, parted(n, phase), color=color, lw=1.2, ls=style)
+    for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
+        label = f"{order:g}x, major axis"
+        length = parted(n, track.major(order) * view.scale)
+        above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
+    above.legend(frameon=False, fontsize=8)
+    above.set_ylim(bottom=0)
+    above.set_ylabel(f"Amplitude [{view.unit}]")
+    below.set_ylabel("Phase to the mark [deg]")
+    below.set_yticks([-180, -90, 0, 90, 180])
+    below.set_ylim(-190, 190)
+    below.set_xlabel(SPEED)
+    view.title(above, f"Bode plot of {place.label}")
+    return figure
+
+
+def polar(view: View) -> Figure:
+    """1x vector of x over speed, from the keyphasor mark; lag clockwise."""
+    figure = PlainFigure(figsize=(5.8, 5.4), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot(projection="polar")
+    track = vibration.order_track(*view.signal, (1.0,))
+    n = hertz(track.speed)
+    for vector, color, label, style in (
+        (track.x(), BLUE, "1x of x", "-"),
+        (track.y(), ORANGE, "1x of y", (0, (4, 2))),
+    ):
+        radius = np.abs(vector) * view.scale
+        axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
+        _speeds_along(axes, vector * view.scale, n, color)
+    axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.tick_params(labelsize=8)
+    text = f"polar plot of {view.run.place(view.name).label}\nradius [{view.unit}], speeds in Hz"
+    view.title(axes, text)
+    return figure
+
+
+def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> None:
+    """Speeds written beside a curve where it has gone a share of its length."""
+    length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(vector)))])
+    for share in (0.1, 0.3, 0.5, 0.7, 0.9):
+        i = int(np.searchsorted(length, share * length[-1]))
+        where = (float(np.angle(vector[i])), float(np.abs(vector[i])))
+        axes.plot(*where, "o", color=color, ms=3)
+        axes.annotate(
+            f"{n[i]:.1f}", where, xytext=(4, 3), textcoords="offset points", fontsize=7, color=color
+        )
+
+
+def orbit(view: View) -> Figure:
+    """The orbit at a speed, its keyphasor marks, and the clearance."""
+    figure, axes = new_figure(5.4, 5.2)
+    place = view.run.place(view.name)
+    result = vibration.orbit(*view.signal, view.speed)
+    z, marks = result.z * 1e6, result.marks * 1e6
+    axes.plot(z.real, z.imag, color=BLUE, lw=1.0)
+    axes.plot(marks.real, marks.imag, "o", color=ORANGE, ms=5, label="keyphasor mark")
+    ahead = len(z) // len(marks) // 24
+    axes.annotate(
+        "",
+        (z[ahead].real, z[ahead].imag),
+        (z[0].real, z[0].imag),
+        arrowprops={"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4},
+    )
+    if place.clearance is not None:
+        ring = Circle((0, 0), place.clearance * 1e6, fill=False, color=BLACK, lw=1, ls=(0, (5, 3)))
+        ring.set_label(f"clearance, {place.clearance * 1e6:.4g} µm")
+        axes.add_patch(ring)
+        axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    axes.set_xlabel("Horizontal displacement [µm]")
+    axes.set_ylabel("Vertical displacement [µm]")
+    turns = len(marks)
+    view.title(axes, f"orbit of {place.label}, {turns} turns at {hertz(result.speed):.2f} Hz")
+    return figure
+
+
+def spectrum(view: View) -> Figure:
+    """Full spectrum at a speed."""
+    figure, axes = new_figure()
+    result = vibration.full_spectrum(*view.signal, view.speed)
+    frequency = hertz(result.frequency)
+    amplitude = result.amplitude * view.scale
+    axes.vlines(frequency, 0, amplitude, color=BLUE, lw=1.2)
+    for i in _lines(amplitude):
+        axes.annotate(
+            f"{result.order[i]:+.3g}x",
+            (frequency[i], amplitude[i]),
+            xytext=(0, 3),
+            textcoords="offset points",
+            ha="center",
+            fontsize=8,
+        )
+    axes.axvline(0, color=GREY, lw=0.8)
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel("Whirl frequency [Hz], backward < 0 < forward")
+    axes.set_ylabel(f"Amplitude [{view.unit}]")
+    place = view.run.place(view.name).label
+    view.title(axes, f"full spectrum of {place} at {hertz(result.speed):.2f} Hz")
+    return figure
+
+
+def _lines(amplitude: np.ndarray) -> list[int]:
+    """The largest lines of a spectrum, without what the window puts beside each."""
+    inner = amplitude[1:-1]
+    tops = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
+    tops = tops[amplitude[tops] > 0.02 * np.nanmax(amplitude, initial=0)]
+    return tops[np.argsort(-amplitude[tops])][:5].tolist()
+
+
+def cascade(view: View) -> Figure:
+    """Full spectra over speed, or over time where the speed does not go one way."""
+    figure, axes = new_figure(6.8, 5.0)
+    result = vibration.cascade(*view.signal)
+    ways = np.diff(result.speed)
+    is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
+    down = hertz(result.speed) if is_one_way else result.t
+    across = hertz(result.frequency)
+    amplitude = np.nan_to_num(result.amplitude) * view.scale
+    # small lines are seen beside large ones on the root's scale
+    norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
+    shades = None
+    for number in np.unique(result.passage):
+        # nothing is drawn over a rest or a reversal
+        rows = np.flatnonzero(result.passage == number)
+        if len(rows) > 1:
+            shades = axes.pcolormesh(
+                across[rows],
+                np.broadcast_to(down[rows, None], across[rows].shape),
+                amplitude[rows],
+                cmap="cividis",
+                norm=norm,
+                shading="gouraud",
+                rasterized=True,
+            )
+    if shades is None:
+        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; 17 are needed")
+    once = np.abs(hertz(result.speed))
+    limit = 3 * float(once.max())
+    fastest = int(np.argmax(once))
+    is_top = down[fastest] == down.max()
+    for order in (-2, -1, 1, 2):
+        axes.plot(order * once, down, color="white", lw=0.6, ls=(0, (3, 4)))
+        x, y = order * float(once[fastest]), float(down[fastest])
+        if abs(x) < limit:
+            axes.annotate(
+                f"{order:+d}x", (x, y), xytext=(0, 2), textcoords="offset points",
+                ha="center", va="bottom", fontsize=8, annotation_clip=False,
+                color=BLACK if is_top else "white",
+            )  # fmt: skip
+    axes.set_xlim(-limit, limit)
+    axes.grid(visible=False)
+    figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.unit}]")
+    axes.set_xlabel("Whirl frequency [Hz], backward < 0 < forward")
+    axes.set_ylabel(SPEED if is_one_way else "Time [s]")
+    axes.set_title(
+        f"{view.run.name}: {'cascade' if is_one_way else 'waterfall'} of the full spectrum of "
+        f"{view.run.place(view.name).label}",
+        loc="left",
+        fontsize=10,
+        pad=16,
+        parse_math=False,
+    )
+    return figure
+
+
+def poincare(view: View) -> Figure:
+    """Points of the Poincare section, coloured by the speed, with the clearance."""
+    figure, axes = new_figure(6.0, 5.2)
+    place = view.run.place(view.name)
+    result = vibration.poincare(*view.signal)
+    points = result.points * 1e6
+    shown = axes.scatter(points.real, points.imag, c=hertz(result.speed), s=6, cmap="cividis", lw=0)
+    figure.colorbar(shown, ax=axes, label=SPEED)
+    if place.clearance is not None:
+        ring = Circle((0, 0), place.clearance * 1e6, fill=False, color=BLACK, lw=1, ls=(0, (5, 3)))
+        axes.add_patch(ring)
+        axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("Horizontal displacement [µm]")
+    axes.set_ylabel("Vertical displacement [µm]")
+    view.title(axes, f"{place.label} once a turn, at the mark")
+    return figure
+
+
+def whirl(view: View) -> Figure:
+    """Sense and order of the whirl."""
+    figure, (above, below) = two()
+    result = vibration.whirl(*view.signal)
+    n = hertz(result.speed)
+    above.axhline(0, color=GREY, lw=0.8)
+    above.plot(n, result.sense, ".", color=BLUE, ms=3, mew=0)
+    above.set_ylim(-1.08, 1.08)
+    above.set_yticks([-1, 0, 1], ["backward", "line", "forward"])
+    above.set_ylabel("Sense of whirl [1]")
+    below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
+    below.axhline(0, color=GREY, lw=0.8)
+    below.set_ylabel("Whirl over rotation [1]")
+    below.set_xlabel(SPEED)
+    view.title(above, f"whirl of {view.run.place(view.name).label}, over 16 turns each")
+    return figure
+
+
+def contact_angle(view: View) -> Figure:
+    """Where a contact touches, over speed."""
+    figure, axes = new_figure()
+    touch = view.run.touch(view.name)
+    touches = touch.fn > 0
+    n = hertz(view.run.w[touches])
+    axes.plot(n, np.degrees(touch.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
+    result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
+    at, low = hertz(result.speed), np.degrees(result.low)
+    high = low + np.degrees(result.width)
+    for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
+        axes.vlines(
+            at[top > bottom], bottom[top > bottom], top[top > bottom], color=BLUE, alpha=0.2
+        )
+    axes.plot(at, np.degrees(result.angle), ".", color=BLUE, ms=3, mew=0)
+    axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
+    axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
+    axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    axes.set_ylim(0, 360)
+    axes.set_yticks(*_PSI)
+    axes.set_xlabel(SPEED)
+    axes.set_ylabel("Contact angle ψ [deg]")
+    view.title(axes, f"where {touch.label} touches")
+    return figure
+
+
+def contact_force(view: View) -> Figure:
+    """Normal force of a contact and the share of the time that it touches, over speed."""
+    figure, (above, below) = two()
+    touch = view.run.touch(view.name)
+    result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
+    n = hertz(result.speed)
+    largest, mean = parted(n, result.peak), parted(n, result.mean)
+    above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
+    above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
+    above.legend(frameon=False, fontsize=8)
+    above.set_ylim(bottom=0)
+    above.set_ylabel("Normal force [N]")
+    below.plot(n, parted(n, 100 * result.share), color=GREEN, lw=1.0)
+    below.set_ylim(0, 105)
+    below.set_ylabel("Touches [% of the turn]")
+    below.set_xlabel(SPEED)
+    view.title(above, f"contact force of {touch.label}")
+    return figure
+
+
+def energy(view: View) -> Figure:
+    """Power that every sink took, over speed, and the energy since the start."""
+    figure, (above, below) = two(even=True)
+    run = view.run
+    _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
+    sinks = sorted(powers, key=lambda name: -run.losses[name][-1])
+    for i, name in enumerate(sinks):
+        color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
+        energy = run.losses[name]
+        label = f"{name}: {energy[-1]:.3g} J"
+        power = parted(speed, powers[name])
+        above.plot(hertz(speed), power, color=color, ls=style, lw=1.2, label=label)
+        below.plot(hertz(run.w), energy, color=color, ls=style, lw=1.2)
+    above.legend(frameon=False, fontsize=8)
+    above.set_ylabel("Power [W], mean of a turn")
+    below.set_ylabel("Energy since the start [J]")
+    below.set_xlabel(SPEED)
+    view.title(above, "energy dissipated by sink")
+    return figure
+
+
+KINDS: dict[str, Callable[[View], Figure]] = {
+    "bode": bode,
+    "polar": polar,
+    "orbit": orbit,
+    "cascade": cascade,
+    "poincare": poincare,
+    "contact-angle": contact_angle,
+    "contact-force": contact_force,
+    "energy": energy,
+    "spectrum": spectrum,
+    "whirl": whirl,
+}

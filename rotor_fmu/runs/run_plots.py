@@ -1,0 +1,285 @@
+"""Pictures of a run, drawn from what was recorded at the solver's own steps; the paper's figures 3
+to 6 and 9 to 15 among them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
+
+from ..figure_style import BLUE, GREY, ORANGE, new_figure, save
+from .recording import Recording
+from .run_down import Run
+from .summary import PEAKS_AFTER
+from .views import (
+    TURN,
+    contact_of,
+    envelope,
+    is_constant,
+    late_turns,
+    once_a_turn,
+    peak_index,
+    place_of,
+    rows_a_turn,
+    spectrum,
+    time_share,
+)
+
+SPEED_LABEL = "Rotational speed n [Hz]"
+_PSI_TICKS = (
+    [0, 90, 180, 270, 360],
+    ["0 (right)", "90 (top)", "180 (left)", "270 (bottom)", "360"],
+)
+# Rows a turn below which a curve between them would be drawn, not computed.
+_FINE = 24
+_MOST_POINTS = 4000  # of a curve, above which its envelope is drawn
+_TURNS = 5  # of an orbit
+
+
+def spoken(part: str) -> str:
+    """`disc[3]` as `disc 3`."""
+    return part.replace("[", " ").rstrip("]")
+
+
+def _titled(axes: Axes, caption: str) -> None:
+    axes.set_title(caption, loc="left", fontsize=10)
+
+
+def _speed_axis(axes: Axes, hz: np.ndarray) -> None:
+    axes.set_xlabel(SPEED_LABEL)
+    # rounding leaves something of a shaft that stands
+    tens = np.round(hz / 10, 9) if len(hz) else np.array([6.0])
+    low = 10 * math.floor(tens.min(initial=0.0))
+    axes.set_xlim(low, 10 * math.ceil(tens.max(initial=0.0)) or (low == 0) * 10)
+
+
+def amplitude(
+    run: Run,
+    axis: str,
+    caption: str,
+    compared: tuple[Run, str] | None = None,
+    label: str = "this run",
+) -> Figure:
+    """Largest displacement of a disc over a revolution against speed, the start-up apart.
+
+    axis: `x` or `y`; compared: another run and what it is, thinner behind.
+    """
+    figure, axes = new_figure()
+    place = place_of(run.columns)
+    curves = [(run, label, BLUE, 1.4)]
+    if compared is not None:
+        curves.insert(0, (*compared, ORANGE, 0.8))
+    for shown, text, color, width in curves:
+        values = shown.columns[f"{place}.{axis}_amp"] * 1e6
+        early, late = shown.t <= PEAKS_AFTER, shown.t >= PEAKS_AFTER
+        at = peak_index(shown.t, shown.columns["w"], values, PEAKS_AFTER)
+        if at is not None:
+            text += f": {values[at]:.0f} µm at {shown.hz[at]:.1f} Hz"
+            axes.plot(shown.hz[at], values[at], "o", color=color, ms=4)
+        start = f"start-up, the first {PEAKS_AFTER:g} s" if shown is run else None
+        axes.plot(shown.hz[early], values[early], color=GREY, lw=0.6, label=start)
+        axes.plot(shown.hz[late], values[late], color=color, lw=width, label=text)
+    axes.legend(frameon=False, loc="upper right", fontsize=8)
+    _speed_axis(axes, run.hz)
+    axes.set_ylim(bottom=0)
+    direction = "Horizontal" if axis == "x" else "Vertical"
+    axes.set_ylabel(f"{direction} amplitude of {spoken(str(place))} [µm]")
+    _titled(axes, caption)
+    return figure
+
+
+def contact_angle(recording: Recording, caption: str) -> Figure:
+    """Where the journal lies in its bearing against speed: how much of the time, and once a turn;
+    where the steps are too long for that, each of them."""
+    figure, axes = new_figure()
+    part = contact_of(recording.columns)
+    hz = recording.columns["w"] / TURN
+    per_turn = rows_a_turn(recording)
+    if per_turn >= _FINE and not is_constant(hz):
+        shown = time_share(recording, str(part))
+        image = axes.pcolormesh(
+            shown.hz,
+            np.degrees(shown.angle),
+            100 * shown.share.T,
+            cmap="Blues",
+            norm=PowerNorm(0.4, 0, 25),
+            rasterized=True,
+        )
+        width = math.degrees(shown.angle[1])
+        bar = figure.colorbar(image, ax=axes, extend="max")
+        bar.set_label(f"share of the time within {width:.0f}° [%]")
+        t, z = once_a_turn(recording, str(part))
+        at = np.interp(t, recording.t, hz)
+        mark = f"once a turn, the shaft's mark at 0° ({len(t)} points)"
+        axes.plot(at, np.degrees(np.angle(z)) % 360, ".", color=ORANGE, ms=1.6, mew=0, label=mark)
+    else:
+        psi = np.degrees(recording.columns[f"{part}.psi"])
+        label = _every_step(recording, per_turn)
+        axes.plot(hz, psi, ".", color=BLUE, ms=2.2, mew=0, rasterized=True, label=label)
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, markerscale=4)
+    _speed_axis(axes, hz)
+    axes.set_yticks(*_PSI_TICKS)
+    axes.set_ylim(0, 360)
+    axes.set_ylabel(f"Contact angle ψ of {spoken(str(part))} [deg]")
+    _titled(axes, caption)
+    return figure
+
+
+def _every_step(recording: Recording, per_turn: float) -> str:
+    """What points are that are the solver's steps, and what in them is the steps' own."""
+    usual = float(np.median(np.diff(recording.t)))
+    shortest, longest = (1e3 * float(f(np.diff(recording.t))) for f in (np.min, np.max))
+    if longest > 1.01 * shortest:
+        return f"every step of the solver, {shortest:.2g} to {longest:.2g} ms"
+    rate = 1 / usual
+    return (
+        f"every step of the solver, {1e3 * usual:.3g} ms, {per_turn:.0f} a turn; "
+        f"islands at {rate:.4g} Hz over 4, 5, ... are the steps'"
+    )
+
+
+def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
+    """Path of a disc's centre over the turns about a time [s], and where it was once a turn."""
+    figure, axes = new_figure(5.4, 5.0)
+    place = str(place_of(recording.columns))
+    c = recording.columns
+    middle = float(np.interp(at_s, recording.t, c["phi"]))
+    near = np.abs(c["phi"] - middle) <= _TURNS * TURN / 2
+    x, y = (c[f"{place}.{axis}"][near] * 1e6 for axis in "xy")
+    per_turn = rows_a_turn(recording, near)
+    corners = "" if per_turn >= _FINE else f", {per_turn:.0f} steps a turn: the corners are theirs"
+    marker = "" if per_turn >= _FINE else "."
+    axes.plot(x, y, "-", color=BLUE, lw=0.8, label=f"{_TURNS} turns{corners}", marker=marker, ms=3)
+    if per_turn >= _FINE and math.isfinite(per_turn):
+        t, z = once_a_turn(recording, place)
+        z = z[np.isin(np.searchsorted(recording.t, t), np.flatnonzero(near))] * 1e6
+        axes.plot(z.real, z.imag, "o", color=ORANGE, ms=4, label="once a turn, the mark at 0°")
+    rest = float(c[f"{place}.y"][0]) * 1e6
+    axes.plot(0, rest, "+", color=GREY, ms=10, mew=1.5, label="rest")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.08)
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=3)
+    axes.set_xlabel(f"Horizontal displacement of {spoken(place)} [µm]")
+    axes.set_ylabel("Vertical displacement [µm]")
+    _titled(axes, caption)
+    return figure
+
+
+def motion(recording: Recording, caption: str) -> Figure:
+    """Both displacements of a disc over time: as curves, or where they are too dense the range that
+    each turn fills."""
+    figure, first = new_figure()
+    first.remove()
+    place = str(place_of(recording.columns))
+    turns = int(np.ptp(recording.columns["phi"]) / TURN)
+    both = figure.subplots(2, sharex=True)
+    for axes, axis, color, name in zip(
+        both, "xy", (BLUE, ORANGE), ("horizontal", "vertical"), strict=True
+    ):
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+        values = recording.columns[f"{place}.{axis}"] * 1e6
+        what = name
+        if len(values) <= _MOST_POINTS or turns < _FINE:
+            axes.plot(recording.t, values, color=color, lw=0.8)
+        else:
+            t, low, high = envelope(recording.t, values, min(turns, 600))
+            axes.fill_between(t, low, high, color=color, alpha=0.6, lw=0, step="mid")
+            what += ",\nrange of a turn"
+        axes.set_ylabel(f"{spoken(place)}, {what} [µm]")
+    both[1].set_xlabel("Time [s]")
+    _titled(both[0], caption)
+    return figure
+
+
+def spectra(recording: Recording, caption: str) -> Figure:
+    """Spectra of both displacements of a disc over the second half of a run at one speed."""
+    figure, axes = new_figure()
+    place = str(place_of(recording.columns))
+    late = late_turns(recording)
+    hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
+    highest = 1e-3
+    for axis, color, name in (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical")):
+        values = recording.columns[f"{place}.{axis}"][late] * 1e6
+        f, lines = spectrum(recording.t[late], values)
+        highest = max(highest, float(lines.max()))
+        axes.semilogy(f, np.maximum(lines, 1e-12), color=color, lw=0.9, label=name)
+    if hz > 0:
+        axes.axvline(hz, color=GREY, lw=0.8, ls="--", label=f"1x, {hz:.4g} Hz")
+        axes.set_xlim(0, min(6 * hz, f[-1]))
+    axes.set_ylim(highest * 1e-5, highest * 2)
+    axes.legend(frameon=False, loc="upper right")
+    axes.set_xlabel("Frequency [Hz]")
+    axes.set_ylabel(f"Displacement of {spoken(place)}, 0-p [µm]")
+    _titled(axes, caption)
+    return figure
+
+
+def step_length(recording: Recording, caption: str) -> Figure:
+    """Length of the solver's steps against speed."""
+    figure, axes = new_figure()
+    hz = recording.columns["w"][1:] / TURN
+    lengths = recording.columns["solver.h_last"][1:] * 1e3
+    axes.plot(hz, lengths, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
+    _speed_axis(axes, hz)
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("Step length [ms]")
+    _titled(axes, caption)
+    return figure
+
+
+def error_indicator(recording: Recording, caption: str) -> Figure:
+    """Relative error of the solver's steps against speed."""
+    figure, axes = new_figure()
+    hz = recording.columns["w"][1:] / TURN
+    errors = recording.columns["solver.error"][1:]
+    axes.semilogy(hz, errors, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
+    _speed_axis(axes, hz)
+    axes.set_ylabel("Relative error indicator [1]")
+    _titled(axes, caption)
+    return figure
+
+
+def write_run_down(
+    run: Run,
+    recording: Recording,
+    figures: Mapping[str, Any],
+    name: str,
+    is_adaptive: bool,
+    out: Path,
+) -> list[Path]:
+    """The pictures of a run in the folder `out`: against its speed, or against time and frequency
+    where it has one speed; figures: its `summary`."""
+    if len(recording.t) < 3:
+        return []
+    pictures = {}
+    end = float(recording.t[-1])
+    has_place = place_of(recording.columns) is not None
+    if is_constant(run.columns["w"]):
+        speed = f"{float(run.hz[-1]):.4g} Hz"
+        if has_place:
+            pictures["time"] = motion(recording, f"{name} at {speed}: motion over time")
+            pictures["spectrum"] = spectra(recording, f"{name} at {speed}: spectrum")
+            pictures["orbit"] = orbit(recording, end, f"{name} at {speed}: orbit at the end")
+    else:
+        if has_place:
+            for axis, text in (("x", "horizontal"), ("y", "vertical")):
+                pictures[axis] = amplitude(run, axis, f"{name}: {text} amplitude over speed")
+            at_s, at_hz = figures["x_peak_s"], figures["x_peak_hz"]
+            where = "end of the run" if at_s is None else f"horizontal peak, {at_hz:.1f} Hz"
+            at_s = end if at_s is None else at_s
+            pictures["orbit"] = orbit(recording, at_s, f"{name}: orbit at the {where}")
+        if contact_of(recording.columns):
+            caption = f"{name}: where the journal lies in its bearing"
+            pictures["psi"] = contact_angle(recording, caption)
+    if is_adaptive:
+        pictures["error"] = error_indicator(recording, f"{name}: error indicator of every step")
+        pictures["h"] = step_length(recording, f"{name}: length of every step")
+    return [save(figure, out / f"run_down_{key}.png") for key, figure in pictures.items()]

@@ -1,0 +1,158 @@
+"""Where the runs of a study are made: this machine's processes, or Dask's workers.
+
+Both are executors in the sense of the standard library; what is sent is a chunk of runs, what
+comes back their results and the seconds they took.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing
+import os
+import signal
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ..errors import InputError, optional
+from ..status import FAILED
+from ..threads import ONE_THREAD
+from .study import Model, Result
+
+TIME_OUT = 10.0  # within which a scheduler must answer [s]
+# before numpy is loaded: one thread a process, and the same bits in each
+Chunk = list[tuple[int, dict[str, float]]]
+_warmed: set[str] = set()
+
+
+class Done(NamedTuple):
+    """A chunk that was run: results by the runs' numbers, and the seconds that it took."""
+
+    results: dict[int, Result]
+    seconds: float
+
+
+def run_chunk(model: Model, chunk: Chunk) -> Done:
+    """Run a chunk in this process; compiled code is warmed before the first."""
+    identity = model.identity
+    if identity not in _warmed:
+        _warmed.add(identity)
+        model.warm()
+    begun = time.perf_counter()
+    results = {}
+    for number, values in chunk:
+        try:
+            results[number] = model.run(values)
+        except Exception as error:  # whatever it is, it is the reason in that run's row
+            results[number] = Result(f"{FAILED}{type(error).__name__}: {error}", {})
+    return Done(results, time.perf_counter() - begun)
+
+
+@dataclass(frozen=True)
+class ExecutorConfig:
+    """What a user chose: processes here, or the scheduler at an address, or a local cluster."""
+
+    jobs: int = 0
+    scheduler: str = ""
+    cluster: int = 0
+
+
+class SerialExecutor(Executor):
+    """An executor that runs in this process, at once."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future:
+        """Run now."""
+        future: Future = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+class Engine(NamedTuple):
+    """An executor, how many runs it makes at a time, how long a chunk should take [s]."""
+
+    executor: Executor
+    workers: int
+    chunk_s: float
+
+
+def worker_errors() -> tuple[type[BaseException], ...]:
+    """What a chunk raises whose worker died."""
+    with contextlib.suppress(ImportError):
+        from distributed.scheduler import KilledWorker
+
+        return (BrokenProcessPool, KilledWorker)
+    return (BrokenProcessPool,)
+
+
+@contextlib.contextmanager
+def engine(where: ExecutorConfig) -> Iterator[Engine]:
+    """The engine that a user chose; its workers end with the context."""
+    if where.scheduler or where.cluster:
+        with _dask(where) as result:
+            yield result
+        return
+    with _environment(ONE_THREAD):
+        executor = ProcessPoolExecutor(
+            where.jobs, multiprocessing.get_context("spawn"), initializer=_begin_worker
+        )
+        try:
+            yield Engine(executor, where.jobs, 1.0)
+        finally:
+            processes = list((getattr(executor, "_processes", None) or {}).values())
+            executor.shutdown(wait=False, cancel_futures=True)
+            for process in processes:  # whatever they are at is made again
+                process.terminate()
+            executor.shutdown(wait=True)
+
+
+def _begin_worker() -> None:
+    """Leave Ctrl-C to the parent, and end with it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def follow() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
+
+
+@contextlib.contextmanager
+def _environment(changes: Mapping[str, str]) -> Iterator[None]:
+    before = {name: os.environ.get(name) for name in changes}
+    os.environ.update(changes)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextlib.contextmanager
+def _dask(where: ExecutorConfig) -> Iterator[Engine]:
+    dask = optional("distributed", "cluster", "--scheduler, --cluster")
+    with contextlib.ExitStack() as stack:
+        address: Any = where.scheduler
+        if where.cluster:
+            stack.enter_context(_environment(ONE_THREAD))
+            address = stack.enter_context(
+                dask.LocalCluster(where.cluster, threads_per_worker=1, dashboard_address=None)
+            )
+        try:
+            client = stack.enter_context(dask.Client(address, timeout=TIME_OUT))
+        except (OSError, ValueError, TypeError) as error:
+            raise InputError(
+                f"--scheduler {where.scheduler}: no scheduler answers within {TIME_OUT:g} s"
+            ) from error
+        workers = sum(client.nthreads().values())
+        if not workers:
+            raise InputError(f"--scheduler {where.scheduler}: has no workers")
+        yield Engine(client.get_executor(pure=False), workers, 2.0)

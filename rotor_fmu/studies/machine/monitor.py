@@ -1,0 +1,91 @@
+"""What is seen of a run of a study: the solver's own steps, and turns at equal angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ...model.simulation import Simulation, StepFailure
+
+RECORDER_ROWS = 16384  # steps that are recorded in a communication step
+
+
+class Samples(NamedTuple):
+    """Outputs at instants: t, shape (n,) [s]; columns by name, shape (n,)."""
+
+    t: np.ndarray
+    columns: Mapping[str, np.ndarray]
+
+
+class Window(NamedTuple):
+    """A part of a run that is looked at: at the solver's own steps, its ends among them; in whole
+    turns at equal angles; the speed that is held [rad/s], nan where it varies; samples a turn, 0
+    where they are none.
+    """
+
+    steps: Samples
+    turns: Samples
+    speed: float
+    per_turn: int
+
+
+class Monitor:
+    """What is looked at while a simulation marches on: `names` at the solver's steps, which it must
+    record, and `by_turns` at chosen instants; is_whole: all that was recorded is kept, what lies
+    between windows too."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        names: Sequence[str],
+        by_turns: Sequence[str] = (),
+        is_whole: bool = False,
+    ) -> None:
+        self._simulation, self._is_whole = simulation, is_whole
+        self._names, self._by_turns = names, by_turns
+        self._at = [simulation.names.index(name) for name in by_turns]
+        self._count = simulation.names.index("solver.steps")
+        self._recordings: list[np.ndarray] = []
+        self.begin()
+
+    def begin(self) -> None:
+        """Forget what was seen but the present state."""
+        self._times: list[float] = []
+        self._rows: list[np.ndarray] = []
+        self._taken = self._simulation.observed[self._count]
+        recordings = [*self._recordings, self._simulation.drain()] if self._names else []
+        if self._recordings and not self._is_whole:
+            now = [self._simulation.time, *map(self._simulation.read, self._names)]
+            recordings = [np.array([now])]
+        self._recordings = recordings
+
+    def record(self, is_end: bool = False) -> None:
+        """Take what was recorded, when there is much of it or at the end of a window; `StepFailure`
+        where it is not every step."""
+        taken = self._simulation.observed[self._count] - self._taken
+        if not self._names or not (is_end or taken > RECORDER_ROWS / 64):
+            return
+        self._taken += taken
+        self._recordings.append(self._simulation.drain())
+        if len(self._recordings[-1]) < taken:
+            raise StepFailure(
+                f"t = {self._simulation.time:.6g} s: more than {RECORDER_ROWS} steps of the solver "
+                "in a communication step, which are not all recorded; take a shorter run.step"
+            )
+
+    def sample(self) -> None:
+        """Take a sample at this instant."""
+        self._times.append(self._simulation.time)
+        self._rows.append(self._simulation.observed[self._at])
+
+    def window(self, speed: float = math.nan, per_turn: int = 0) -> Window:
+        """What was seen since the beginning; `StepFailure` where it is not every step."""
+        self.record(is_end=True)
+        recorder = np.concatenate([np.zeros((0, 1 + len(self._names))), *self._recordings]).T
+        steps = Samples(recorder[0], dict(zip(self._names, recorder[1:], strict=True)))
+        rows = np.array(self._rows).reshape(len(self._rows), len(self._by_turns)).T
+        turns = Samples(np.array(self._times), dict(zip(self._by_turns, rows, strict=True)))
+        return Window(steps, turns, speed, per_turn)

@@ -1,0 +1,173 @@
+"""A study from its list of runs to its rows, going on where an earlier call stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Future, wait
+from contextlib import AbstractContextManager, ExitStack, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import RunFailed
+from ..status import FAILED
+from .executors import Chunk, Done, Engine, run_chunk, worker_errors
+from .store import Row, Store
+from .study import Result, Study
+
+_QUEUED = 2  # chunks a worker, one of them waiting
+_MOST = 2000  # runs in a chunk
+_WORKER_DEATHS = 2  # of workers, by a run alone, after which the run is called failed
+
+_WRITTEN = "rows written before are whole, and the same call goes on from there"
+
+Report = Callable[["Progress"], None]
+MakeEngine = Callable[[], AbstractContextManager[Engine]]
+
+
+@dataclass
+class Progress:
+    """How far a study is: its runs, those done before this call, done by it, and failed ones."""
+
+    runs: int
+    before: int
+    now: int = 0
+    failed: int = 0
+
+
+class _Ahead:
+    """The runs that are still to be made, in chunks as long as their time allows."""
+
+    def __init__(self, study: Study, is_done: np.ndarray, chunk_s: float) -> None:
+        self._study = study
+        self._left = iter(np.flatnonzero(~is_done).tolist())
+        self._chunk_s = chunk_s
+        self._size = 1
+        self.suspects: list[int] = []
+
+    def learn(self, done: Done) -> None:
+        """Fit the chunks' length to what the last one took, at most twice as long at a time."""
+        seconds = done.seconds / len(done.results)
+        fitting = int(self._chunk_s / seconds) if seconds > 0 else _MOST
+        self._size = max(1, min(fitting, 2 * self._size, _MOST))
+
+    def next(self) -> Chunk:
+        """The next chunk, empty at the end."""
+        design = self._study.design
+        numbers = [n for _, n in zip(range(self._size), self._left, strict=False)]
+        return [(n, design.settings(design.point(n))) for n in numbers]
+
+    def alone(self, number: int) -> Chunk:
+        """One run as a chunk of its own."""
+        design = self._study.design
+        return [(number, design.settings(design.point(number)))]
+
+
+def run_study(study: Study, folder: Path, engine: MakeEngine, report: Report) -> Progress:
+    """Make the runs that have no row yet and write their rows into the folder.
+
+    Whatever ends the call, what it wrote stays whole. Raises `InputError` for a folder of another
+    study and `RunFailed` where rows cannot be written.
+    """
+    store = Store(folder, study)
+    with ExitStack() as stack:
+        # before anything is written: an engine that is not to be had is the user's to know
+        pool = None if store.done().all() else stack.enter_context(engine())
+        with store:
+            is_done = store.done()
+            progress = Progress(len(study.design), int(is_done.sum()))
+            report(progress)
+            suspects: dict[int, int] = {}  # runs during which a worker died: how often alone
+            while not is_done.all():
+                pool = pool or stack.enter_context(engine())
+                for done in _results(study, is_done, pool, suspects):
+                    _write_rows(study, store, done, is_done, progress)
+                    report(progress)
+                stack.close()
+                pool = None
+            store.merge_small(least=2)
+    return progress
+
+
+def _results(
+    study: Study, is_done: np.ndarray, pool: Engine, suspects: dict[int, int]
+) -> Iterator[dict[int, Result]]:
+    """Results as they come; ends when a worker died, its runs then among the suspects."""
+    ahead = _Ahead(study, is_done, pool.chunk_s)
+    if suspects:
+        yield from _one_by_one(study, ahead, pool, suspects)
+        return
+    running: dict[Future, Chunk] = {}
+    fatal = worker_errors()
+    while True:
+        with suppress(*fatal):  # an engine that has just died: what is running will say so
+            while len(running) < _QUEUED * pool.workers and (chunk := ahead.next()):
+                running[pool.executor.submit(run_chunk, study.model, chunk)] = chunk
+        if not running:
+            return
+        finished, _ = wait(running, return_when=FIRST_COMPLETED)
+        results: dict[int, Result] = {}
+        for future in finished:
+            if isinstance(_error_of(future), fatal):
+                continue
+            done = future.result()
+            ahead.learn(done)
+            results |= done.results
+            del running[future]
+        if results:
+            yield results
+        dead = [future for future in running if future in finished]
+        if dead:
+            suspects.update((number, 0) for future in running for number, _ in running[future])
+            return
+
+
+def _one_by_one(
+    study: Study, ahead: _Ahead, pool: Engine, suspects: dict[int, int]
+) -> Iterator[dict[int, Result]]:
+    """The suspects, one at a time: the one during which a worker dies again is at fault."""
+    while suspects:
+        number = next(iter(suspects))
+        future = pool.executor.submit(run_chunk, study.model, ahead.alone(number))
+        if isinstance(_error_of(future), worker_errors()):
+            suspects[number] += 1
+            if suspects[number] >= _WORKER_DEATHS:
+                del suspects[number]
+                yield {number: Result(f"{FAILED}the process that ran it died", {})}
+            return
+        del suspects[number]
+        yield future.result().results
+
+
+def _error_of(future: Future) -> BaseException | None:
+    """What a chunk raised, the death of its worker; `RunFailed` for what no run is to blame for."""
+    try:
+        error = future.exception()
+    except CancelledError:
+        raise RunFailed(f"the scheduler was lost; {_WRITTEN}") from None
+    if error is None or isinstance(error, worker_errors()):
+        return error
+    reason = f"{type(error).__name__}: {error}"
+    raise RunFailed(f"a worker cannot run anything: {reason}; {_WRITTEN}") from error
+
+
+def _write_rows(
+    study: Study,
+    store: Store,
+    results: dict[int, Result],
+    is_done: np.ndarray,
+    progress: Progress,
+) -> None:
+    rows = [row_of(study, number, result) for number, result in results.items()]
+    store.write(rows)
+    store.merge_small()
+    is_done[list(results)] = True
+    progress.now += len(rows)
+    progress.failed += sum(row.result.status.startswith(FAILED) for row in rows)
+
+
+def row_of(study: Study, number: int, result: Result) -> Row:
+    """The row of a run."""
+    point = study.design.point(number)
+    return Row(number, study.row_id(study.design.settings(point)), point, result)

@@ -1,0 +1,79 @@
+"""The library made ahead, numba and plain Python carry out the same kernels to the same numbers."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.kernels import library
+
+import rotor_fmu
+
+ROOT = Path(rotor_fmu.__file__).parents[1]
+MISSING = "no library was made of these kernels (rotor-fmu core --platform here)"
+needs_library = pytest.mark.skipif(library.loaded() is None, reason=MISSING)
+
+# Every example machine and the rig with contact: everything that can be read and recorded, and the
+# state.
+STEPS = """
+import hashlib, json, sys
+from pathlib import Path
+from rotor_fmu.model.backend import selected_backend
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.time_loop.recorder import Record, recordable
+from rotor_fmu.model.simulation import Simulation
+
+files = [f for f in sorted(Path(sys.argv[1]).rglob("*.toml")) if f.parent.name != "studies"]
+rotors = {"rig": rig()} | {f"{f.parent.name}/{f.stem}": load_rotor(f)[1] for f in files}
+seen = {}
+for name, rotor in rotors.items():
+    for preset in ("robust", "controlled"):
+        # every step, on a tape that is full at times
+        tape = Record([str(entry.name) for entry in recordable(rotor)], 0.0, 4)
+        sim = Simulation(
+            rotor, choose(preset), speed=300.0, rate=-10.0, record=tape, warn=lambda message: None
+        )
+        for i in range(1, 4):
+            sim.advance(0.002 * i, 300.0 - 10.0 * sim.time)
+        snapshot = sim.snapshot()
+        sim.restore(snapshot)
+        digest = hashlib.sha256(snapshot.tobytes()).hexdigest()
+        read = [*sim.observed.tolist(), *sim.drain().ravel().tolist()]
+        seen[f"{name} {preset}"] = [digest, read]
+print(json.dumps([selected_backend().value, "numba" in sys.modules, seen]))
+"""
+
+
+def run(script, *arguments, **environment):
+    done = subprocess.run(
+        [sys.executable, "-c", script, *map(str, arguments)],
+        env={**os.environ, "PYTHONPATH": str(ROOT), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return done.stdout
+
+
+def numbers(kernels):
+    used, has_numba, seen = json.loads(run(STEPS, ROOT / "examples", ROTOR_FMU_KERNELS=kernels))
+    assert used == kernels
+    assert has_numba == (kernels == "numba")
+    assert len(seen) >= 6
+    return seen
+
+
+@needs_library
+@pytest.mark.parametrize("other", ["python", pytest.param("numba", marks=pytest.mark.slow)])
+def test_the_library_has_the_numbers_bit_for_bit(other):
+    """Of every example machine; numba is asked where its minute of compiling is spent anyway."""
+    mine, theirs = numbers("library"), numbers(other)
+    for name, (digest, observed) in mine.items():
+        np.testing.assert_array_equal(observed, theirs[name][1], name)
+        assert digest == theirs[name][0], name
