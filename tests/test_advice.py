@@ -65,7 +65,7 @@ def test_the_false_state_is_avoided_by_the_preset_robust_and_by_a_smaller_step()
 
 
 @pytest.mark.parametrize(
-    ("told", "advice", "followed"),
+    ("output", "advice", "followed"),
     [
         (unstable(), "take alpha_m <= alpha_f <= 0.5", choose("paper")),
         (replace(unstable(), h=1e-3), "or the preset robust", choose("robust", h=1e-3)),

@@ -21,7 +21,7 @@ needs_library = pytest.mark.skipif(library.loaded() is None, reason=MISSING)
 STEPS = """
 import hashlib, json, sys
 from pathlib import Path
-from rotor_fmu.model.backend import chosen
+from rotor_fmu.model.backend import selected_backend
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.runs.job import load_rotor
 from rotor_fmu.model.settings import choose
@@ -45,7 +45,7 @@ for name, rotor in rotors.items():
         digest = hashlib.sha256(snapshot.tobytes()).hexdigest()
         read = [*sim.observed.tolist(), *sim.drain().ravel().tolist()]
         seen[f"{name} {preset}"] = [digest, read]
-print(json.dumps([chosen().value, "numba" in sys.modules, seen]))
+print(json.dumps([selected_backend().value, "numba" in sys.modules, seen]))
 """
 
 

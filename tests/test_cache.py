@@ -17,13 +17,13 @@ import rotor_fmu
 KERNEL = """
 import sys
 from rotor_fmu.model.kernels import dispatching
-from rotor_fmu.model.kernels.jit import compiled, has_to_compile
+from rotor_fmu.model.kernels.jit import jit, has_to_compile
 
-@compiled
+@jit
 def square(x):
     return x * x
 
-@compiled
+@jit
 def cube(x):
     return x * square(x)
 
@@ -141,9 +141,7 @@ def test_a_link_to_a_folder_is_refused(tmp_path):
 
 
 def test_a_kernel_that_was_typed_in_runs_uncached(kernel):
-    typed = (
-        "scope = {}\nexec('def add(x):\\n    return x + 1.0', scope)\nadd = compiled(scope['add'])"
-    )
+    typed = "scope = {}\nexec('def add(x):\\n    return x + 1.0', scope)\nadd = jit(scope['add'])"
     assert kernel.run(f"{typed}\nprint(add(1.0))") == ("2.0", "")
 
 

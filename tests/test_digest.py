@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 import rotor_fmu
-
-from .checkout import ROOT
+from tools.checkout import ROOT
 
 DIGESTS = """
 import sys
@@ -72,7 +71,7 @@ def test_comments_docstrings_and_layout_change_nothing(tree):
             "/ (part.exponent + 2.0)",
             "KEC",
         ),
-        (ENTRY, "return say.GOOD", "return say.GOOD + 0", "EC"),
+        (ENTRY, "return messages.GOOD", "return messages.GOOD + 0", "EC"),
         (("fmi", "c", "run.c"), "/*", "/* of C a comment counts: ", "C"),
         (SIMULATION, "import math", "import math\nOTHER = 1.0", ""),
     ],

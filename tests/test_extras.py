@@ -9,8 +9,7 @@ import tomllib
 import pytest
 
 from rotor_fmu.errors import InputError, optional
-
-from .checkout import ROOT, names
+from tools.checkout import ROOT, names
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 INTERNAL = {"rotor_fmu", "rotor_fmu_slave", "rotor_fmu_wrapper"}

@@ -73,7 +73,7 @@ def test_of_no_fine_run_of_the_rig_anything_is_said(name):
 
 
 @pytest.mark.parametrize(
-    ("settings", "doubts"),
+    ("settings", "warnings"),
     [
         (PRESETS["paper"], ["too coarse in contact"]),
         (PRESETS["paper-adaptive"], ["too coarse in contact"]),

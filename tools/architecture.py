@@ -13,7 +13,6 @@ from textwrap import shorten
 ROOT = Path(__file__).parents[1]
 PLACES = {"rotor_fmu.model": ROOT / "model", "rotor_fmu": ROOT / "rotor_fmu"}
 PICTURE = ROOT / "docs" / "figures" / "architecture.svg"
-COMMAND_LINE = "rotor_fmu.cli"
 
 # From the machine file to the FMU: functions in the order in which a build ends them, what each
 # makes, and of what. A test follows a build and compares.
@@ -64,7 +63,7 @@ def package(name: str) -> str:
 
 
 def arrows() -> Counter[tuple[str, str]]:
-    """How many imports go from one package to another, the command line's late ones among them."""
+    """How many imports go from one package to another."""
     known = modules()
     counted: Counter[tuple[str, str]] = Counter()
     for name, file in known.items():
@@ -73,16 +72,7 @@ def arrows() -> Counter[tuple[str, str]]:
             # a package's own name stands for what it holds
             if pair[0] != pair[1] and pair[1] not in ("rotor_fmu", "rotor_fmu.model"):
                 counted[pair] += 1
-    counted.update((COMMAND_LINE, package(target)) for target in late_imports())
     return counted
-
-
-def late_imports() -> list[str]:
-    """Modules that the command line imports when one of their commands is called."""
-    from rotor_fmu.cli import COMMANDS
-
-    places = (place for panel in COMMANDS.values() for place in panel.values())
-    return [f"rotor_fmu.{place.partition(':')[0]}" for place in places]
 
 
 def order() -> list[str]:
@@ -121,7 +111,7 @@ _STYLE = (
 def picture() -> str:
     """The flow from machine file to FMU, and which package imports which, as SVG."""
     result, known = arrows(), modules()
-    shown = [n for n in order() if known[n].name == "__init__.py" or n == COMMAND_LINE]
+    shown = [n for n in order() if known[n].name == "__init__.py"]
     shown.remove("rotor_fmu")
     shown.sort(key=lambda name: not name.startswith("rotor_fmu.model"))
     height = _TOP + _CELL * len(shown) + 20

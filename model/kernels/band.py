@@ -33,6 +33,17 @@ def to_dense(band: np.ndarray) -> np.ndarray:
     return dense
 
 
+def product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return A x; x of shape (n,) or (n, columns)."""
+    n, width = band.shape
+    columns = band.reshape(n, width, *[1] * (x.ndim - 1))
+    y = columns[:, 0] * x
+    for d in range(1, width):
+        y[: n - d] += columns[: n - d, d] * x[d:]
+        y[d:] += columns[: n - d, d] * x[: n - d]
+    return y
+
+
 @jit
 def add_product(band, x, y):
     """y += A x, x and y of shape (n,)."""

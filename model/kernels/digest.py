@@ -21,7 +21,7 @@ from .cache import check_private, user_cache, warn_once
 
 _MODEL = Path(__file__).parents[1]
 _NAME = __name__.removesuffix(".kernels.digest")
-_ENTRIES = _MODEL / "march" / "entries.py"
+_ENTRIES = _MODEL / "time_loop" / "entries.py"
 # Beside the kernels: what a wheel carries, or was made in a source tree.
 CARRIED = _MODEL / "library"
 _RECORD = "kernels.digest"
@@ -45,7 +45,7 @@ def _digests() -> tuple[str, str]:
             of_files, of_kernels = (folder / _RECORD).read_text(encoding="ascii").split()
             if of_files == files:
                 return files, of_kernels
-    return files, syntax_digest(imported(_ENTRIES, f"{_NAME}.march"))
+    return files, syntax_digest(imported(_ENTRIES, f"{_NAME}.time_loop"))
 
 
 def made_here() -> Path:

@@ -47,7 +47,7 @@ def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
     """Forces, tangents p z + q conj(z) by displacement and by velocity, and rates."""
     for j in range(len(interfaces)):
         interface = interfaces[j]
-        at = interface.own
+        at = interface.internal_state
         for t in range(d.shape[1]):
             for i in range(2):
                 result = law_tangent(
@@ -76,12 +76,12 @@ class LawsAlong:
     def __init__(self, structure: Structure, which: np.ndarray) -> None:
         self._laws = structure.laws
         interfaces = structure.interfaces[which].copy()
-        interfaces.own = np.cumsum(interfaces.states) - interfaces.states
+        interfaces.internal_state = np.cumsum(interfaces.states) - interfaces.states
         self._interfaces = interfaces.view(np.recarray)
         self.count = len(interfaces)
         self.states = int(interfaces.states.sum())
         self.owner = np.repeat(np.arange(self.count), interfaces.states)
-        self.place = np.arange(self.states) - interfaces.own[self.owner]
+        self.place = np.arange(self.states) - interfaces.internal_state[self.owner]
         self.starts = np.array([s for i in interfaces for s in LAWS[i.law].states], float)
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)

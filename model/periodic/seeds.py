@@ -53,14 +53,14 @@ def _recorded(run: Simulation, machine: Condensed, speed: float, turns: int, H: 
     period = 2 * math.pi * turns / speed
     start, phase = run.time, math.remainder(speed * run.time, 2 * math.pi)
     d = np.empty((n, machine.laws.count), complex)
-    own = np.empty((n, len(run.motion.own)))
+    own = np.empty((n, len(run.motion.internal_state)))
     interfaces = [
         i for i, is_in in zip(run.structure.interfaces, machine.is_in, strict=True) if is_in
     ]
     for t in range(n):
         run.advance(start + period * t / n, speed)
         d[t] = [relative(i, run.motion.q) for i in interfaces]
-        own[t] = run.motion.own
+        own[t] = run.motion.internal_state
     angles = 2 * math.pi * np.arange(n) / n + phase / turns
     value, _ = basis(min(H, n // 3), angles)
     plane = np.empty((n, 2 * machine.laws.count))
@@ -90,12 +90,12 @@ def stay(
     series = amplitudes(orbit.own).real.sum(axis=0)
     places = np.concatenate(
         [
-            np.arange(i.own, i.own + i.states)
+            np.arange(i.internal_state, i.internal_state + i.states)
             for i, is_in in zip(run.structure.interfaces, machine.is_in, strict=True)
             if is_in
         ]
     ).astype(int)
-    state.own[places] = series
+    state.internal_state[places] = series
     start = state.q.copy()
     size = float(np.abs(motion[1:, : 2 * (len(start) - 1)]).sum(axis=0)[::2].max())
     period = 2 * math.pi / orbit.omega

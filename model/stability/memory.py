@@ -6,13 +6,13 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.band import factorize, to_band, to_dense
+from ..kernels.band import factorize, product, to_band
 from ..kernels.jit import interpreted
 from ..quantities import places
 from ..structure.reduction import component_modes
 from ..structure.structure import Structure
 
-MOST_DOFS = 60  # of the shaft; a longer one is reduced first
+MOST_DOFS = 24  # of the shaft; a longer one is reduced first
 MOST_WHIRLS = 64  # that are kept, of those that grow fastest
 _MODES = 12
 # Places in a row of `Survey.whirls`: Re and Im of the root, and what goes with it.
@@ -64,6 +64,6 @@ def coarse_shaft(structure: Structure) -> tuple[np.ndarray, np.ndarray]:
     if n <= MOST_DOFS:
         return np.zeros((n, 0)), structure.M_factors
     _, basis = component_modes(structure, _MODES)
-    mass = to_band(basis.T @ to_dense(structure.M) @ basis, basis.shape[1] - 1)
+    mass = to_band(basis.T @ product(structure.M, basis), basis.shape[1] - 1)
     interpreted(factorize)(mass)
     return basis, mass

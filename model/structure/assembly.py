@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ..kernels.band import factorize, to_band
+from ..kernels.band import factorize, product, to_dense
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts import LAWS
@@ -42,6 +42,7 @@ from ..parts.housing import HousingQuantities
 from ..quantities import QuantityError, quantities
 from .beam import shaft_element
 from .ledger import law_entries
+from .long_shafts import LONG, lowest_square_free, lowest_square_held, sparse
 from .parameters import prepare
 from .structure import (
     HOUSING,
@@ -57,36 +58,33 @@ from .structure import (
 
 HALF_BANDWIDTH = 3
 _LOST = 1e-11  # of the highest square of a frequency: below it rounding takes digits of one
-_ITERATIONS = 50
 
 
 def assemble(rotor: Rotor) -> Structure:
     """The matrices and records of a machine (Nelson 1980; Zorzi and Nelson 1977)."""
     n = 2 * len(rotor.nodes)
-    M, G, K_shaft, K_axial = (np.zeros((n, n)) for _ in range(4))
+    M, G, K_shaft, K_axial = (np.zeros((n, HALF_BANDWIDTH + 1)) for _ in range(4))
     inertia = 0.0
     for i, section in enumerate(rotor.sections):
-        at = np.ix_(range(2 * i, 2 * i + 4), range(2 * i, 2 * i + 4))
         element = shaft_element(section)
-        M[at] += element.translation + element.tilting
-        G[at] += 2 * element.tilting
-        K_shaft[at] += element.stiffness
-        K_axial[at] += element.tension
+        _add(M, 2 * i, element.translation + element.tilting)
+        _add(G, 2 * i, 2 * element.tilting)
+        _add(K_shaft, 2 * i, element.stiffness)
+        _add(K_axial, 2 * i, element.tension)
         inertia += sum(layer.polar_inertia for layer in section.all_layers)
     elements = list(machine_elements(rotor))
     for _, body in _of(Body, elements):
         dof = _dof(body)
-        M[dof, dof] += body.mass
-        M[dof, dof + 1] += body.mass * body.offset
-        M[dof + 1, dof] += body.mass * body.offset
-        M[dof + 1, dof + 1] += body.diametral + body.mass * body.offset**2
-        G[dof + 1, dof + 1] += body.polar
+        M[dof, 0] += body.mass
+        M[dof, 1] += body.mass * body.offset
+        M[dof + 1, 0] += body.diametral + body.mass * body.offset**2
+        G[dof + 1, 0] += body.polar
         inertia += body.polar
     springs = _rows(
         SPRING,
         [(_dof(s), s.stiffness, s.damping) for _, s in _of(Spring, elements)],
     )
-    M_factors = to_band(M, HALF_BANDWIDTH)
+    M_factors = M.copy()
     interpreted(factorize)(M_factors)
     outputs = _places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
@@ -107,15 +105,15 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].bound, numbers[0].small = 0.1 * rotor.length, 1e-4 * rotor.length
     unbalances = [u for _, u in _of(Unbalance, elements)]
     structure = Structure(
-        M=to_band(M, HALF_BANDWIDTH),
+        M=M,
         C=np.zeros((n, HALF_BANDWIDTH + 1)),
         K=np.zeros((n, HALF_BANDWIDTH + 1)),
-        G=to_band(G, HALF_BANDWIDTH),
-        K_shaft=to_band(K_shaft, HALF_BANDWIDTH),
-        K_axial=to_band(K_axial, HALF_BANDWIDTH),
+        G=G,
+        K_shaft=K_shaft,
+        K_axial=K_axial,
         M_factors=M_factors,
         weights=_weights(M),
-        mass_sum=M[:, ::2].sum(axis=1),
+        mass_sum=product(M, np.arange(n) % 2 == 0),
         weight=np.zeros(n, dtype=complex),
         releases=_rows(RELEASE, [tuple(element) for _, element in _of(Release, elements)]),
         one_body=_one_body(rotor, M),
@@ -229,18 +227,26 @@ def _numbers(kind: type, source: Any) -> tuple[float, ...]:
     return tuple(0.0 if isinstance(value, tuple) else value for value in values)
 
 
+def _add(band: np.ndarray, first: int, matrix: np.ndarray) -> None:
+    """Add a symmetric matrix to a band matrix, from this row and column on."""
+    for column in range(len(matrix)):
+        band[first + column, : len(matrix) - column] += matrix[column:, column]
+
+
 def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:
     """Displacement and tilt of the shaft as one body about its centre of mass, shape (2, n)."""
     along, tilt = np.zeros(len(M)), np.ones(len(M))
     along[::2] = 1.0
     tilt[::2] = np.array(rotor.nodes) - rotor.nodes[0]
-    tilt -= (along @ M @ tilt) / (along @ M @ along) * along
+    pull = product(M, along)
+    tilt -= (pull @ tilt) / (pull @ along) * along
     return np.array([along, tilt])
 
 
 def _weights(M: np.ndarray) -> np.ndarray:
     lumped = np.zeros((len(M), 1))
-    lumped[::2, 0] = M[::2, ::2].sum(axis=1)
+    lumped[::2, 0] = M[::2, 0] + M[::2, 2]
+    lumped[2::2, 0] += M[:-2:2, 2]
     return lumped / lumped.sum()
 
 
@@ -266,16 +272,22 @@ def _lowest_omega(
     two nodes, it is pinned to its walls."""
     walls = [_dof(i) for _, i in _of(Interface, elements) if i.law.stiffness is None]
     pinned = [] if np.count_nonzero(held) >= 2 else walls
-    K = K_shaft + K_axial + np.diag(held)
+    others = K_axial.copy()
+    others[:, 0] += held
     free = np.setdiff1d(np.arange(len(M)), pinned)
     among = np.ix_(free, free)
+    is_held = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
     try:
-        inverse = np.linalg.inv(np.linalg.cholesky(M[among]))
-        squares = np.linalg.eigvalsh(inverse @ K[among] @ inverse.T)
-        is_held = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
+        if len(M) > LONG:
+            if is_held:
+                return math.sqrt(_lowest_square(rotor, M, others, free))
+            K, whole = sparse(K_shaft + others), sparse(M)
+            shift = _bending_square(rotor)
+            return math.sqrt(lowest_square_free(K[free][:, free], whole[free][:, free], shift))
+        inverse = np.linalg.inv(np.linalg.cholesky(to_dense(M)[among]))
+        squares = np.linalg.eigvalsh(inverse @ to_dense(K_shaft + others)[among] @ inverse.T)
         if is_held and squares[0] < _LOST * squares[-1]:
-            others = (K_axial + np.diag(held))[among]
-            return math.sqrt(_lowest_square(rotor, M[among], others, free))
+            return math.sqrt(_lowest_square(rotor, M, others, free))
     except (np.linalg.LinAlgError, RuntimeError):
         raise QuantityError(
             "shaft: its masses and stiffnesses lie too far apart to calculate with; look for a "
@@ -286,24 +298,23 @@ def _lowest_omega(
 
 
 def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.ndarray) -> float:
-    """Of the frequencies of a shaft that is held [rad2/s2], by inverse iteration, however stiff it
-    is; others: the stiffness of all else; free: the dofs of both."""
-    import scipy.sparse as sp  # which no other machine of an FMU needs
-
+    """Of the frequencies of a shaft that is held [rad2/s2], however stiff it is; others: the
+    stiffness of all else; free: the dofs that may move."""
     from .elastic import factorized, strains
 
     across, stiffness = strains(rotor)
-    solve = factorized(sp.csc_array(others), across[:, free], np.linalg.inv(stiffness))
-    root = np.linalg.cholesky(M)
-    shapes = np.eye(len(free))[:, [0, 1, -2]]
-    largest = 0.0
-    for _ in range(_ITERATIONS):
-        moved = root.T @ solve(root @ shapes)[0]
-        before, largest = largest, np.linalg.eigvalsh(shapes.T @ moved)[-1]
-        shapes, _ = np.linalg.qr(moved)
-        if abs(largest - before) <= 1e-9 * largest:
-            break
-    return float(1 / largest)
+    inverse = np.linalg.inv(stiffness)
+    solve = factorized(sparse(others)[free][:, free].tocsc(), across[:, free], inverse)
+    return lowest_square_held(lambda f: solve(f)[0], sparse(M)[free][:, free])
+
+
+def _bending_square(rotor: Rotor) -> float:
+    """What the lowest square of a free shaft is of the size of [rad2/s2]: pinned at its ends, of
+    the stiffness and the mass that its elements have in the mean."""
+    sections = rotor.sections
+    stiffness = np.mean([s.length**3 * shaft_element(s).stiffness[0, 0] / 12 for s in sections])
+    mass = np.mean([2 * shaft_element(s).translation[:1, ::2].sum() / s.length for s in sections])
+    return float((math.pi / rotor.length) ** 4 * stiffness / mass)
 
 
 def moved(structure: Structure, place: Callable[[np.ndarray], np.ndarray]) -> dict[str, Any]:

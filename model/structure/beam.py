@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,6 +72,7 @@ def _area_and_moment(outer: np.ndarray, bore: np.ndarray) -> tuple[np.ndarray, n
     return math.pi / 4 * (outer**2 - bore**2), math.pi / 64 * (outer**4 - bore**4)
 
 
+@lru_cache(maxsize=256)
 def shaft_element(section: Section) -> Element:
     """The matrices of the shaft between two nodes, its layers included."""
     layers = section.all_layers

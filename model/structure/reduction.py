@@ -18,6 +18,7 @@ from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import SpeedRange, tables_of
 from .assembly import assemble, machine_elements, moved, soft_stiffness
+from .long_shafts import LONG, held_modes, sparse
 from .structure import Structure
 
 # A frequency may move by this share; excited are those up to so many times the speed; of those that
@@ -41,17 +42,20 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     acted_on += [structure.unbalances.slope, structure.probes.slope]
     retained = np.unique(np.concatenate(acted_on))
     rest = np.setdiff1d(np.arange(n), retained)
-    M, K = to_dense(structure.M), to_dense(structure.K_shaft)
-    inner = np.ix_(rest, rest)
-    inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
-    _, shapes = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
     modes = min(modes, len(rest))
+    if n > LONG and modes < len(rest) // 2:
+        K, M = sparse(structure.K_shaft), sparse(structure.M)
+        static, shapes = held_modes(K, M, rest, retained, modes)
+    else:
+        M, K = to_dense(structure.M), to_dense(structure.K_shaft)
+        inner = np.ix_(rest, rest)
+        inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
+        _, vectors = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
+        static = -np.linalg.solve(K[inner], K[np.ix_(rest, retained)])
+        shapes = (inverse.T @ vectors)[:, :modes]
     T = np.zeros((n, len(retained) + modes))
     T[retained, np.arange(len(retained))] = 1.0
-    T[np.ix_(rest, np.arange(len(retained)))] = -np.linalg.solve(
-        K[inner], K[np.ix_(rest, retained)]
-    )
-    T[np.ix_(rest, np.arange(len(retained), T.shape[1]))] = (inverse.T @ shapes)[:, :modes]
+    T[rest] = np.hstack([static, shapes])
     return retained, T
 
 

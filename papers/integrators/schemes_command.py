@@ -229,7 +229,7 @@ def tables(rows: Sequence[Row]) -> list[Table]:
             (
                 *(_cell(getattr(row.method, name, None)) for name in _PARAMETERS),
                 _LIMITS.get(row.limit, f"{row.limit:.6f}"),
-                f"{row.result.order:.2f}",
+                f"{row.analysis.order:.2f}",
             ),
             map(_cell, (*map(row.rho, RATIOS), row.method.rho_infinity)),
             map(_cell, (100 * row.analysis.damping, 100 * row.analysis.elongation, row.rebound)),

@@ -37,7 +37,7 @@ COMMANDS = {
         "campbell": "linear:campbell",
         "unbalance": "linear:unbalance",
         "static": "linear:static",
-        "response": "periodic.command:response",
+        "response": "periodic:response",
         "import-ross": "linear:import_ross",
         "example": "machine_files:example",
         "schema": "machine_files:schema_command",

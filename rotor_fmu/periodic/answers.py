@@ -179,7 +179,7 @@ class ResponseResult:
 
     def figure(self, names: Sequence[str] | None = None) -> Figure:
         """Amplitudes over the parameter: stable full, unstable dashed, bifurcations marked."""
-        from .figures import response_figure
+        from .response_plots import response_figure
 
         return response_figure(self, names)
 

@@ -41,11 +41,11 @@ def test_newmark_with_beta_one_half_keeps_the_energy_and_rings():
 @pytest.mark.parametrize(("scheme", "impact"), DAMPED)
 @pytest.mark.parametrize("opening", [0.01, 0.02])
 def test_damped_schemes_follow_the_wave(scheme, impact, opening):
-    fine = run(scheme, 5e-5, impact, gap=opening)
+    fine = run(scheme, 5e-5, impact, opening=opening)
     assert fine.rms_error() < 0.2
     assert fine.rms_error("plateau") < 0.02
     assert fine.mean_after_release == pytest.approx(-1, abs=0.03)
-    assert run(scheme, 8e-4, impact, gap=opening).rms_error("plateau") < 0.02
+    assert run(scheme, 8e-4, impact, opening=opening).rms_error("plateau") < 0.02
 
 
 # dt, RMS error, in the plateau, after the release, relative change of energy
@@ -82,16 +82,17 @@ def test_an_impulse_costs_the_energy_of_half_an_element(is_lumped, lost):
 
 @pytest.mark.parametrize("opening", [0.01, 0.02, 0.0200008])
 def test_average_time_cuts_back_twice_at_impact_and_release(opening):
-    fine = run(TRANSIENT_FIDELITY, 5e-5, "average-time", gap=opening)
+    fine = run(TRANSIENT_FIDELITY, 5e-5, "average-time", opening=opening)
     assert fine.run.cutbacks == 2
     assert fine.run.increments in (803, 804)
-    coarse = run(TRANSIENT_FIDELITY, 8e-4, "average-time", gap=opening)
+    coarse = run(TRANSIENT_FIDELITY, 8e-4, "average-time", opening=opening)
     assert (coarse.run.cutbacks, coarse.run.increments) == (2, 54)
 
 
 def test_the_status_log_is_paper_bs_figure_8():
     shown = [
-        str(line) for line in run(TRANSIENT_FIDELITY, 5e-5, "average-time", gap=0.0200008).run.log
+        str(line)
+        for line in run(TRANSIENT_FIDELITY, 5e-5, "average-time", opening=0.0200008).run.log
     ]
     paper = """\
 1 198 1 0 1 1 0.00990 0.00990 5.000e-005
@@ -135,7 +136,7 @@ def test_the_contact_force_is_the_waves():
 def test_no_force_ever_pulls_and_no_opening_is_negative():
     result = run(CONTACT_NEWMARK, 8e-4)
     assert result.run.force.min() >= 0
-    assert result.run.seen[:, 3].min() > -1e-12 * Bars().gap
+    assert result.run.seen[:, 3].min() > -1e-12 * Bars().opening
 
 
 def test_a_stiff_penalty_blurs_towards_the_hard_contact():

@@ -126,20 +126,20 @@ def fly(scheme, impact="no", dt=0.01, **kinds):
 )
 def test_a_ball_leaves_the_floor_as_the_energy_momentum_criterion_says(scheme):
     """Paper B, eq. (12), where the touch falls on the end of a step: d_{n+1} = d_n."""
-    result = fly(scheme, gap=0.05)
+    result = fly(scheme, opening=0.05)
     (touch,) = np.flatnonzero(result.force[:, 0] > 0)
     assert result.seen[touch + 1, 1] == pytest.approx(rebound(scheme), rel=1e-9)
 
 
 @pytest.mark.parametrize("impact", ["average-time", "current-time"])
 def test_an_impulse_stops_a_ball(impact):
-    result = fly(TRANSIENT_FIDELITY, impact, gap=0.0537)
+    result = fly(TRANSIENT_FIDELITY, impact, opening=0.0537)
     assert result.seen[-1] == pytest.approx([-0.0537, 0.0], abs=1e-12)
     assert result.energy[-1] == pytest.approx(0, abs=1e-20)
 
 
 def test_average_time_touches_when_the_ball_does():
-    result = fly(TRANSIENT_FIDELITY, "average-time", gap=0.0537)
+    result = fly(TRANSIENT_FIDELITY, "average-time", opening=0.0537)
     assert result.cutbacks == 1
     assert np.abs(result.t - 0.0537).min() < 1e-12
 

@@ -182,7 +182,7 @@ def test_a_run_that_fails_is_recorded_as_far_as_it_came(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("run", "keep", "expected"),
+    ("run", "metric", "expected"),
     [
         ("speed = 0", '{ mean = "disc.r" }', "run.speed = 0 rad/s: no speed that is held may be 0"),
         ("speed = 5\nper_turn = 2", '{ order = 1, of = "disc.x" }', "half of run.per_turn = 2"),

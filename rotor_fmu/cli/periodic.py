@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from ..cli.linear import RotorFile, one_speed, speed_range
 from ..errors import InputError, writable_folder
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
+from .linear import RotorFile, one_speed, speed_range
 
 if TYPE_CHECKING:
     from ..model.periodic.branch import Solution
-    from .answers import ResponseResult
+    from ..periodic.answers import ResponseResult
 
 _EVERY = 2.0  # seconds between two lines of progress
 _CHECKED = 8  # points that are taken into time
@@ -84,7 +84,7 @@ def response(
     machine = load_rotor(rotor)[1]
     writable_folder(out)
     from ..figure_style import save
-    from .answers import answer
+    from ..periodic.answers import answer
 
     result = answer(
         machine,

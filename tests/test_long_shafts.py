@@ -1,0 +1,74 @@
+"""Shafts of many elements: what sparse matrices give is what dense ones do."""
+
+import numpy as np
+import pytest
+from rotor_fmu.model.kernels.band import product, to_band, to_dense
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.structure import assembly, long_shafts, reduction
+
+SHAFT = "gravity = 9.81\n[material]\nyoung = 2.1e11\ndensity = 7800.0\n[shaft]\neta_v = 1e-5\n"
+BEARING = "[[linear_bearing]]\nnode = {}\nkxx = 1e7\nkyy = 1e7\ncxx = 100.0\ncyy = 100.0\n"
+CONTACT = (
+    "[[contact]]\nnode = {}\njournal_radius = 0.01\nclearance = 1e-4\nmu = 0.1\nk = 1e7\nc = 10.0\n"
+)
+
+
+def shaft(count, *parts):
+    """A shaft of 1 m of so many elements with a disc and these parts."""
+    sections = f"[[section]]\nlength = {1 / count!r}\nouter = 0.02\n" * count
+    disc = f"[[disc]]\nnode = {count // 3}\ndiameter = 0.15\nwidth = 0.02\ne = 1e-5\n"
+    return parse_rotor(SHAFT + sections + disc + "".join(parts))
+
+
+HELD = {
+    "soft": [BEARING.format(1), BEARING.format(40)],
+    "pinned": [CONTACT.format(1), CONTACT.format(40)],
+    "free": [CONTACT.format(20)],
+}
+
+
+@pytest.fixture
+def sparse_from_ten(monkeypatch):
+    """Every shaft counts as long."""
+    for module in (assembly, reduction):
+        monkeypatch.setattr(module, "LONG", 10)
+
+
+@pytest.mark.parametrize("held", HELD)
+def test_the_lowest_frequency_is_that_of_dense_matrices(held, sparse_from_ten, monkeypatch):
+    rotor = shaft(40, *HELD[held])
+    by_sparse = assembly.assemble(rotor).numbers[0].lowest_omega
+    monkeypatch.setattr(assembly, "LONG", long_shafts.LONG)
+    by_dense = assembly.assemble(rotor).numbers[0].lowest_omega
+    assert by_sparse == pytest.approx(by_dense, rel=1e-6)
+
+
+@pytest.mark.usefixtures("sparse_from_ten")
+def test_component_modes_span_what_those_of_dense_matrices_do(monkeypatch):
+    structure = assembly.assemble(shaft(40, *HELD["pinned"]))
+    retained, basis = reduction.component_modes(structure, 8)
+    monkeypatch.setattr(reduction, "LONG", long_shafts.LONG)
+    same, expected = reduction.component_modes(structure, 8)
+    assert np.array_equal(retained, same)
+    apart = basis - expected @ np.linalg.lstsq(expected, basis, rcond=None)[0]
+    assert np.abs(apart).max() < 1e-6 * np.abs(basis).max()
+
+
+@pytest.mark.parametrize("columns", [(), (3,)])
+def test_a_band_matrix_times_vectors_is_the_dense_product(columns):
+    rng = np.random.default_rng(1)
+    dense = rng.normal(size=(9, 9))
+    dense = to_dense(to_band(dense + dense.T, 3))
+    x = rng.normal(size=(9, *columns))
+    np.testing.assert_allclose(product(to_band(dense, 3), x), dense @ x, rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(long_shafts.sparse(to_band(dense, 3)).toarray(), dense)
+
+
+def test_six_hundred_elements_have_the_frequency_of_forty():
+    """They converge to the same shaft."""
+    coarse, fine = (
+        assembly.assemble(shaft(count, BEARING.format(1), BEARING.format(count + 1)))
+        for count in (60, 600)
+    )
+    near = fine.numbers[0].lowest_omega
+    assert near == pytest.approx(coarse.numbers[0].lowest_omega, rel=0.02)
