@@ -121,8 +121,8 @@ def in_words(result: Sequence[Row]) -> dict[str, str]:
     ]
     conditions = [r.condition for r in result]
     return {
-        "runs": str(len(found)),
-        "above": str(sum(r.status == "ok" and r.conditioned > TEN for r in found)),
+        "runs": str(len(result)),
+        "above": str(sum(r.status == "ok" and r.conditioned > TEN for r in result)),
         "machines": str(len({r.name for r in result if r.group == "drawn"})),
         "condition": f"{max(conditions):.2g}",
         "least_condition": f"{min(conditions):.2g}",
