@@ -219,7 +219,8 @@ def _from_start(result: Response, machines, value: float, direction: float, tell
     """A branch from what is found at a value, unless one passes there already."""
     task = result.task
     for guess in _guesses(result, machines, value):
-        problem = _problem(machines, task, value).like(max(guess.H, task.accuracy.least))
+        H = min(max(guess.H, task.accuracy.least), task.accuracy.most)
+        problem = _problem(machines, task, value).like(H)
         try:
             x = arclength.solve(problem, problem.join(guess), value)
         except Lost:
@@ -283,6 +284,12 @@ def follow(
                 ends[1] = ends[0]
                 break
     branch.ends = ends[0], ends[1]
+    coarse = [p.value for p in branch.points if p.last_share > task.accuracy.share]
+    if coarse:
+        result.notes.append(
+            f"{label} has more than {task.accuracy.most} harmonics from {task.name} = "
+            f"{min(coarse):g} to {max(coarse):g}: amplitudes are less exact there"
+        )
     return branch
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fmi.interface import ports
+from ..linear.answers import rotor_of
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE, Probe
@@ -35,7 +36,6 @@ from ..model.quantities import QuantityError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ..api.machine import Machine
 
 _LARGEST = 4096  # points of a period that `orbit` gives at most
 QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_phase", "x", "y")
@@ -293,7 +293,7 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
 
 
 def answer(
-    machine: Machine | Rotor | Path | str,
+    machine: Rotor | Path | str,
     *,
     speed: float | tuple[float, float],
     over: tuple[str, float, float] | None = None,
@@ -320,7 +320,7 @@ def answer(
     backward whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or
     `points`, from which alone branches are followed. Raises `InputError` for what cannot be.
     """
-    rotor = _rotor(machine)
+    rotor = rotor_of(machine)
     if parameters:
         _check_names(rotor, parameters)
         try:
@@ -374,9 +374,3 @@ def _check_names(rotor: Rotor, names: Mapping[str, float]) -> None:
         if name not in known:
             near = get_close_matches(name, known, 1, 0.0)[0]
             raise InputError(f"{name}: no quantity of the machine; the nearest is {near}")
-
-
-def _rotor(machine: Machine | Rotor | Path | str) -> Rotor:
-    from ..linear.answers import rotor_of
-
-    return getattr(machine, "rotor", None) or rotor_of(machine)  # type: ignore[arg-type]

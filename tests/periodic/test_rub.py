@@ -124,3 +124,12 @@ def test_the_threshold_of_dry_whirl_is_the_closed_forms():
     )
     fold = min(b.value for b in result.bifurcations if b.kind == "fold")
     assert fold == pytest.approx(2 * 0.05 * math.sqrt(21) / 20, rel=1e-5)
+
+
+def test_the_integrator_stays_on_stable_motions_and_leaves_others(curve):
+    stable, unstable, free = sorted(
+        curve.at(1.8 * OMEGA), key=lambda p: -curve.amplitude(p, "disc")
+    )
+    assert curve.check(stable).distance < 1e-5
+    assert curve.check(free).distance < 1e-5
+    assert not curve.check(unstable, 100).stays
