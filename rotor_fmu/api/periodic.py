@@ -19,4 +19,4 @@ def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseR
     >>> [(b.kind, round(b.value, 2)) for b in found.bifurcations]
     [('fold', 202.21), ('grazing', 138.5)]
     """
-    return answer(machine, **options)
+    return answer(machine.rotor if isinstance(machine, Machine) else machine, **options)
