@@ -1,5 +1,5 @@
-"""What there is to say of a run, each sentence once: a code is its place in `SENTENCES`, behind
-those of the settings (see `spelling`). `{where}` stands for what a machine has in its place.
+"""The messages about a run, each sentence once: a code is its place in `SENTENCES`, behind those of
+the settings (see `spelling`). `{where}` stands for the machine's own list of contact states.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not fi
 
 
 def _positional(template: str, **texts: str) -> str:
-    """A template with named places as a sentence of `spelling`."""
+    """Return a template with named places as a sentence of `spelling`."""
     for name, text in texts.items():
         template = template.replace(f"{{{name}}}", text)
     return re.sub(r"\{\w*:([^{}]*)\}", r"{\1}", template)
 
 
 def _either(one: str, other: str, inside: str) -> str:
-    """Of two templates about one number that which a flag names, told before and behind it."""
+    """Return a sentence that chooses between two templates by a flag that stands before and behind
+    their number."""
     parts = zip(one.split(inside), other.split(inside), strict=True)
     return inside.join(choice(pair) for pair in parts)
 
@@ -93,7 +94,7 @@ _FIRST = len(settings.SENTENCES)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
-    """What stands for `{where}`: all contacts open, all that slip closed, each alone.
+    """Return the text for `{where}`: all contacts open, all that slip closed, or one alone.
 
     contacts: names of the interfaces."""
     walls = np.flatnonzero(interfaces.slips == 1).tolist()

@@ -1,4 +1,4 @@
-"""What makes a run doubtful once it has begun, each from an instant that the run remembers."""
+"""The warnings about a run, each with the time from which it holds."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""A journal at a wall: where it touches, how far it is in, what that costs.
+"""A journal at a wall: where it touches, how deep it penetrates, and the force that follows.
 
 d = u + i v [m] is the journal's displacement relative to the housing, e = d / |d| the direction of
 contact, psi = arg d the contact angle (paper A, eqs 2 to 5, with its misprints mended):
 
     delta = |d| - s;    n = max(0, k delta^m + c min(1, delta / delta_c) delta')  while delta > 0
 
-with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration: were it
-there at once, the force would jump at touch, and a step that ends in the jump would have no
+with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration. If it
+acted at once, the force would jump at touch, and a step that ends in the jump would have no
 solution.
 
 In a worn housing the clearance depends on the direction, s(psi) = clearance + wear
@@ -30,12 +30,12 @@ _POWER = Rule(1.0, False, "must be >= 1 and finite")
 
 @dataclass(frozen=True, kw_only=True)
 class ContactQuantities:
-    """What a clearance contact is: journal_radius, radial clearance [m]; contact stiffness k
-    [N/m^exponent], contact damping c [N.s/m] that is fully there at the penetration delta_c [m];
-    coefficient of friction mu [1], smoothed below the sliding speed v_s [m/s], and at rest larger
-    by mu_rise [1], which falls off over v_stribeck [m/s]; depth [m], direction [rad] and
-    narrowness [1] of the wear; tangential stiffness k_t [N/m] and damping c_t [N.s/m] of a journal
-    that sticks."""
+    """The quantities of a clearance contact: journal_radius, radial clearance [m]; contact
+    stiffness k [N/m^exponent], contact damping c [N.s/m] that reaches its full value at the
+    penetration delta_c [m]; coefficient of friction mu [1], smoothed below the sliding speed v_s
+    [m/s], and at rest larger by mu_rise [1], which falls off over v_stribeck [m/s]; depth [m],
+    direction [rad] and narrowness [1] of the wear; tangential stiffness k_t [N/m] and damping c_t
+    [N.s/m] of a journal that sticks."""
 
     journal_radius: float = quantity("m", "radius of the journal")
     clearance: float = quantity("m", "radial clearance", is_parameter=True)
@@ -66,7 +66,8 @@ class ContactQuantities:
 
 @jit
 def _clearance_at(part, d):
-    """Clearance in the direction of d, and its first and second derivative by the angle [m]."""
+    """Return the clearance in the direction of d, and its first and second derivative by the angle
+    [m]."""
     if part.wear == 0.0:
         return part.clearance, 0.0, 0.0
     return _worn_at(part, d)
@@ -74,7 +75,7 @@ def _clearance_at(part, d):
 
 @jit_not_inlined
 def _worn_at(part, d):
-    """`_clearance_at` of a worn housing."""
+    """Return what `_clearance_at` returns, for a worn housing."""
     turned = direction(0.5 * (angle(d) - part.wear_angle))
     c, s = turned.real, turned.imag
     p = part.wear_power
@@ -89,7 +90,7 @@ def _worn_at(part, d):
 
 @jit
 def elastic(part, delta):
-    """Elastic force of a penetration [N], its derivative [N/m]."""
+    """Return the elastic force of a penetration [N] and its derivative [N/m]."""
     if part.exponent == 1.0:
         return part.k * delta, part.k
     slope = part.k * power(delta, part.exponent - 1.0)
@@ -118,7 +119,8 @@ class Touch(NamedTuple):
 
 @jit
 def touch(part, kinematics):
-    """`Touch` of a journal; all but the penetration is 0 where it does not touch."""
+    """Return the `Touch` of a journal; everything but the penetration is 0 where it does not
+    touch."""
     d = kinematics.displacement
     r = modulus(d)
     s, s_1, s_2 = _clearance_at(part, d)
@@ -153,19 +155,19 @@ def contact_angle(d):
 
 @jit
 def gap(part, d):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return _clearance_at(part, d)[0] - modulus(d)
 
 
 @jit
 def length(part):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return part.clearance
 
 
 @jit
 def compression(part, d):
-    """Elastic energy of a contact [J]."""
+    """Return the elastic energy of a contact [J]."""
     delta = -gap(part, d)
     if delta <= 0.0:
         return 0.0

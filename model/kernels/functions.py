@@ -135,7 +135,8 @@ def _arctan_of_ratio(a, b):
 
 @jit_not_inlined
 def angle(z):
-    """The angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of 0."""
+    """Return the angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of
+    0."""
     a, b = abs(z.imag), abs(z.real)
     if not (a > 0.0 or b > 0.0):
         return 0.0 if a == b else math.nan
@@ -165,7 +166,7 @@ def _power_of_two(n):
 
 @jit
 def root(x, n):
-    """The n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
+    """Return the n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
     if not 0.0 < x < math.inf:
         return x
     factor = _power_of_two(n)

@@ -18,7 +18,8 @@ from .tangents import Tangents
 
 
 class LinearError(QuantityError):
-    """A linear answer that the machine cannot have; says which and what to do."""
+    """A linear analysis that this machine does not allow; the message names it and says what to
+    do."""
 
 
 class Strain(NamedTuple):
@@ -70,7 +71,8 @@ class Linear(NamedTuple):
         return self.own_K + self.strain.matrix(self.strain.by_d)
 
     def factorized(self, root: complex = 0.0) -> Solve:
-        """Solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is singular."""
+        """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is
+        singular."""
         own = root**2 * self.M + root * self.own_D + self.own_K
         turned = self.strain.by_d + root * self.strain.by_v
         try:

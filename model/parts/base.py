@@ -55,8 +55,8 @@ class Unbalance(NamedTuple):
 
 
 class Port(NamedTuple):
-    """A place where an external force acts, `offset` [m] beyond a node, with what it is
-    called in a text; or `BASE`, whose input is the acceleration of the foundation."""
+    """A place where an external force acts, `offset` [m] beyond a node, with its name in texts; or
+    `BASE`, whose input is the acceleration of the foundation."""
 
     node: int
     where: str

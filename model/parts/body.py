@@ -1,4 +1,4 @@
-"""Rigid bodies on the shaft that are told by their inertia, and point masses."""
+"""Rigid bodies on the shaft, given by their inertia, and point masses."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Body(of.Part):
         yield of.Probe(self.node, self.offset)
 
     def outline(self) -> Iterator[of.Shape]:
-        """The solid cylinder of the same mass and inertia, as far as there is one."""
+        """Yield the solid cylinder of the same mass and inertia, if there is one."""
         radius = (2 * self.I_p / self.mass) ** 0.5
         width = (max(0.0, 12 * self.I_d / self.mass - 3 * radius**2)) ** 0.5
         yield of.Shape(self.offset - width / 2, width, 0.0, radius, "body")

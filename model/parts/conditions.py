@@ -1,4 +1,4 @@
-"""What a machine as a whole is subject to: a foundation that moves, a start in the air."""
+"""Conditions on the machine as a whole: a foundation that moves, a start in the air."""
 
 from __future__ import annotations
 

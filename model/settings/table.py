@@ -1,5 +1,6 @@
-"""The solver's settings, each once: its unit, its range, its default and what it is; what each
-method and each mode looks at; the presets. Whatever else knows of them is made from here.
+"""The solver's settings, each declared once with its unit, range, default and description; the
+settings that each method and each mode uses; the presets. Everything else about settings is made
+from this table.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
 
 @dataclass(frozen=True)
 class Choice:
-    """A setting with names for its values; variable: what the FMU calls it, if otherwise."""
+    """A setting with names for its values; variable: its name in the FMU, if different."""
 
     name: str
     values: Mapping[str, Any]
@@ -43,7 +44,7 @@ class Choice:
     variable: str = ""
 
     def encoded(self, value: Any) -> float:
-        """The place of a value among the names."""
+        """Return the place of a value among the names."""
         if value not in self.values:
             raise ValueError(f"{self.name} = {value!r}: must be one of {', '.join(self.values)}")
         return float(list(self.values).index(value))
@@ -79,11 +80,11 @@ class Number:
 
     @property
     def rule(self) -> str:
-        """What it may be, in words."""
+        """The allowed values, in words."""
         return self.range.words("" if self.unit == "1" else f" {self.unit}")
 
     def encoded(self, value: Any) -> float:
-        """The number itself."""
+        """Return the number itself."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError(f"{self.name} = {value!r}: must be a number")
         if math.isnan(value):
@@ -155,7 +156,7 @@ _OF_MIXED = ("atol", "rtol")
 
 
 def is_idle(name: str, mode: str, norm: str) -> bool:
-    """Whether a setting changes nothing in a mode with a norm."""
+    """Return whether a setting changes nothing in a mode with a norm."""
     used = _OF_MODE[mode] + (_OF_MIXED if mode == "adaptive" and norm == "mixed" else ())
     return name not in used and any(name in of for of in (*_OF_MODE.values(), _OF_MIXED))
 

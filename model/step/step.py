@@ -248,7 +248,7 @@ def _predict_internal_state(scheme, h, old, free):
 
 @jit
 def _is_sane(x, bound):
-    """Whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
+    """Return whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
 

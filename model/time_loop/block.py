@@ -34,14 +34,14 @@ class Integrator(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """What can be read, in the order of `observe.observed`."""
+    """The observed quantities, in the order of `observe.observed`."""
 
     observed: Annotated[np.ndarray, float, "outputs"]
 
 
 class RunData(NamedTuple):
-    """All of a run. `motion` and `memory` are its state; what stands before them belongs to the
-    machine, what stands behind is made anew by every call."""
+    """All arrays of a run. `motion` and `memory` are its state; the arrays before them belong to
+    the machine, those behind are scratch that every call fills anew."""
 
     structure: Structure
     method: Integrator
@@ -105,7 +105,7 @@ LAYOUT = Layout(
 def new_block(
     structure: Structure, outputs: int, channels: int = 0, recorder_rows: int = 0
 ) -> np.ndarray:
-    """A block for runs of a machine, its structure copied in; outputs: how many can be read;
+    """Return a block for runs of a machine, its structure copied in; outputs: how many can be read;
     channels and an even number of rows: of the recorder."""
     basis, mass = coarse_shaft(structure)
     sizes = sizes_of(structure) | {

@@ -68,7 +68,7 @@ def _take(motion, trial):
 
 @jit
 def is_beyond(structure, motion):
-    """Whether a deflection is larger than any machine's."""
+    """Return whether a deflection is larger than any machine's."""
     bound = structure.numbers[0].bound
     for i in range(len(structure.deflections)):
         if modulus(motion.q[structure.deflections[i, 0]]) > bound:
@@ -78,8 +78,8 @@ def is_beyond(structure, motion):
 
 @jit_not_inlined
 def _hump(structure, omega, motion, problem):
-    """How fast a journal that touches its wall would be driven away along it [1/s], at most, and
-    where to, towards the right if it may be [1]; 0 where none would be: only the wear of a bore
+    """Return how fast a journal that touches its wall would be driven away along it [1/s], at most,
+    and where to, towards the right if it may be [1]; 0 where none would be: only the wear of a bore
     does that."""
     steepest, where = 0.0, 0.0j
     for j in range(len(structure.interfaces)):

@@ -1,4 +1,4 @@
-"""What a run remembers besides the motion: time and rotation, counters, the ledger, the peaks."""
+"""The state of a run besides the motion: time and rotation, counters, the ledger, the peaks."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ BOUNCE = places(("cosine", "sine", "steps", "score"))
 
 
 class Memory(NamedTuple):
-    """What a run remembers besides the motion; every array changes in place.
+    """The state of a run besides the motion; every array changes in place.
 
     record: of dtype `RECORD`; work, power: of `ledger.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
     and squared distance [m2] from rest of the probes in the present revolution, in the one before,

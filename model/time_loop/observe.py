@@ -1,4 +1,5 @@
-"""What can be read of a run, as one flat array: the names, and the kernel that fills it."""
+"""The observed quantities of a run, as one flat array: their names, and the kernel that fills
+it."""
 
 from __future__ import annotations
 
@@ -96,15 +97,15 @@ _RESIDUAL = Output(
 
 
 class Observed(NamedTuple):
-    """A quantity that can be read: its name, and what it is."""
+    """An observed quantity: its name and its declaration."""
 
     name: Name
     output: Output
 
 
 def observed(rotor: Rotor) -> tuple[Observed, ...]:
-    """All that can be read of a machine's run, in the order of the array that `observe` fills:
-    shaft, parts, solver, energies."""
+    """Return all observed quantities of a machine's run, in the order of the array that `observe`
+    fills: shaft, parts, solver, energies."""
     table = [Observed(Name("", 0, output.name), output) for output in SHAFT]
     table += _of_parts(rotor)
     table += [Observed(Name("solver", 0, output.name), output) for output in SOLVER]
@@ -112,7 +113,7 @@ def observed(rotor: Rotor) -> tuple[Observed, ...]:
 
 
 def observed_names(rotor: Rotor) -> tuple[str, ...]:
-    """The names of `observed`."""
+    """Return the names of `observed`."""
     return tuple(str(entry.name) for entry in observed(rotor))
 
 
@@ -143,7 +144,7 @@ _VELOCITY, _MOUNT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS)
 
 @jit_inlined
 def energies_at(structure, out):
-    """Place in `out` where the energies begin."""
+    """Return the place in `out` where the energies begin."""
     return len(out) - (
         _MACHINE_STORES + len(structure.stores) + _MACHINE_FLOWS + len(structure.losses) + 1
     )
@@ -184,7 +185,8 @@ def _observe_solver(r, out):
 
 @jit
 def _largest(peaks, axis, i):
-    """Of a probe, over the revolutions and since the last communication point."""
+    """Return a probe's largest displacement over the revolutions and since the last communication
+    point."""
     return max(
         peaks[PEAK.this_revolution, axis, i],
         peaks[PEAK.last_revolution, axis, i],

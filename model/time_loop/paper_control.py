@@ -45,7 +45,8 @@ def error_indicator(control, h, is_first, old, new):
 
 @jit
 def shorter_step(control, h, error):
-    """Length to repeat a rejected step with [s] (eq. 15, the cube root over the whole ratio).
+    """Return the length to repeat a rejected step with [s] (eq. 15, the cube root over the whole
+    ratio).
 
     Times 0.9: with the error taken relative to the increment, itself O(h), a rejected step would
     otherwise creep towards eps_max and never pass.
@@ -55,8 +56,8 @@ def shorter_step(control, h, error):
 
 @jit
 def next_step(control, proposed, h, error):
-    """Proposed length of the next step [s] (eq. 15) after a step of length h <= proposed: a step
-    that a communication point cut short does not lower it."""
+    """Return the proposed length of the next step [s] (eq. 15) after a step of length h <=
+    proposed: a step that a communication point cut short does not lower it."""
     if error >= control.eps_min:
         return proposed
     if error == 0.0:

@@ -1,8 +1,8 @@
 """The loop over steps from one communication point to the next, compiled.
 
-Chooses each step's length, repeats what is rejected, and keeps what has to be kept at every step:
-the energy ledger, the amplitudes, and the monitors for the false wall-to-wall state and for damping
-that is the integrator's.
+Chooses each step's length, repeats rejected steps, and updates after every step the energy
+ledger, the amplitudes, and the monitors for the false wall-to-wall state and for damping by the
+integrator.
 """
 
 from __future__ import annotations
@@ -120,8 +120,8 @@ def _imbalance(structure, record, torque):
 
 @jit_inlined
 def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, problem):
-    """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
-    rotor's torques balance at its end. Fills work.powers.
+    """Return a step to time t [s] with the rotation that goes with it: prescribed, or such that a
+    free rotor's torques balance at its end. Fills work.powers.
 
     Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and
     the drive's torque [N.m].
@@ -172,7 +172,7 @@ def _rescale(record, h, motion):
 def _time_loop(
     structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, recorder
 ):
-    """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
+    """Return the loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
     loads = memory.loads
     memory.peaks[PEAK.since_communication, :, :] = 0.0
@@ -251,8 +251,8 @@ def _time_loop(
 
 @jit
 def continued_rate(record, drive):
-    """Rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between the last two
-    given, or 0 where it is held; 0 of a torque too."""
+    """Return the rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between
+    the last two given, or 0 where it is held; 0 of a torque too."""
     r = record[0]
     since = r.t - r.t_ref
     if r.is_free == 1 or r.continues == 0:

@@ -48,7 +48,7 @@ def build(
     reduction: Reduction = 0,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
-    """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
+    """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
         raise InputError(f"--fmi {fmi}: must be 2 or 3")

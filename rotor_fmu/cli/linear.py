@@ -1,4 +1,4 @@
-"""`rotor-fmu modes`, `campbell`, `unbalance`, `static`, `show`: each a table and a picture."""
+"""`rotor-fmu modes`, `campbell`, `unbalance`, `static`, `show`: each with a table and a picture."""
 
 from __future__ import annotations
 
@@ -54,7 +54,8 @@ def modes(
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
 ) -> dict[str, Any]:
-    """Natural frequencies, damping, logarithmic decrements, whirl and shapes at a speed."""
+    """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
+    speed."""
     at, (_, machine) = one_speed(speed), load_rotor(rotor)
     from ..linear import answers
 
@@ -72,7 +73,7 @@ def campbell(
     harmonic: Annotated[float, typer.Option(help="Multiple of the speed that excites.")] = 1.0,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
 ) -> dict[str, Any]:
-    """Modes over the speed, critical speeds, and where the machine loses its stability."""
+    """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
     speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
     from ..linear import answers
 
@@ -102,7 +103,7 @@ def unbalance(
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
 ) -> dict[str, Any]:
-    """Steady response to unbalance: x, y, largest semi-axis and phase at any node."""
+    """Compute the steady response to unbalance: x, y, major semi-axis and phase at any node."""
     speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
     given = [_unbalance(text) for text in at] if at else None
     from ..linear import answers
@@ -124,7 +125,7 @@ def static(
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
 ) -> dict[str, Any]:
-    """Deflection under gravity, and what each bearing bears."""
+    """Compute the deflection under gravity and the load on each bearing."""
     at, (_, machine) = one_speed(speed), load_rotor(rotor)
     from ..linear import answers
 
@@ -137,7 +138,7 @@ def show(
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
 ) -> dict[str, Any]:
-    """A picture of the machine to scale, and what it is made of."""
+    """Draw the machine to scale and list its parts."""
     _, machine = load_rotor(rotor)
     from ..linear import answers
     from ..linear.inventory import inventory
@@ -151,7 +152,7 @@ def import_ross(
     file: Annotated[Path, typer.Argument(help="A rotor that ROSS saved, TOML or JSON.")],
     out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
 ) -> dict[str, Any]:
-    """Turn a rotor that ROSS saved into a machine file."""
+    """Convert a rotor that ROSS saved into a machine file."""
     from ..machine_file.reading import import_ross as read
     from ..model.machine.writing import toml_text
 

@@ -31,7 +31,7 @@ def plot(
     pp: Annotated[bool, typer.Option("--pp", help="Peak-to-peak, instead of 0-p.")] = False,
     out: Annotated[Path | None, typer.Option(help="Folder; default: the run's.")] = None,
 ) -> dict[str, Any]:
-    """Draw a recorded run as vibration engineers do."""
+    """Draw a recorded run in one of the usual plots of vibration engineering."""
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
@@ -66,7 +66,7 @@ def report(
     ],
     out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
 ) -> dict[str, Any]:
-    """Write the page of a run, of two runs laid over each other, or of a study."""
+    """Write the report page of a run, of two runs compared with each other, or of a study."""
     from ..plotting.reading import (
         is_study,
         read_run,

@@ -62,11 +62,11 @@ def run_down(
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
 ) -> dict[str, Any]:
-    """Drive the built FMU over the paper's run-down and write figures and pictures.
+    """Run down the built FMU as in paper A, and write a summary, a CSV file and pictures.
 
-    The same run is recorded at the solver's own steps, without the FMU, for the pictures. With
-    --verify it is held against the same run, solved more finely: peaks and final state side by
-    side, and what follows.
+    The pictures are drawn from the same run without the FMU, recorded at the solver's own steps.
+    With --verify the run is compared with the same run, solved more finely: the command shows peaks
+    and final state of both, and its conclusion.
     """
     job = prepare(rotor, preset, sets or [], signals, stop, step)
     if verify:

@@ -1,4 +1,4 @@
-"""`rotor-fmu study`: many runs of a machine, their rows, and what they say."""
+"""`rotor-fmu study`: many runs of a machine, their rows, and the evaluation."""
 
 from __future__ import annotations
 
@@ -54,9 +54,10 @@ def study(
         str, typer.Option(help="Run one again with all its signals: its id, or its number.")
     ] = "",
 ) -> dict[str, Any]:
-    """Make many runs of a machine, one row each, and say what they show.
+    """Make many runs of a machine, store one row for each, and evaluate them.
 
-    A call that was stopped, however, goes on where it was; rows that are there are not made again.
+    A call that was stopped, for whatever reason, continues where it was; finished runs are not
+    repeated.
     """
     _need_extra()
     definition = read_study(file, is_quick=is_quick)

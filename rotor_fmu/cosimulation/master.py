@@ -17,7 +17,7 @@ Connection = tuple[str, str]
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two FMUs: what it gives to the other, and what is recorded of it besides."""
+    """One of the two FMUs: its outputs to the other, and its further recorded variables."""
 
     member: Member
     connections: Sequence[Connection]
@@ -25,7 +25,7 @@ class Side:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of all that is read of it at a communication point."""
+        """Names of all variables read from it at a communication point."""
         return (*(output for output, _ in self.connections), *self.recorded)
 
 

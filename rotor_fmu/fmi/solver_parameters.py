@@ -73,7 +73,7 @@ GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
 
 
 def solver_parameters() -> list[Variable]:
-    """The FMU's variables that choose the integration."""
+    """Return the FMU's variables that choose the integration."""
     return [*GIVEN, REDUCTION]
 
 
@@ -89,7 +89,7 @@ def settings_of(
     tolerance: float | None = None,
     warn: Callable[[Message], None] = lambda message: None,
 ) -> Settings:
-    """The settings that values of the solver's parameters, by name, stand for.
+    """Return the settings that values of the solver's parameters, by name, stand for.
 
     tolerance: the experiment's [1], which a value of the FMU's own overrides. A value that changes
     nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an impossible value, by

@@ -1,4 +1,4 @@
-"""Pictures of linear answers."""
+"""Pictures of linear analyses."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _figure(width: float, height: float, rows: int, columns: int = 1, **options)
 
 
 def _curve(z: np.ndarray, w: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line through the nodes with their slopes, as the shaft bends; z in mm."""
+    """Return a line through the nodes with their slopes, as the shaft bends; z in mm."""
     fine = np.unique(np.concatenate([np.linspace(a, b, _FINE) for a, b in pairwise(z)]))
     return fine * 1e3, CubicHermiteSpline(z, w, slope)(fine)
 
@@ -198,7 +198,7 @@ def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
 
 
 def static_figure(result: Static) -> Figure:
-    """Deflection along the shaft and, beside its nodes' names, what the supports bear."""
+    """Deflection along the shaft and, beside its nodes' names, the loads on the supports."""
     figure, grid = _figure(6.8, 3.8, 1)
     axes = grid[0, 0]
     axes.axhline(0, color=GREY, lw=0.8)

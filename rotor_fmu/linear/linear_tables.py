@@ -1,4 +1,4 @@
-"""Tables of linear answers: as text, as HTML for notebooks, and as numbers for JSON."""
+"""Tables of linear analyses: as text, as HTML for notebooks, and as numbers for JSON."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ def hertz(omega: float) -> float:
 
 
 def turns(speed: float, contacts: str) -> str:
-    """The state of a machine in a heading."""
+    """Return the state of a machine in a heading."""
     return f"{speed:.5g} rad/s ({hertz(speed) * 60:.5g} rev/min), contacts {contacts}"
 
 
 def modes_table(result: Modes) -> Table:
-    """A row a mode."""
+    """Return a row a mode."""
     heads = ("mode", "f_d [Hz]", "f_n [Hz]", "omega_d [rad/s]", "damping", "log dec", "whirl")
     columns = zip(
         result.damped,
@@ -87,12 +87,12 @@ def modes_table(result: Modes) -> Table:
 
 
 def _clean(ratio: float) -> float:
-    """A damping without what is rounding."""
+    """Return a damping without what is rounding."""
     return 0.0 if abs(ratio) < 1e-10 else float(ratio)
 
 
 def campbell_table(result: Campbell) -> Table:
-    """A row a critical speed; the threshold of stability in the heading."""
+    """Return a row a critical speed; the threshold of stability in the heading."""
     heads = ("mode", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
     rows = [
         (c.mode + 1, c.speed, hertz(c.speed), 60 * hertz(c.speed), _clean(c.log_dec), c.whirl)
@@ -110,7 +110,7 @@ def campbell_table(result: Campbell) -> Table:
 
 
 def static_table(result: Static) -> Table:
-    """A row a node, then a row for what each support bears."""
+    """Return a row for each node, then a row for the load on each support."""
     heads = ("where", "z [mm]", "x [um]", "y [um]", "load x [N]", "load y [N]")
     nodes = [
         (f"node {i}", z * 1e3, x * 1e6, y * 1e6, "", "")
@@ -133,8 +133,8 @@ def _rounded(cell: object) -> object:
 
 
 def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
-    """Rows of speed and node (from 1): at every speed where they are few, else where the largest
-    semi-axis of a node peaks."""
+    """Return the rows of speed and node (from 1): at every speed where they are few, else where the
+    largest semi-axis of a node peaks."""
     heads = (
         *("node", "speed [rad/s]", "[Hz]", "x [um]", "y [um]", "major [um]", "minor [um]"),
         *("phase x [deg]", "phase y [deg]"),
@@ -163,7 +163,8 @@ def _json_values(major: np.ndarray) -> Sequence[int]:
 
 
 def numbers(result: Any) -> dict[str, object]:
-    """All that an answer says, in SI units, for JSON: complex numbers as [real, imaginary]."""
+    """Return all numbers of a linear analysis, in SI units, for JSON: complex numbers as [real,
+    imaginary]."""
     fields = {name: getattr(result, name) for name in result.__dataclass_fields__}
     for name in ("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"):
         if hasattr(result, name):

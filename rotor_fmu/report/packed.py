@@ -52,7 +52,7 @@ def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
 
 
 def unpacked(pack: dict[str, Any]) -> np.ndarray:
-    """The values again, as the browser reads them."""
+    """Return the values again, as the browser reads them."""
     bits, n = pack["bits"], pack["n"]
     raw = zlib.decompress(base64.b64decode(pack["data"]))
     planes = np.frombuffer(raw, np.uint8).reshape(bits // 8, n).astype(np.uint32)

@@ -87,7 +87,7 @@ def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> 
 
 
 def orbit(view: View) -> Figure:
-    """The orbit at a speed, its keyphasor marks, and the clearance."""
+    """Return the orbit at a speed, its keyphasor marks, and the clearance."""
     figure, axes = new_figure(5.4, 5.2)
     place = view.run.place(view.name)
     result = vibration.orbit(*view.signal, view.speed)
@@ -116,7 +116,7 @@ def orbit(view: View) -> Figure:
 
 
 def spectrum(view: View) -> Figure:
-    """Full spectrum at a speed."""
+    """Return the full spectrum at a speed."""
     figure, axes = new_figure()
     result = vibration.full_spectrum(*view.signal, view.speed)
     frequency = hertz(result.frequency)
@@ -141,7 +141,7 @@ def spectrum(view: View) -> Figure:
 
 
 def _lines(amplitude: np.ndarray) -> list[int]:
-    """The largest lines of a spectrum, without what the window puts beside each."""
+    """Return the largest lines of a spectrum, without what the window puts beside each."""
     inner = amplitude[1:-1]
     tops = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
     tops = tops[amplitude[tops] > 0.02 * np.nanmax(amplitude, initial=0)]
@@ -149,7 +149,7 @@ def _lines(amplitude: np.ndarray) -> list[int]:
 
 
 def cascade(view: View) -> Figure:
-    """Full spectra over speed, or over time where the speed does not go one way."""
+    """Return the full spectra over speed, or over time where the speed does not go one way."""
     figure, axes = new_figure(6.8, 5.0)
     result = vibration.cascade(*view.signal)
     ways = np.diff(result.speed)
@@ -205,7 +205,7 @@ def cascade(view: View) -> Figure:
 
 
 def poincare(view: View) -> Figure:
-    """Points of the Poincare section, coloured by the speed, with the clearance."""
+    """Return the points of the Poincare section, coloured by the speed, with the clearance."""
     figure, axes = new_figure(6.0, 5.2)
     place = view.run.place(view.name)
     result = vibration.poincare(*view.signal)
@@ -242,7 +242,7 @@ def whirl(view: View) -> Figure:
 
 
 def contact_angle(view: View) -> Figure:
-    """Where a contact touches, over speed."""
+    """Return where a contact touches, over speed."""
     figure, axes = new_figure()
     touch = view.run.touch(view.name)
     touches = touch.fn > 0
@@ -289,7 +289,7 @@ def contact_force(view: View) -> Figure:
 
 
 def energy(view: View) -> Figure:
-    """Power that every sink took, over speed, and the energy since the start."""
+    """Return the power that every sink took, over speed, and the energy since the start."""
     figure, (above, below) = two(even=True)
     run = view.run
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)

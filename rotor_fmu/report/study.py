@@ -28,7 +28,7 @@ def study_page(
     pages: Mapping[str, str] | None = None,
     drawn: np.ndarray | None = None,
 ) -> str:
-    """The page of a study as HTML.
+    """Return the page of a study as HTML.
 
     about: what its folder says of it (name, runs, design with its axes, columns); rows: a run each,
     with run, id, status, what was varied, and the columns kept, a number or a list; pages: of runs
@@ -72,7 +72,7 @@ def study_page(
 
 
 def _shown_in(unit: str) -> tuple[float, str]:
-    """What a number in a unit is multiplied by to be read, and in which unit that is."""
+    """Return what a number in a unit is multiplied by to be read, and in which unit that is."""
     shown = {"m": (1e6, "µm"), "rad/s": (0.5 / np.pi, "Hz"), "1": (1.0, "-")}
     return shown.get(unit, (1.0, unit))
 

@@ -1,4 +1,4 @@
-"""What holding a run against a finer one came to, in words and tables."""
+"""The comparison of a run with a finer one, in words and tables."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]
 
 
 def headline_of(figures: Mapping[str, Any]) -> str:
-    """Of `runs.verification.Verification.figures`: what follows, and from which run."""
+    """Of `runs.verification.Verification.figures`: the conclusion, and the finer run it is based
+    on."""
     changed = ", ".join(f"{name} = {value:g}" for name, value in figures["finer"].items())
     return f"{figures['conclusion']}, by the same run with {changed}: {figures['finer_status']}"
 

@@ -1,4 +1,4 @@
-"""A run as a user asks for it: checked before anything is written, then carried out."""
+"""A run as the user specified it: checked before anything is written, then carried out."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def load_rotor(path: Path | None) -> tuple[str, Rotor]:
 
 
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
-    """Values by name from `NAME=VALUE` texts; choices may be given by number or by name.
+    """Return the values by name from `NAME=VALUE` texts; choices may be given by number or by name.
 
     Raises `InputError` for an unknown name and for a value that the variable cannot have.
     """
@@ -158,8 +158,9 @@ def make_job(
     stop: float,
     step: float | None,
 ) -> Job:
-    """A run of a machine, its parameters and inputs checked together; step: communication step [s],
-    None for one that suits the solver. Raises `InputError`, `QuantityError`, `SettingsError`."""
+    """Return a run of a machine, its parameters and inputs checked together; step: communication
+    step [s], None for one that suits the solver. Raises `InputError`, `QuantityError`,
+    `SettingsError`."""
     table = interface(rotor)
     parameters = {"speed_rate": signals.first_rate} | dict(parameters)
     everything = {v.name: v.start for v in table if v.start is not None} | parameters
@@ -203,8 +204,9 @@ def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run
 
 
 def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:
-    """A run that is held against the same run, finer: with what came of it in the recording, and
-    doubtful where it is not confirmed. Raises `InputError` where there is no finer run."""
+    """Make a run and compare it with the same run, solved more finely; the comparison is added to
+    the recording, and the run is doubtful if it is not confirmed. Raises `InputError` if there is
+    no finer run."""
     from .verification import NOT_CONFIRMED, NOT_CONFIRMED_CODE, compare, finer_job
 
     if run.status.startswith(FAILED):
@@ -221,7 +223,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
 
 
 def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
-    """Take away what an earlier run left in its folder, its own files alone; results: patterns of
+    """Remove what an earlier run left in its folder, its own files alone; results: patterns of
     their names. Pictures are of the recording that lies beside them."""
     if (out / "recording.npz").exists():
         results = (*results, *(f"{kind}.png" for kind in PLOTS))
@@ -244,7 +246,7 @@ def difference(one: Run, other: Run) -> float:
 
 
 def fmu_in(out: Path, toml: str, reduction: int = 0) -> Path:
-    """The FMU of this rotor in the folder `out`, built if it is not there or not up to date;
+    """Return the FMU of this rotor in the folder `out`, built if it is not there or not up to date;
     reduction: component modes kept of the shaft."""
     fmu = out / FMU_NAME
     if is_current(fmu, toml, reduction=reduction):

@@ -1,4 +1,4 @@
-"""How far a run is, with the length of its steps and what keeps them so short."""
+"""Progress of a run, with the length of its steps and what limits it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NEARLY = 0.75  # of the longest step: what is left where an interval is cut to 
 
 
 def silent(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
-    """Tell nothing."""
+    """Show no progress."""
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[
 
 
 def steps(now: Mapping[str, float], step: float, settings: Settings) -> str:
-    """The length of the last step, and what limits it, in words.
+    """Return the length of the last step, and what limits it, in words.
 
     now: what the model computes, by name; step: the communication step [s].
     """

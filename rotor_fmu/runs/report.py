@@ -28,7 +28,7 @@ class Column:
 
 
 class Report:
-    """Rows of values by column name; what a row does not have is shown as a dash."""
+    """Rows of values by column name; a missing value is shown as a dash."""
 
     def __init__(
         self, columns: Sequence[Column], rows: Sequence[Mapping[str, object]], title: str = ""
@@ -36,7 +36,7 @@ class Report:
         self._columns, self.rows, self._title = columns, rows, title
 
     def print(self, console: Console) -> None:
-        """To the screen."""
+        """Print the table to the screen."""
         table = Table(
             title=self._title,
             title_justify="left",

@@ -66,7 +66,8 @@ def amplitude(
     compared: tuple[Run, str] | None = None,
     label: str = "this run",
 ) -> Figure:
-    """Largest displacement of a disc over a revolution against speed, the start-up apart.
+    """Return the largest displacement of a disc over a revolution against speed, the start-up
+    apart.
 
     axis: `x` or `y`; compared: another run and what it is, thinner behind.
     """
@@ -95,8 +96,8 @@ def amplitude(
 
 
 def contact_angle(recording: Recording, caption: str) -> Figure:
-    """Where the journal lies in its bearing against speed: how much of the time, and once a turn;
-    where the steps are too long for that, each of them."""
+    """Return where the journal lies in its bearing against speed: how much of the time, and once a
+    turn; where the steps are too long for that, each of them."""
     figure, axes = new_figure()
     part = contact_of(recording.columns)
     hz = recording.columns["w"] / TURN
@@ -132,7 +133,7 @@ def contact_angle(recording: Recording, caption: str) -> Figure:
 
 
 def _every_step(recording: Recording, per_turn: float) -> str:
-    """What points are that are the solver's steps, and what in them is the steps' own."""
+    """Return what points are that are the solver's steps, and what in them is the steps' own."""
     usual = float(np.median(np.diff(recording.t)))
     shortest, longest = (1e3 * float(f(np.diff(recording.t))) for f in (np.min, np.max))
     if longest > 1.01 * shortest:
@@ -145,7 +146,8 @@ def _every_step(recording: Recording, per_turn: float) -> str:
 
 
 def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
-    """Path of a disc's centre over the turns about a time [s], and where it was once a turn."""
+    """Return the path of a disc's centre over the turns about a time [s], and where it was once a
+    turn."""
     figure, axes = new_figure(5.4, 5.0)
     place = str(place_of(recording.columns))
     c = recording.columns
@@ -172,8 +174,8 @@ def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
 
 
 def motion(recording: Recording, caption: str) -> Figure:
-    """Both displacements of a disc over time: as curves, or where they are too dense the range that
-    each turn fills."""
+    """Return both displacements of a disc over time: as curves, or where they are too dense the
+    range that each turn fills."""
     figure, first = new_figure()
     first.remove()
     place = str(place_of(recording.columns))
@@ -223,7 +225,7 @@ def spectra(recording: Recording, caption: str) -> Figure:
 
 
 def step_length(recording: Recording, caption: str) -> Figure:
-    """Length of the solver's steps against speed."""
+    """Return the length of the solver's steps against speed."""
     figure, axes = new_figure()
     hz = recording.columns["w"][1:] / TURN
     lengths = recording.columns["solver.h_last"][1:] * 1e3
@@ -255,8 +257,8 @@ def write_run_down(
     is_adaptive: bool,
     out: Path,
 ) -> list[Path]:
-    """The pictures of a run in the folder `out`: against its speed, or against time and frequency
-    where it has one speed; figures: its `summary`."""
+    """Return the pictures of a run in the folder `out`: against its speed, or against time and
+    frequency where it has one speed; figures: its `summary`."""
     if len(recording.t) < 3:
         return []
     pictures = {}

@@ -1,4 +1,4 @@
-"""What the FMU shows to people and tools beside the model: pages, picture, licences, terminals."""
+"""The FMU's documents for people and tools: pages, picture, licences, terminals."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: boo
 
 
 def _licence(of: str) -> bytes:
-    """The licence of an installed distribution."""
+    """Return the licence of an installed distribution."""
     from importlib.metadata import distribution
 
     result = next(

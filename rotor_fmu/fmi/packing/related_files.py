@@ -38,7 +38,7 @@ def related_files(rotor: Rotor, name: str) -> dict[str, bytes]:
 
 
 def stored(name: str) -> Path:
-    """The file that goes into the FMU called `name`."""
+    """Return the file that goes into the FMU called `name`."""
     return Path(str(files(__package__).joinpath("pages", f"{name}_out.csv")))
 
 

@@ -1,4 +1,4 @@
-"""What is kept of a run: numbers and lists made of its windows.
+"""The metrics of a run: numbers and lists made from its windows.
 
 A quantity is an output by its name, or PART.r, the distance of PART.x and PART.y from zero.
 """
@@ -93,8 +93,8 @@ class Metric:
 
 
 def column(metric: Metric, unit: str, drive: Excitation, is_varied: bool) -> Column:
-    """The column of a keep; unit: the quantity's; is_varied: whether the held speeds differ from
-    run to run."""
+    """Return the column of a metric; unit: the quantity's; is_varied: whether the held speeds
+    differ from run to run."""
     options = dict(metric.options)
     text = f"{KINDS[metric.kind].text.format(**options)} of {metric.of}"
     own = {"contact": "s", "dissipated": "J", "whirl": "rad/s", "jump": "rad/s", "spectrum": "m"}
@@ -118,7 +118,7 @@ def column(metric: Metric, unit: str, drive: Excitation, is_varied: bool) -> Col
 
 
 def cells(metric: Metric, windows: list[Window], drive: Excitation) -> Cell:
-    """The cell of a finished run."""
+    """Return the cell of a finished run."""
     options = {**KINDS[metric.kind].optional, **dict(metric.options)}
     if metric.kind == "jump":
         return _jump(metric, windows, options)
@@ -132,7 +132,7 @@ def cells(metric: Metric, windows: list[Window], drive: Excitation) -> Cell:
 
 
 def check(metric: Metric, how: Excitation) -> None:
-    """Refuse what is not to be kept of a run that is driven so: `InputError`."""
+    """Raise `InputError` for a metric that does not suit the excitation of the run."""
     kind, options = KINDS[metric.kind], dict(metric.options)
     where, n = f"keep {metric.name}", how.numbers
     if how.kind == COUPLED and kind.is_fine:
@@ -188,8 +188,8 @@ def _quantity(metric: Metric, seen: Samples) -> np.ndarray:
 
 
 def _late(metric: Metric, window: Window, options: Options) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values from `after` on, counted from the window's beginning; none where it ends
-    before."""
+    """Return the times and values from `after` on, counted from the window's beginning; none where
+    it ends before."""
     t = window.steps.t
     first = int(np.searchsorted(t, t[0] + options["after"]))
     return t[first:], _quantity(metric, window.steps)[first:]
@@ -272,13 +272,13 @@ def _passing(metric: Metric, window: Window, options: Options) -> float:
 
 
 def spectrum_orders(highest: float, turns: int) -> np.ndarray:
-    """Orders of a full spectrum over so many turns, from -highest to highest."""
+    """Return the orders of a full spectrum over so many turns, from -highest to highest."""
     most = round(highest * turns)
     return np.arange(-most, most + 1) / turns
 
 
 def _spectrum(metric: Metric, window: Window, options: Options) -> np.ndarray:
-    """Amplitudes of the orders of x + i y; the mean is taken away."""
+    """Return the amplitudes of the orders of x + i y; the mean is taken away."""
     columns = window.turns.columns
     z = columns[f"{metric.of}.x"] + 1j * columns[f"{metric.of}.y"]
     if window.speed < 0:  # seen from behind, forward stays forward
@@ -297,8 +297,8 @@ def _contact(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _dissipated(metric: Metric, window: Window, options: Options) -> float:
-    """Friction times the way slid: that of the journal's surface, R dphi, and of its centre along
-    the wall, (x dy - y dx) / r."""
+    """Return friction times the sliding distance: that of the journal's surface, R dphi, and of its
+    centre along the wall, (x dy - y dx) / r."""
     force, x, y = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "x", "y"))
     mid_x, mid_y = 0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])
     r = np.hypot(mid_x, mid_y)

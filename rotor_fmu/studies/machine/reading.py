@@ -1,4 +1,4 @@
-"""A machine's runs from the tables of a study's file: what is run, set, and kept."""
+"""A machine's runs from the tables of a study's file: machine, parameters and metrics."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ from .runs import RUN, VERIFICATION, Machine, MachineRuns, machine_of
 
 
 def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, str]]:
-    """The runs of a machine, without what is kept, and what can be varied: the unit by the name."""
+    """Return the runs of a machine, without what is kept, and what can be varied: the unit by the
+    name."""
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
@@ -122,7 +123,7 @@ def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
 
 
 def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> MachineRuns:
-    """The runs with what the table [keep] says and its columns."""
+    """Return the runs with what the table [keep] says and its columns."""
     machine = machine_of(runs.toml, runs.is_free)
     units = runs.units
     varied = {target for axis in axes for target in axis.targets}
@@ -214,7 +215,8 @@ def _radius(machine: Machine, part: str) -> float:
 
 
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
-    """Refuse listed values that no run could have; those of distributions fail run by run."""
+    """Raise `InputError` for listed values that no run could have; those of distributions fail run
+    by run."""
     machine = machine_of(runs.toml, runs.is_free)
     for axis in axes:
         for target in axis.targets:

@@ -1,4 +1,4 @@
-"""How a run of a study is driven, and what is looked at.
+"""The excitation of a run of a study, and its windows.
 
 Ramps, signals, drops and motors are one window; at constant speeds every speed is a window of its
 own, of whole turns after it has settled. A window is seen at the solver's own steps and, in whole
@@ -122,7 +122,7 @@ class Excitation:
     loads: tuple[tuple[str, str], ...] = field(default=())
 
     def changed(self, values: Mapping[str, float]) -> Excitation:
-        """The drive with some of its numbers replaced; `InputError` for impossible ones."""
+        """Return the drive with some of its numbers replaced; `InputError` for impossible ones."""
         if not values:
             return self
         numbers = dict(self.numbers) | dict(values)
@@ -155,7 +155,7 @@ class Excitation:
 
 
 def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
-    """Refuse numbers that a kind of run cannot have."""
+    """Raise `InputError` for numbers that a kind of run cannot have."""
     for name, commanded in KINDS[kind].items():
         value, unit = numbers[name], "" if commanded.unit == "1" else f" {commanded.unit}"
         if commanded.is_positive and not value > 0:
