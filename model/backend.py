@@ -39,10 +39,10 @@ class EntryPoints(NamedTuple):
 
 @cache
 def selected_backend() -> Backend:
-    """Return what carries out the kernels in this process: the one that the environment's
-    ROTOR_FMU_KERNELS names, or the first that there is.
+    """Return the backend of this process: the one named by the environment variable
+    ROTOR_FMU_KERNELS, or the first that is available.
 
-    Raises `ValueError` for a name that is none, or a library that is not there.
+    Raises `ValueError` for an unknown name or a missing library.
     """
     wanted = os.environ.get(VARIABLE)
     if wanted is not None and wanted not in {backend.value for backend in Backend}:

@@ -98,8 +98,8 @@ def _describe_whirl(whirl, arguments, at):
 
 @jit
 def unstable(run, arguments):
-    """Of the whirls that a survey found, that which grows fastest at the present speed with all
-    contacts open."""
+    """Return the message about the whirl of a survey that grows fastest at the present speed with
+    all contacts open."""
     survey = run.survey
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]

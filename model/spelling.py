@@ -29,9 +29,10 @@ def spell(pattern: str, numbers: Iterable[float]) -> str:
 
 
 class Message(str):
-    """A sentence that a run says, and its machine-readable code.
+    """A message of a run, and its machine-readable code.
 
-    A note is about the machine or what was asked for; any other makes the run doubtful.
+    A note is about the machine or the input; any other message means that the result is not to be
+    trusted.
     """
 
     __slots__ = ("code",)

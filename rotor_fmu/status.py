@@ -19,7 +19,7 @@ def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
 
 
 def with_doubt(status: str, code: str) -> str:
-    """Return a status to which the code of a doubt is added."""
+    """Return a status with the code of a warning added."""
     if status == OK:
         return f"{DOUBTFUL}{code}"
     return status if status.startswith(FAILED) else f"{status}, {code}"

@@ -138,7 +138,8 @@ def rubbing(part, kinematics, surface, z):
 
 @jit_not_inlined
 def _column(at, rubs, give, z, z_v):
-    """dF in the frame along e by a displacement z and a velocity z_v; see `contact_tangent`."""
+    """Return dF in the frame along e by a displacement z and a velocity z_v; see
+    `contact_tangent`."""
     steep, normal = outward(at.gradient)
     d_gradient = complex(at.skew * z.imag, at.skew * z.real + at.curvature * z.imag)
     d_rate = (d_gradient.conjugate() * at.velocity + at.gradient.conjugate() * z_v).real

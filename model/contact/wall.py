@@ -146,7 +146,7 @@ def touch(part, kinematics):
 
 @jit
 def contact_angle(d):
-    """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
+    """Return psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
     psi = angle(d)
     if psi < 0.0:
         psi += 2.0 * math.pi

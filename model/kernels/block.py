@@ -31,7 +31,7 @@ class Field(NamedTuple):
     extents: tuple[str, ...]
 
     def shape(self, sizes: Mapping[str, int]) -> tuple[int, ...]:
-        """Its shape for these sizes."""
+        """Return its shape for these sizes."""
         return tuple(eval(extent, {}, dict(sizes)) for extent in self.extents)
 
 

@@ -41,8 +41,8 @@ def dispatcher(
 
 @cache
 def cache_folder() -> Path | None:
-    """Return where numba caches the code of these kernels: its own check, a file's time, knows
-    nothing of the kernels that a kernel calls. None, which is logged, where there can be no such
+    """Return the folder in which numba caches the code of these kernels: its own check, a file's
+    time, ignores the kernels that a kernel calls. None, which is logged, if there can be no such
     folder."""
     try:
         kernels = private_folder(user_cache()) / "numba"
@@ -61,7 +61,7 @@ def is_cached(function: Callable[..., Any]) -> bool:
 
 @typeof_impl.register(Kernel)
 def _type_of(kernel, context):
-    """In compiled code a kernel stands for its dispatcher."""
+    """Return the type of a kernel's dispatcher, which stands for the kernel in compiled code."""
     return typeof_impl(kernel.dispatcher, context)
 
 

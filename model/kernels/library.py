@@ -63,7 +63,7 @@ def _read(file: Path) -> bytes:
 
 @cache
 def loaded() -> ctypes.CDLL | None:
-    """This machine's library with the types of its functions, or None where there is none."""
+    """Return this machine's library with the types of its functions, or None if there is none."""
     name = here()
     file = find(name) if name else None
     if file is None:

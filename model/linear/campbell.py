@@ -120,7 +120,7 @@ class _Follower:
 
 
 def _likeness(a: Modes, b: Modes) -> np.ndarray:
-    """Modal assurance criterion of all shapes of a with all of b."""
+    """Return the modal assurance criterion of all shapes of a with all of b."""
     one, other = (
         np.hstack([m.x, m.y, m.housing_x, m.housing_y, m.slope_x * s, m.slope_y * s])
         for m, s in ((a, np.ptp(a.z) / 10), (b, np.ptp(b.z) / 10))
@@ -161,7 +161,7 @@ def _critical(
 
 
 def _excess(modes: Modes, place: int, harmonic: float) -> float:
-    """Of a mode's frequency over the harmonic [rad/s]."""
+    """Return the excess of a mode's frequency over the harmonic [rad/s]."""
     return float(modes.damped[place]) - harmonic * abs(modes.speed)
 
 

@@ -32,16 +32,17 @@ class Strain(NamedTuple):
     by_v: np.ndarray
 
     def matrix(self, turned: np.ndarray) -> sp.csc_array:
-        """Of the unknowns, with Z = turned."""
+        """Return the matrix of the unknowns, with Z = turned."""
         return (self.across.T @ diagonal(_turned(self.stiffness, turned)) @ self.across).tocsc()
 
     def flexibility(self, turned: np.ndarray) -> np.ndarray:
-        """Of each element's strains, x and y in turn, with Z = turned, shape (elements, 4, 4)."""
+        """Return the flexibility of each element's strains, x and y in turn, with Z = turned, shape
+        (elements, 4, 4)."""
         return _turned(np.linalg.inv(self.stiffness), np.linalg.inv(turned))
 
 
 def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Kronecker's product of each matrix of some, shape (count, 2, 2), and one."""
+    """Return the Kronecker product of each of `count` matrices, shape (count, 2, 2), with one."""
     return np.einsum("eij,ab->eiajb", each, turned).reshape(-1, 4, 4)
 
 

@@ -144,7 +144,7 @@ class LinearMachine:
         return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
 
     def _strain(self, speed: float) -> Strain:
-        """Return what the shaft's strain adds."""
+        """Return the contribution of the shaft's strain."""
         numbers = self.structure.numbers[0]
         by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * _TURN
         by_v = numbers.eta_v * np.eye(2)
@@ -165,7 +165,7 @@ class LinearMachine:
         return Linear(speed, self.M, D, K, self._strain(speed), at, none, laws)
 
     def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """Return what tangents by interface make of displacements, x and y in turn."""
+        """Return the matrix of tangents by interface, x and y in turn."""
         d = (self._across @ u).reshape(-1, 2)
         return np.einsum("jab,jb->ja", tangents, d).ravel()
 
@@ -276,8 +276,8 @@ def _matrices(rotor: Rotor, s: Structure) -> _Full:
 
 
 def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
-    """From the unknowns to all dofs, of which ground, the last, stays; pairs: (dof, end) that move
-    as one."""
+    """Return the matrix from the unknowns to all dofs, of which ground, the last, stays; pairs:
+    (dof, end) that move as one."""
     leader = np.arange(size)
     for dof, end in pairs:
         retained, merged = sorted((leader[dof], leader[end]))
@@ -292,7 +292,7 @@ def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
 
 
 def _differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:
-    """x, y of each pair's first less its second."""
+    """Return x, y of each pair's first less its second."""
     matrix = sp.lil_array((len(pairs), size))
     for j, (dof, end) in enumerate(pairs):
         matrix[j, dof] = 1.0
@@ -307,12 +307,12 @@ def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
 
 
 def in_plane(z: np.ndarray) -> np.ndarray:
-    """x, y in turn of complex numbers, shape (2 n,)."""
+    """Return x, y in turn of complex numbers, shape (2 n,)."""
     return np.column_stack([z.real, z.imag]).ravel()
 
 
 def to_complex(u: np.ndarray) -> np.ndarray:
-    """x + i y of x, y in turn, shape (n,)."""
+    """Return x + i y of x, y in turn, shape (n,)."""
     return u[::2] + 1j * u[1::2]
 
 

@@ -112,7 +112,7 @@ def modes(
 
 
 def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
-    """`modes` of a machine that is linear already."""
+    """Return `modes` of a machine that is linear already."""
     check_speed(speed)
     if count < 1:
         raise LinearError(f"count = {count}: must be at least 1")
@@ -152,7 +152,7 @@ class _Inverse:
         self.size = linear.M.shape[0]
 
     def __call__(self, state: np.ndarray) -> np.ndarray:
-        """Of states, shape (2 size,) or (2 size, columns)."""
+        """Apply the inverse to states, shape (2 size,) or (2 size, columns)."""
         if np.iscomplexobj(state):
             return self(state.real) + 1j * self(state.imag)
         q, v = state[: self.size], state[self.size :]
@@ -163,7 +163,7 @@ class _Inverse:
         return np.concatenate([moved, q + self.sigma * moved])
 
     def eigenvalues(self, inverted: np.ndarray) -> np.ndarray:
-        """Of the machine [1/s], of those of the inverse."""
+        """Return the machine's eigenvalues [1/s] from those of the inverse."""
         return self.scale * (self.sigma + 1 / inverted)
 
     def residuals(self, values: np.ndarray, states: np.ndarray) -> np.ndarray:

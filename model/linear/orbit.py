@@ -10,12 +10,12 @@ import numpy as np
 
 
 def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """f of complex amplitudes."""
+    """Return f of complex amplitudes."""
     return (x + 1j * y) / 2
 
 
 def backward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """b of complex amplitudes."""
+    """Return b of complex amplitudes."""
     return np.conj(x - 1j * y) / 2
 
 

@@ -44,7 +44,8 @@ def static(
     contacts: str | None = None,
     loads: Sequence[tuple[int, float, float]] = (),
 ) -> Static:
-    """Return where gravity and loads hold a machine that turns at a speed [rad/s].
+    """Return the static deflection of a machine under gravity and loads while it turns at a speed
+    [rad/s].
 
     loads: (node from 1, force to the right, force upwards) [N]; contacts: `open` or `pinned`; None:
     open where the machine is held without them. Raises `LinearError` for a machine that is not held

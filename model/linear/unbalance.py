@@ -90,7 +90,8 @@ def unbalance_response(
     contacts: str | None = None,
     unbalances: Sequence[tuple[int, float, float]] | None = None,
 ) -> UnbalanceResponse:
-    """Steady response at speeds [rad/s] to the machine's unbalances, or to those given instead.
+    """Return the steady response at speeds [rad/s] to the machine's unbalances, or to those given
+    instead.
 
     unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
     `pinned`; None: open where the machine is held without them. Raises `LinearError`.

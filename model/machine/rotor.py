@@ -283,5 +283,5 @@ class Rotor:
         return replace(self, parts=tuple(parts), **changed)
 
     def with_value(self, name: str, value: float | bool) -> Rotor:
-        """`with_values` of one."""
+        """Return the machine with one quantity replaced; see `with_values`."""
         return self.with_values({name: value})

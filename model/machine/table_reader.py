@@ -35,7 +35,7 @@ def number(value: Any, may_be_list: bool = False) -> Any:
 
 
 def nearest(given: object, known: Collection[str]) -> str:
-    """`did you mean x? `, where a known name is near."""
+    """Return `did you mean x? ` if a known name is near."""
     near = get_close_matches(str(given), known, 1)
     return f"did you mean {near[0]}? " if near else ""
 

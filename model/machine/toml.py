@@ -23,7 +23,7 @@ _SAME = 1e-9  # of the shaft's length: positions that are one
 
 
 def rig_toml(name: str = "zigulic2003") -> str:
-    """TOML text of a rig that comes with the package."""
+    """Return the TOML text of a rig that comes with the package."""
     return files(__package__).joinpath("rigs", f"{name}.toml").read_text(encoding="utf-8")
 
 

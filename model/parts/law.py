@@ -146,7 +146,8 @@ class Law:
 
 
 def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
-    """Calls `function` for interfaces of the law `code`, `rest` for the others."""
+    """Return a function that calls `function` for interfaces of the law `code`, `rest` for the
+    others."""
     if rest is None:
 
         def call(laws, interface, *arguments):

@@ -245,7 +245,7 @@ class LinearBearing(Coefficients, Part):
             raise QuantityError(f"{where}.speed: no coefficient is a list over it")
 
     def matrices(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
-        """K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
+        """Return K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
         at = float(np.clip(speed, self.speed[0], self.speed[-1])) if self.speed else speed
         values = [
             float(_cubics(self.speed, v)(at)) if isinstance(v, tuple) else v

@@ -138,7 +138,7 @@ def second_order(alpha_f, alpha_m):
 
 @jit
 def alphas(rho):
-    """alpha_f and alpha_m with the least low-frequency damping for a rho at infinity."""
+    """Return alpha_f and alpha_m with the least low-frequency damping for a rho at infinity."""
     return rho / (rho + 1.0), (2.0 * rho - 1.0) / (rho + 1.0)
 
 
@@ -237,7 +237,8 @@ def is_unconditionally_stable(scheme: Scheme) -> bool:
 
 
 def energy_momentum_beta(alpha_m: float, alpha_f: float) -> float:
-    """beta that conserves energy and momentum in a frictionless impact [1] (paper B, eq. 12).
+    """Return the beta that conserves energy and momentum in a frictionless impact [1] (paper B, eq.
+    12).
 
     Raises `SchemeError` for alpha_m = 1.
     """
@@ -247,7 +248,7 @@ def energy_momentum_beta(alpha_m: float, alpha_f: float) -> float:
 
 
 def energy_momentum_alpha_f(alpha_m: float) -> float:
-    """alpha_f for which eq. (12)'s beta is also eq. (8)'s [1] (paper B, eqs 13 and 14).
+    """Return the alpha_f for which eq. (12)'s beta is also eq. (8)'s [1] (paper B, eqs 13 and 14).
 
     sqrt(2) - 1 for alpha_m = 0. Raises `SchemeError` unless alpha_m < 1.
     """

@@ -107,7 +107,7 @@ def numerical_damping(method: Method, w: float, xi: float = 0.0) -> float:
 
 
 def period_elongation(method: Method, w: float, xi: float = 0.0) -> float:
-    """Computed period over the exact one, less 1 [1]; NaN where nothing oscillates."""
+    """Return the computed period over the exact one, less 1 [1]; NaN where nothing oscillates."""
     return w * math.sqrt(1 - xi**2) / principal_root(method, w, xi).imag - 1
 
 
@@ -223,6 +223,7 @@ def _in_half_plane(part: Coefficients, degree: int) -> np.ndarray:
 
 
 def _clean(condition: np.ndarray) -> np.ndarray:
-    """Without rounding errors and without common powers of w, which is positive."""
+    """Return the polynomial without rounding errors and without common powers of w, which is
+    positive."""
     retained = np.trim_zeros(np.where(np.abs(condition) < _ROUNDING, 0.0, condition))
     return retained if len(retained) else np.zeros(1)

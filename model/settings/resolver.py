@@ -124,7 +124,7 @@ def _is_in_range(value, slot):
 
 @jit
 def _alphas(given, method):
-    """alpha_f and alpha_m of the member of the family."""
+    """Return alpha_f and alpha_m of the member of the family."""
     if method == _CHUNG_HULBERT:
         return alphas(given[3 + _SHAPE])
     alpha_f = 0.0 if method in (_WBZ, _NEWMARK) else given[1 + _SHAPE]
@@ -160,7 +160,7 @@ def begin(given, r):
 
 @jit
 def radius_at_infinity(numbers):
-    """`Scheme.rho_infinity` of a method's record [1]."""
+    """Return `Scheme.rho_infinity` of a method's record [1]."""
     beta, gamma, af = numbers.beta, numbers.gamma, numbers.alpha_f
     discriminant = (0.5 + gamma) ** 2 - 4 * beta
     if abs(discriminant) < _STABLE:

@@ -55,7 +55,7 @@ class Switch(Choice):
     """A setting that is false or true."""
 
     def encoded(self, value: Any) -> float:
-        """0 or 1."""
+        """Return 0 or 1."""
         if not isinstance(value, bool):
             raise ValueError(f"{self.name} = {value!r}: must be true or false")
         return float(value)

@@ -36,7 +36,7 @@ def static_spin(omega):
 
 @jit
 def circulation(structure, omega):
-    """kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
+    """Return kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
     numbers = structure.numbers[0]
     kappa = numbers.kappa_v * omega
     if omega > 0.0:

@@ -63,7 +63,7 @@ def powers(structure, spin, loads, motion, scratch, out):
 
 @jit
 def _momentum(structure, spin, v):
-    """Of all that the base carries [N.s]."""
+    """Return the momentum of everything that the base carries [N.s]."""
     n = structure.M.shape[0]
     total = 0.0j
     for i in range(n):

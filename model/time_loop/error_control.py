@@ -46,14 +46,14 @@ NOTHING = Measures(0.0, 0.0, 0.0, 0.0)
 
 @jit
 def _product(x, y):
-    """Real part of x conj(y)."""
+    """Return the real part of x conj(y)."""
     return x.real * y.real + x.imag * y.imag
 
 
 @jit
 def measure(weights, turned, old, new):
-    """`Measures` of a step; turned: by what a whirl of the motion's characteristic frequency turns
-    in it, e^(i p h)."""
+    """Return the `Measures` of a step; turned: by what a whirl of the motion's characteristic
+    frequency turns in it, e^(i p h)."""
     change, beside, acceleration, velocity = 0.0, 0.0, 0.0, 0.0
     n, width = weights.shape
     for i in range(n):

@@ -117,8 +117,9 @@ class Memory(NamedTuple):
 
 @jit
 def spin_at(record, t, alpha):
-    """Rotation at time t [s]: the speed is linear in time, the angle its integral. A free rotor's
-    rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal rule."""
+    """Return the rotation at time t [s]: the speed is linear in time, the angle its integral. A
+    free rotor's rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal
+    rule."""
     r = record[0]
     if r.is_free == 1:
         h = t - r.t
@@ -164,6 +165,6 @@ def move_loads(memory, t):
 
 @jit
 def spin_now(record):
-    """Rotation at the time reached."""
+    """Return the rotation at the time reached."""
     r = record[0]
     return spin_of(r.omega, r.alpha, r.theta)

@@ -14,7 +14,7 @@ SAFETY = 0.9
 
 @jit
 def error_indicator(control, h, is_first, old, new):
-    """Relative local error of the displacements after one step [1]; fills new.jerk.
+    """Return the relative local error of the displacements after one step [1]; fills new.jerk.
 
     Zienkiewicz and Xie 1991 (paper A, eq. 13): (beta - 1/6) h^2 |a1 - a0|, 1/6 exactly.
     Li, Zeng and Wiberg 1993 (eqs 11, 12): h^3 / 12 |(6 beta - 1/2) j1 - (3/2 - 6 beta) j0| with

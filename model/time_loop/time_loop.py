@@ -112,15 +112,15 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
 
 @jit
 def _imbalance(structure, record, torque):
-    """By how much the rate of a free rotor must change [rad/s2] for its drive to be `torque`; of
-    another rotor not at all."""
+    """Return the change of a free rotor's rate [rad/s2] that makes its drive `torque`; of another
+    rotor not at all."""
     r = record[0]
     return (r.drive - torque) / structure.numbers[0].inertia if r.is_free == 1 else 0.0
 
 
 @jit_inlined
 def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, problem):
-    """Return a step to time t [s] with the rotation that goes with it: prescribed, or such that a
+    """Take a step to time t [s] with the rotation that goes with it: prescribed, or such that a
     free rotor's torques balance at its end. Fills work.powers.
 
     Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and

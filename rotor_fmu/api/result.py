@@ -70,7 +70,7 @@ class Peaks(tuple[Peak, ...]):
     why: str
 
     def __new__(cls, peaks: Iterable[Peak], why: str = "") -> Peaks:
-        """Peaks, or none and why."""
+        """Make the peaks, or none with the reason."""
         made = super().__new__(cls, peaks)
         made.why = why
         return made

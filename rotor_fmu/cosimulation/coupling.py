@@ -169,7 +169,7 @@ class Coupling:
             return CoupledRun(*march(*sides, stop, step, progress))
 
     def _connections(self, side: str) -> tuple[Connection, ...]:
-        """Outputs of one side, each with the input of the other that gets it."""
+        """Return the outputs of one side, each with the input of the other that gets it."""
         start = f"{side}."
         return tuple(
             (output.removeprefix(start), variable.partition(".")[2])

@@ -83,8 +83,8 @@ def march(
 def columns(
     seen: Sequence[Point], one: Side, other: Side
 ) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Communication points as times, shape (n,) [s], and as what was read of either FMU, by name,
-    shape (n,)."""
+    """Return the communication points as times, shape (n,) [s], and as what was read of either FMU,
+    by name, shape (n,)."""
     recorded = [
         dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
         for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))

@@ -32,7 +32,7 @@ class Refused(ValueError):
 
 
 def described(call: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a call from the host, of which a refusal leaves the slave alive: the wrapper drops its
+    """Wrap a call from the host so that an error leaves the slave alive: the wrapper drops its
     references to it on any exception."""
 
     @functools.wraps(call)

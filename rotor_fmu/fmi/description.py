@@ -181,7 +181,8 @@ def _start(variable: Variable) -> dict[str, str]:
 
 
 def _limits(variable: Variable) -> dict[str, str]:
-    """Units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the variable."""
+    """Return units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the
+    variable."""
     attributes = {}
     if variable.kind == "Real":
         shown = unit(variable.unit)
@@ -257,7 +258,8 @@ def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
 
 
 def _model_structure(table: Sequence[Variable]) -> Element:
-    """Outputs with what they depend on within an instant, and the initial unknowns."""
+    """Return the outputs with the variables that they depend on at once, and the initial
+    unknowns."""
     structure = Element("ModelStructure")
     outputs = SubElement(structure, "Outputs")
     for index, variable in enumerate(table, 1):

@@ -152,7 +152,7 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
 
 
 def checksum(content: bytes, but: int) -> int:
-    """Of all but the 8 bytes at the place `but`, as `checksum` in c/table.c."""
+    """Return the checksum of all but the 8 bytes at the place `but`, as `checksum` in c/table.c."""
     total = 0xCBF29CE484222325
     for at, (word,) in enumerate(struct.iter_unpack("<Q", content)):
         if 8 * at != but:
@@ -162,7 +162,7 @@ def checksum(content: bytes, but: int) -> int:
 
 
 def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
-    """Type and offset of a field of a record."""
+    """Return the type and the offset of a field of a record."""
     assert record.fields is not None
     kind, at = record.fields[name][:2]
     return kind, at

@@ -78,8 +78,8 @@ def solver_parameters() -> list[Variable]:
 
 
 def meaning(variable: Variable) -> tuple[float, float]:
-    """Of one of `GIVEN`: the value that leaves it to the preset, NaN where none does, and what is
-    to be taken from any other."""
+    """Return, for one of `GIVEN`, the value that leaves it to the preset, NaN if there is none, and
+    the number to subtract from any other."""
     unset = float(variable.start or 0.0) if variable.is_unset_at_start else math.nan
     return unset, 1.0 if variable.is_unset_at_start and variable.choices else 0.0
 

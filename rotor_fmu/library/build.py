@@ -148,8 +148,8 @@ def core_digest() -> str:
 
 
 def library(platform: Platform) -> Path:
-    """Return the library for a platform, made if there is none; a minute or two, which is said on
-    standard error.
+    """Return the library for a platform, made if there is none; which takes a minute or two and is
+    reported on standard error.
 
     It stands beside the kernels in a source tree, for all whatever their cache, and for what is
     built of the tree; else in the user's cache. Raises `CoreError`.
@@ -189,7 +189,7 @@ def missing_extra(platform: Platform) -> str:
 
 
 def missing_here() -> str:
-    """`missing_extra` of this machine's platform; "" where there can be no library."""
+    """Return `missing_extra` of this machine's platform; "" where there can be no library."""
     name = here()
     return missing_extra(PLATFORMS[name]) if name else ""
 

@@ -26,7 +26,7 @@ _view = LAYOUT.view
 
 
 def rotor_resolve_settings(block, given, arguments):
-    """Take up the solver's settings; `given` then holds the resolved values."""
+    """Resolve the solver's settings; `given` then holds the resolved values."""
     run = _view(block)
     code = resolver.resolve(given, run.method.numbers[0], arguments)
     if code == messages.GOOD:

@@ -167,25 +167,25 @@ class Static(linear.Static, _Displayed):
 
 
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
-    """`model.linear.modes` of a machine."""
+    """Return `model.linear.modes` of a machine."""
     return _displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
 
 
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
-    """`model.linear.campbell` of a machine."""
+    """Return `model.linear.campbell` of a machine."""
     return _displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
 
 
 def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
-    """`model.linear.unbalance_response` of a machine."""
+    """Return `model.linear.unbalance_response` of a machine."""
     result = linear.unbalance_response(rotor_of(machine), speeds, **options)
     return _displayed(UnbalanceResponse, result)
 
 
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
-    """`model.linear.static` of a machine."""
+    """Return `model.linear.static` of a machine."""
     return _displayed(Static, linear.static(rotor_of(machine), speed, **options))
 
 

@@ -22,7 +22,7 @@ class Inventory:
     parts: tuple[tuple[str, str, int, float], ...]
 
     def table(self) -> Table:
-        """Return a row a part."""
+        """Return a table with one row for each part."""
         title = (
             f"{self.name}: {len(self.nodes)} nodes, {self.length * 1e3:.5g} mm, "
             f"{self.mass:.5g} kg, {self.inertia:.4g} kg m2 about its axis"

@@ -25,7 +25,7 @@ class Table(NamedTuple):
     rows: Sequence[Sequence[object]]
 
     def text(self) -> str:
-        """For a terminal, in columns."""
+        """Return the table as text in columns, for a terminal."""
         shown = [list(self.heads), *([_shown(cell) for cell in row] for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
         lines = [
@@ -35,7 +35,7 @@ class Table(NamedTuple):
         return "\n".join([self.title, *lines])
 
     def html(self) -> str:
-        """For a notebook."""
+        """Return the table as HTML, for a notebook."""
         heads = "".join(f"<th>{html.escape(head)}</th>" for head in self.heads)
         rows = "".join(
             "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>"
@@ -52,7 +52,7 @@ def _shown(cell: object) -> str:
 
 
 def hertz(omega: float) -> float:
-    """Of an angular frequency [rad/s]."""
+    """Return the frequency [Hz] of an angular frequency [rad/s]."""
     return float(omega) / (2 * math.pi)
 
 
@@ -62,7 +62,7 @@ def turns(speed: float, contacts: str) -> str:
 
 
 def modes_table(result: Modes) -> Table:
-    """Return a row a mode."""
+    """Return a table with one row for each mode."""
     heads = ("mode", "f_d [Hz]", "f_n [Hz]", "omega_d [rad/s]", "damping", "log dec", "whirl")
     columns = zip(
         result.damped,
@@ -87,12 +87,13 @@ def modes_table(result: Modes) -> Table:
 
 
 def _clean(ratio: float) -> float:
-    """Return a damping without what is rounding."""
+    """Return a damping with rounding errors set to 0."""
     return 0.0 if abs(ratio) < 1e-10 else float(ratio)
 
 
 def campbell_table(result: Campbell) -> Table:
-    """Return a row a critical speed; the threshold of stability in the heading."""
+    """Return a table with one row for each critical speed; the threshold of stability in the
+    heading."""
     heads = ("mode", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
     rows = [
         (c.mode + 1, c.speed, hertz(c.speed), 60 * hertz(c.speed), _clean(c.log_dec), c.whirl)
@@ -110,7 +111,7 @@ def campbell_table(result: Campbell) -> Table:
 
 
 def static_table(result: Static) -> Table:
-    """Return a row for each node, then a row for the load on each support."""
+    """Return a table with one row for each node, then a row for the load on each support."""
     heads = ("where", "z [mm]", "x [um]", "y [um]", "load x [N]", "load y [N]")
     nodes = [
         (f"node {i}", z * 1e3, x * 1e6, y * 1e6, "", "")

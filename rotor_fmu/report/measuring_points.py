@@ -165,12 +165,12 @@ class Recorded:
 
 
 def spoken(name: str) -> str:
-    """`disc[3].x` as `disc 3 x`."""
+    """Return `disc[3].x` as `disc 3 x`."""
     return name.replace("[", " ").replace("]", "").replace(".", " ")
 
 
 def hertz(speed: Any) -> Any:
-    """Of rad/s."""
+    """Return Hz of rad/s."""
     return speed / (2 * math.pi)
 
 

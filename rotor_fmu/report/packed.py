@@ -19,7 +19,7 @@ _SAMPLE = 20_000  # values by which the number of differences is chosen
 
 
 def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
-    """Real values of any shape, flattened, within half a step of (max - min) / (2^bits - 2).
+    """Pack real values of any shape, flattened, within half a step of (max - min) / (2^bits - 2).
 
     What is not finite comes back as NaN. Keys: n, bits, low and step of the counts, how often
     differences were taken, data in base64.

@@ -56,7 +56,7 @@ def _speed(run: Recorded, at: int) -> str:
 
 
 def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
-    """Tables of a run: responses of its places, contacts, sinks, what the solver did."""
+    """Return the tables of a run: responses of its places, contacts, sinks, the solver's work."""
     of = f"{run.name}: " if runs > 1 else ""
     made = [_ran(run, summary, of), _verification(run, of)]
     with suppress(TooFewTurns):

@@ -137,7 +137,7 @@ def is_constant(speed: np.ndarray) -> bool:
 
 
 def _block(signal: Synchronous) -> int:
-    """Turns of a spectrum, less where the run has less."""
+    """Return the number of turns of a spectrum, fewer if the run has fewer."""
     return min(_BLOCK, signal.longest)
 
 

@@ -15,7 +15,7 @@ _MOST = 40  # signals
 
 
 def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
-    """Displacements, contact forces and the drive torque of a run over its time.
+    """Return displacements, contact forces and the drive torque of a run over its time.
 
     Keys: t, packed [s], None where no signal is there in full; signals, each with name, label,
     unit, v, and t of its own where it is thinned, every says by how many steps.

@@ -39,7 +39,8 @@ _MOST_ROWS = 2e6
 
 
 def load_rotor(path: Path | None) -> tuple[str, Rotor]:
-    """TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible one."""
+    """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
+    one."""
     text = rig_toml() if path is None else machine_text("--rotor", path)
     try:
         return text, parse_rotor(text)
@@ -185,8 +186,8 @@ def _check_rows(stop: float, step: float | None, columns: int) -> None:
 
 
 def _step_of(settings: Settings) -> float:
-    """Communication step of a run-down [s]: fine enough for pictures, but no finer than the steps
-    that an adaptive mode is to choose by itself."""
+    """Return the communication step of a run-down [s]: fine enough for pictures, but no finer than
+    the steps that an adaptive mode is to choose by itself."""
     return {"adaptive": 0.04, "controlled": 0.004}.get(settings.mode, max(settings.h, 0.002))
 
 
@@ -197,7 +198,8 @@ def execute(job: Job, fmu: Path | None, label: str) -> Run:
 
 
 def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
-    """Carry out a run directly, with a progress bar, and record what is usual of its steps."""
+    """Carry out a run directly, with a progress bar, and record the default signals at its
+    steps."""
     with shown(label, job.stop, job.step, job.settings) as progress:
         about = {"toml": job.toml}
         return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
@@ -233,8 +235,8 @@ def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
 
 
 def difference(one: Run, other: Run) -> float:
-    """By how much two runs end apart, of the scale of each of their columns [1]; infinite where one
-    ends before the other."""
+    """Return the largest difference of two runs at their ends, relative to the scale of each column
+    [1]; infinite if one ends before the other."""
     if len(one.t) != len(other.t):
         return math.inf
     apart = [

@@ -63,7 +63,7 @@ def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[
 def steps(now: Mapping[str, float], step: float, settings: Settings) -> str:
     """Return the length of the last step, and what limits it, in words.
 
-    now: what the model computes, by name; step: the communication step [s].
+    now: the model's outputs, by name; step: the communication step [s].
     """
     h = now["solver.h_last"]
     length = f"{1e3 * h:.3g} ms" if h >= 1e-4 else f"{1e6 * h:.3g} µs"

@@ -175,7 +175,7 @@ def run_recorded(
     about: Mapping[str, Any] | None = None,
     is_silent: bool = False,
 ) -> tuple[Run, Recording]:
-    """`run_direct`, bit for bit, and what it was at its own steps.
+    """Make the run as `run_direct` does, bit for bit, and record it at the solver's own steps.
 
     record: names of `recordable`, or with the least angle between rows; by default `usual`. phi and
     w are always recorded. about: description of the run in the recording, besides machine,
@@ -227,7 +227,7 @@ def _time_loop(
     progress: ReportProgress,
     is_silent: bool = False,
 ) -> tuple[Run, np.ndarray]:
-    """Return a run and the rows of its tape."""
+    """Make a run and return it with its recorded rows."""
     signals, stop = plan.signals, plan.stop
     values = {v.name: v.start for v in plan.table if v.start is not None} | dict(plan.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}

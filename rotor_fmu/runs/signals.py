@@ -102,7 +102,7 @@ class Driver:
         self._segment = 0
 
     def advance(self, simulation: Simulation, start: float, to: float) -> None:
-        """March from `start` to `to` [s]. Raises `StepFailure`."""
+        """Advance from `start` to `to` [s]. Raises `StepFailure`."""
         sliver = _SLIVER * (to - start)
         bends = self._signals.bends
         inside = bends[(bends > start + sliver) & (bends < to - sliver)]

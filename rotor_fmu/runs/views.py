@@ -42,8 +42,8 @@ def is_constant(w: np.ndarray) -> bool:
 
 
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float) -> int | None:
-    """Return where an amplitude over the last turn, shape (n,), has a peak after a time [s]; None
-    where it is largest at an edge of the run, or at one speed: that is no peak."""
+    """Return the row at which an amplitude over the last turn, shape (n,), has a peak after a time
+    [s]; None where it is largest at an edge of the run, or at one speed: that is no peak."""
     late = np.flatnonzero(t > after)
     if not len(late) or is_constant(w):
         return None
@@ -64,7 +64,7 @@ def why_no_peak(t: np.ndarray, w: np.ndarray, after: float) -> str:
 
 
 def rows_a_turn(recording: Recording, near: slice | np.ndarray = slice(None)) -> float:
-    """Median number of rows in a turn of the shaft; infinite where it does not turn."""
+    """Return the median number of rows in a turn of the shaft; infinite where it does not turn."""
     steps = np.abs(np.diff(recording.columns["phi"][near]))
     angle = float(np.median(steps)) if len(steps) else 0.0
     return TURN / angle if angle else math.inf
@@ -92,7 +92,7 @@ class TimeShare:
 def time_share(
     recording: Recording, part: str, speeds: int = 240, angles: int = 120, between: int = 8
 ) -> TimeShare:
-    """Return how long a part's displacement pointed where, over the speed.
+    """Return how long a part's displacement pointed in each direction, over the speed.
 
     The path between two rows is a straight line, each of its `between` pieces counting for the time
     it took: a quick passage is a faint trace, not the few points that happened to be recorded.
@@ -116,7 +116,8 @@ def time_share(
 def envelope(
     at: np.ndarray, values: np.ndarray, most: int = 1200
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Middle, least and largest of values, shape (n,), in at most `most` bins over `at`."""
+    """Return the middle, least and largest of values, shape (n,), in at most `most` bins over
+    `at`."""
     edges = np.linspace(at.min(), at.max(), most + 1)
     place = np.clip(np.searchsorted(edges, at, "right") - 1, 0, most - 1)
     low, high = np.full(most, np.inf), np.full(most, -np.inf)

@@ -27,12 +27,11 @@ _EVEN = ("latin-hypercube", "sobol", "saltelli")
 def analyse(folder: Path) -> dict[str, Any]:
     """Return the figures of the rows there are, as JSON can say them.
 
-    columns: of every number that is kept, count, least and largest, and, unless the design is
-    morris, whose points are placed to be compared, mean, std and quantiles; limits: how many runs
-    pass each, and the share, in which a run that failed counts as one that passes; of runs drawn
-    independently with its interval of Clopper and Pearson; says: notes on how to read them;
-    sensitivity: indices of Sobol or Morris with their confidence intervals, where the design is one
-    of theirs.
+    columns: of every metric, count, least and largest, and, unless the design is morris, whose
+    points are placed to be compared, mean, std and quantiles; limits: how many runs pass each, and
+    the share, in which a run that failed counts as one that passes; of runs drawn independently
+    with its interval of Clopper and Pearson; says: notes on how to read them; sensitivity: indices
+    of Sobol or Morris with their confidence intervals, where the design is one of theirs.
     """
     about, data = about_of(folder), open_dataset(folder)
     design = design_of(about["design"])
@@ -78,8 +77,8 @@ def is_estimate(design: Design) -> bool:
 
 
 def drawn_rows(design: Design, runs: np.ndarray) -> np.ndarray:
-    """Of rows of the runs that are given, shape (n,): those of points that were drawn, or listed,
-    independently, equal points as often as they were."""
+    """Return, of the rows of the given runs, shape (n,), those of points that were drawn, or
+    listed, independently, equal points as often as they were."""
     row = np.full(len(design), -1)
     row[runs] = np.arange(len(runs))
     result = row[design.runs[design.is_independent]]
@@ -133,7 +132,7 @@ def design_of(design: dict[str, Any]) -> Design:
 
 
 def statistics(values: np.ndarray) -> dict[str, Any]:
-    """Count of finite values, mean, standard deviation, quantiles; shape (n,)."""
+    """Return the count of finite values, mean, standard deviation, quantiles; shape (n,)."""
     finite = values[np.isfinite(values)]
     if not len(finite):
         return {"count": 0}

@@ -68,7 +68,7 @@ def about_of(folder: Path) -> dict[str, Any]:
 
 
 def _matrix(column: pyarrow.ChunkedArray, coordinate: list[float]) -> np.ndarray:
-    """Lists as rows, shape (runs, longest); nan where a run failed."""
+    """Return lists as rows, shape (runs, longest); nan where a run failed."""
     lengths = np.array([0 if item is None else item for item in _lengths(column)])
     width = len(coordinate) or int(lengths.max(initial=0))
     matrix = np.full((len(column), width), np.nan)

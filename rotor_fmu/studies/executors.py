@@ -66,7 +66,7 @@ class SerialExecutor(Executor):
     """An executor that runs in this process, at once."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future:
-        """Run now."""
+        """Run the function at once."""
         future: Future = Future()
         future.set_result(fn(*args, **kwargs))
         return future

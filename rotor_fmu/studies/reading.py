@@ -60,7 +60,7 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
 
 
 def _merged(base: Tables, over: Tables) -> dict[str, Any]:
-    """Tables with some of their entries replaced, tables in them likewise."""
+    """Return tables with some of their entries replaced, tables in them likewise."""
     merged = dict(base)
     for key, value in over.items():
         before = merged.get(key)

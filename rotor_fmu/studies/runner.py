@@ -60,7 +60,7 @@ class _Ahead:
         return [(n, design.settings(design.point(n))) for n in numbers]
 
     def alone(self, number: int) -> Chunk:
-        """One run as a chunk of its own."""
+        """Return one run as a chunk of its own."""
         design = self._study.design
         return [(number, design.settings(design.point(number)))]
 

@@ -76,8 +76,8 @@ def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> 
 
 
 def _ranges(psi: np.ndarray, fn: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of each turn the range of angles at which there is a force, its low end and its width: all of
-    the circle but the widest gap between two of them."""
+    """Return, for each turn, the range of angles at which there is a force, its low end and its
+    width: all of the circle but the widest gap between two of them."""
     turn = np.repeat(np.arange(len(ends) // 2), np.diff(ends)[::2])
     row = np.concatenate([np.arange(a, b) for a, b in ends.reshape(-1, 2)])
     touches = fn[row] > 0

@@ -127,7 +127,7 @@ def whirl(
 
 
 def whirl_of(signal: Synchronous, *, turns: int = 16) -> Whirl:
-    """`whirl` of a signal that is resampled already."""
+    """Return `whirl` of a signal that is already resampled."""
     first, turns = _blocks(signal, turns)
     values = signal.values - signal.values.mean()
     slope = _slope(signal, values)
@@ -160,7 +160,7 @@ def displacement(
 
 
 def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
-    """`displacement` of a signal that is resampled already."""
+    """Return `displacement` of a signal that is already resampled."""
     first, turns = _blocks(signal, turns, 1)
     signal.enough_rows(first, turns)
     one = np.full((1, signal.per_turn), 1 / signal.per_turn)
@@ -186,7 +186,8 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:
-    """First turns of blocks, and how many each has: `turns`, or as many as there are on end."""
+    """Return the first turns of blocks, and their length: `turns`, or as many consecutive ones as
+    there are."""
     signal.needs(least)
     turns = min(turns, signal.longest)
     return signal.blocks(turns), turns

@@ -194,7 +194,7 @@ def order_track(
 def order_track_of(
     signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = 4
 ) -> OrderTrack:
-    """`order_track` of a signal that is resampled already."""
+    """Return `order_track` of a signal that is already resampled."""
     signal.needs(turns)
     for order in orders:
         if not 0 < order < signal.per_turn / 2:
@@ -233,7 +233,7 @@ def order_track_of(
 def resonances(
     speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1, t: np.ndarray | None = None
 ) -> list[Resonance]:
-    """Peaks of an amplitude over speed, of a run that goes one way, the highest first.
+    """Return the peaks of an amplitude over speed, of a run that goes one way, the highest first.
 
     speed [rad/s], amplitude 0-p [m], t [s], all of shape (m,); least: share of the highest
     amplitude that a peak, and its prominence, must reach to be reported. What is NaN is left
@@ -251,7 +251,7 @@ def resonances(
 
 
 def _prominence(a: np.ndarray, peak: int) -> float:
-    """Return how far one has to go down from a peak before a higher place is reached."""
+    """Return the prominence of a peak: how far the curve falls before it rises above the peak."""
     lowest = []
     for side in (a[:peak][::-1], a[peak + 1 :]):
         higher = np.flatnonzero(side > a[peak])

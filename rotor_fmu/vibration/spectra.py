@@ -121,7 +121,7 @@ def cascade(
 def cascade_of(
     signal: Synchronous, *, turns: int = 16, lines: int = 120, most_order: float = MOST_ORDER
 ) -> Cascade:
-    """`cascade` of a signal that is resampled already."""
+    """Return `cascade` of a signal that is already resampled."""
     signal.needs(turns)
     first = signal.blocks(turns)
     first = first[np.unique(np.linspace(0, len(first) - 1, lines).round().astype(int))]

@@ -271,7 +271,7 @@ def _fine(steps: np.ndarray) -> int:
 
 
 def hann(turns: int, per_turn: int) -> np.ndarray:
-    """Hann's window over a block of whole turns, of sum 1, shape (turns, per_turn).
+    """Return Hann's window over a block of whole turns, of sum 1, shape (turns, per_turn).
 
     Its spectrum is zero at every multiple of 1 / turns orders but the first, so that of a block of
     n turns all orders that are multiples of 2 / n are told apart without leakage. Of an order d

@@ -17,7 +17,7 @@ _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def xml_bytes(root: Element) -> bytes:
-    """Return an XML file."""
+    """Return the contents of an XML file."""
     indent(root)
     text: bytes = tostring(root, encoding="utf-8")
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + text

@@ -30,7 +30,7 @@ class Machine:
     is_free: bool
 
     def named(self, name: str, free_name: str) -> str:
-        """Of the two names of an FMU the one for what drives the machine."""
+        """Return the one of an FMU's two names that fits the drive of the machine."""
         return free_name if self.is_free else name
 
 

@@ -22,7 +22,7 @@ _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 
 def machine_picture(rotor: Rotor) -> bytes:
-    """Return the machine to scale as a PNG, for the importing tool's icon."""
+    """Return a picture of the machine to scale as a PNG, for the importing tool's icon."""
     figure = PlainFigure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -36,7 +36,7 @@ def machine_picture(rotor: Rotor) -> bytes:
 
 
 def machine_figure(rotor: Rotor) -> Figure:
-    """Return the machine to scale, in mm, its nodes numbered and its parts named."""
+    """Draw the machine to scale, in mm, its nodes numbered and its parts named."""
     figure = PlainFigure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()

@@ -63,8 +63,8 @@ def is_current(
 ) -> bool:
     """Return whether `fmu` is what `build` would make now.
 
-    Compares all that this project puts into it; what pythonfmu makes of that by its version alone.
-    Raises `QuantityError` for an impossible rotor, and `CoreError` as `build` does.
+    Compares all files of this project; those of pythonfmu are compared by its version only. Raises
+    `QuantityError` for an impossible rotor, and `CoreError` as `build` does.
     """
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False

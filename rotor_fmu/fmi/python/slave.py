@@ -212,7 +212,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._call(_LIBRARY.fmi2ExitInitializationMode)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """March from current_time [s] over step_size [s]; False where the step has ended early.
+        """Advance from current_time [s] over step_size [s]; False where the step has ended early.
 
         What the wrapper makes of False is fmi2Discard, but with the time at which the step began,
         and a wish to end, so that FMPy returns what it has as if it were all. So False is returned

@@ -1,6 +1,6 @@
-"""The rotor's FMU, turned by that of the example `drive_train`, as what a study runs.
+"""The rotor's FMU, turned by that of the example `drive_train`, as the subject of a study.
 
-What is kept is seen at the communication points: of the rotor by its variables' names, of the drive
+Metrics are taken at the communication points: of the rotor by its variables' names, of the drive
 train as `drive.NAME`.
 """
 
@@ -85,7 +85,7 @@ class CoupledRuns(MachineRuns):
             next(rows)
 
     def run(self, values: Mapping[str, float]) -> Result:
-        """One run; what fails in it, impossible values included, is its status."""
+        """Make one run; a failure in it, impossible values included, is its status."""
         try:
             with self._coupled(values, self._needs(False)) as (rows, how, messages):
                 window = _window(list(rows), self._needs(False))
@@ -95,7 +95,8 @@ class CoupledRuns(MachineRuns):
             return Result(f"{FAILED}{error}", {})
 
     def record(self, values: Mapping[str, float]) -> Recording:
-        """One run at its communication points, as far as it comes; the same run as its row's."""
+        """Record one run at its communication points, up to its end or failure; the same run as its
+        row's."""
         from ...runs.run_down import usual
 
         machine, units = machine_of(self.toml, False), self.units

@@ -201,7 +201,7 @@ def _peak(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _averaged(t: np.ndarray, values: np.ndarray) -> float:
-    """By the trapezoidal rule over all steps; nan where there are none."""
+    """Return the average by the trapezoidal rule over all steps; nan if there are none."""
     return float(np.trapezoid(values, t) / (t[-1] - t[0])) if len(t) > 1 else math.nan
 
 
@@ -219,7 +219,7 @@ def _last(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _value(metric: Metric, window: Window, options: Options) -> float:
-    """Linear between the two steps about the speed; nan where it is never passed."""
+    """Return the value at a speed, linear between two steps; nan if it is never passed."""
     w, values = window.steps.columns["w"] - options["speed"], _quantity(metric, window.steps)
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
@@ -246,15 +246,16 @@ def _poincare(metric: Metric, window: Window, options: Options) -> np.ndarray:
 
 
 def _order(metric: Metric, window: Window, options: Options) -> float:
-    """Twice the modulus of the mean of x exp(-i order phi), over whole turns."""
+    """Return twice the modulus of the mean of x exp(-i order phi), over whole turns."""
     values = _quantity(metric, window.turns)
     angle = math.tau * np.arange(1, len(values) + 1) / window.per_turn
     return float(2 * abs(np.mean(values * np.exp(-1j * options["order"] * angle))))
 
 
 def _passing(metric: Metric, window: Window, options: Options) -> float:
-    """By revolution-synchronous resampling, of the block of turns nearest to where the speed is
-    first passed; nan where it is not, or in steps too long for the order."""
+    """Return the amplitude of an order by revolution-synchronous resampling, from the block of
+    turns nearest to the first passage of the speed; nan where it is not, or in steps too long for
+    the order."""
     from ...vibration import TooFewTurns, order_track
 
     phi, order = window.steps.columns["phi"], options["order"]
@@ -315,8 +316,8 @@ def _whirl(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _jump(metric: Metric, windows: list[Window], options: Options) -> float:
-    """Between which of two neighbouring speeds the mean changes most, by at least the share `least`
-    of the larger of both; nan where it does not."""
+    """Return the two neighbouring speeds between which the mean changes most, by at least the share
+    `least` of the larger of both; nan where it does not."""
     means = np.array([_mean(metric, window, {"after": 0.0}) for window in windows])
     speeds = np.array([window.speed for window in windows])
     rises = np.diff(speeds) > 0

@@ -48,7 +48,8 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, s
 
 
 def _machine_path(name: str | None, folder: Path) -> Path | None:
-    """Beside the study, or among the examples that come with the package; None: the rig."""
+    """Return the machine's file, beside the study or among the examples of the package; None for
+    the rig."""
     if name in (None, "rig"):
         return None
     path = folder / str(name)

@@ -175,7 +175,7 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
 
 
 def excite(simulation: Simulation, how: Excitation, monitor: Monitor) -> Iterator[Window]:
-    """March through a run; yields its windows as they end.
+    """Advance through a run; yields its windows as they end.
 
     Raises `StepFailure` where the run stops.
     """
@@ -197,7 +197,7 @@ def _instants(start: float, stop: float, step: float) -> Iterator[float]:
 
 
 def _kick_off(simulation: Simulation, how: Excitation, excite: float) -> None:
-    """March over the kick, its direction renewed sixty-four times a turn."""
+    """Advance over the kick, its direction renewed sixty-four times a turn."""
     kick = how.kick
     if kick is None:
         return

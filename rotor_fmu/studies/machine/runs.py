@@ -105,8 +105,8 @@ class MachineRuns:
             return  # the runs will say so, each for itself
 
     def run(self, values: Mapping[str, float]) -> Result:
-        """One run; what fails in it, impossible values included, is its status. A verified one has
-        the largest difference of what is kept from the same run, finer."""
+        """Make one run; a failure in it, impossible values included, is its status. A verified one
+        has the largest difference of its metrics from the same run, solved more finely."""
         result, settings = self._run(values)
         if not self.is_verified or settings is None or result.status.startswith(FAILED):
             return result
@@ -119,7 +119,7 @@ class MachineRuns:
         return Result(status, {**result.cells, VERIFICATION: difference})
 
     def _run(self, values: Mapping[str, float]) -> tuple[Result, Settings | None]:
-        """One run and its settings, None where it could not begin."""
+        """Make one run; return it and its settings, None if it could not begin."""
         settings = None
         try:
             messages: list[Message] = []
@@ -135,7 +135,7 @@ class MachineRuns:
         return Result(status_of(messages), row_cells), settings
 
     def record(self, values: Mapping[str, float]) -> Recording:
-        """One run at its own steps, as far as it comes; the same run as its row's."""
+        """Record one run at its own steps, up to its end or failure; the same run as its row's."""
         from ...runs.run_down import usual  # with FMPy, which no worker needs
 
         machine = machine_of(self.toml, self.is_free)
