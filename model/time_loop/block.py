@@ -15,6 +15,7 @@ from ..step.laws import MOST_LOSSES
 from ..step.step import Motion, Workspace
 from ..structure.ledger import FLOWS, STORES
 from ..structure.structure import Structure, sizes_of
+from ..warnings import RUN_WARNINGS
 from .control import Control
 from .memory import Memory
 from .recorder import Recorder
@@ -130,9 +131,8 @@ def new_block(
         run.motion.internal_state[
             interface.internal_state : interface.internal_state + len(starts)
         ] = starts
-    run.memory.record[0].trapped_at = np.nan
-    for instant in ("overdamped_at", "slow_at", "coarse_at", "blind_at"):
-        run.memory.record[0][instant] = np.nan
+    for warning in RUN_WARNINGS:
+        run.memory.record[0][warning.since] = np.nan
     for name, value in Control._field_defaults.items():
         run.memory.record[0][name] = value
     run.survey.basis[:], run.survey.mass[:] = basis, mass

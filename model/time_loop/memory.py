@@ -9,6 +9,7 @@ import numpy as np
 from ..kernels.jit import jit
 from ..quantities import places
 from ..step.excitation import spin_of
+from ..warnings import RUN_WARNINGS
 
 RECORD = np.dtype(
     [
@@ -24,7 +25,7 @@ RECORD = np.dtype(
             "h",  # proposed step length [s]
             "h_last",
             "h_carried",  # to which the carried accelerations belong
-            "characteristic_frequency_squared",  # square of the motion's `pace_after` [rad2/s2]
+            "characteristic_frequency_squared",  # of the motion, see `fitting` [rad2/s2]
             "motion_size",  # see `error_control.update_size` [m]
             "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
@@ -43,11 +44,7 @@ RECORD = np.dtype(
             "drive_rate",
             "turn",  # angle at which the present revolution began [rad]
             "swept",  # of the present revolution, negative where the angle falls [rad]
-            "trapped_at",  # time at which the false state was first seen [s], or NaN
-            "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
-            "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
-            "coarse_at",  # time of the first step at h_min that misses the tolerance [s], or NaN
-            "blind_at",  # time of the first too coarse step in which a contact closed [s], or NaN
+            *(warning.since for warning in RUN_WARNINGS),  # time of each [s], or NaN
             "cycle_end",  # when the work of a cycle is counted anew [s]
             "touched_at",  # time of the first touch in the window of the losses looked at, or NaN
             "window_end",  # when they are looked at next [s]

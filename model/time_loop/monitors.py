@@ -11,6 +11,7 @@ from ..kernels.jit import jit
 from ..step.excitation import at_place
 from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
+from ..warnings import SLOW
 from .control import CONTROLLED
 from .energy import total_energy
 from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
@@ -29,9 +30,6 @@ WINDOW_CYCLES = 10.0
 LEAST_LOSS = 3e-4
 MEMORY = 0.8  # of a window's sums in the next
 COARSE = 0.5
-# Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
-# tolerance some hundreds; a run that takes more than SLOW says so.
-SLOW = 300_000
 # What error control with a tolerance of 0.1 keeps to: the error of a step, and about the root mean
 # square of all. A coarser step in which a contact closes, or a coarser revolution with a touch, may
 # put a run on another branch of solutions without any other sign.
@@ -41,6 +39,14 @@ TURN = 2.0 * math.pi
 STANDSTILL = TURN / 1000.0
 _FRICTION = FLOWS.index("friction")
 _LOSSES = len(INFLOWS)
+
+
+@jit
+def monitor_step(structure, control, spin, motion, memory, work):
+    """Run the monitors that look at an accepted step alone."""
+    monitor_revolution(structure, spin, motion, memory)
+    monitor_bounces(structure, motion, memory)
+    monitor_losses(structure, control, motion, memory, work)
 
 
 @jit

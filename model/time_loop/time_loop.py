@@ -18,10 +18,8 @@ from .energy import FLOW, powers, total_energy
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
 from .memory import PEAK, move_loads, spin_at, spin_now, take_loads
 from .monitors import (
-    monitor_bounces,
     monitor_errors,
-    monitor_losses,
-    monitor_revolution,
+    monitor_step,
     monitor_work,
     open_window,
 )
@@ -60,9 +58,7 @@ def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
         memory.power[i] = work.powers[i]
-    monitor_revolution(structure, spin, motion, memory)
-    monitor_bounces(structure, motion, memory)
-    monitor_losses(structure, control, motion, memory, work)
+    monitor_step(structure, control, spin, motion, memory, work)
 
 
 @jit

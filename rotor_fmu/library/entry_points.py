@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from numba import types
+from numba import literal_unroll, types
 
 from ..model import messages, outcomes
 from ..model.kernels.jit import jit
@@ -56,13 +56,8 @@ def rotor_no_rest(block, status, arguments):
     return outcomes.no_rest(_view(block), status, arguments)
 
 
-assert [warning.since for warning in RUN_WARNINGS] == [
-    "trapped_at",
-    "overdamped_at",
-    "slow_at",
-    "coarse_at",
-    "blind_at",
-]
+# the fields of a run's record
+_SINCE = tuple(warning.since for warning in RUN_WARNINGS)
 
 
 @jit
@@ -71,10 +66,12 @@ def _last_run_warning(r, arguments):
     that shows each once has shown the earlier ones when they began."""
     code = messages.GOOD
     arguments[0] = -math.inf
-    for i, since in enumerate((r.trapped_at, r.overdamped_at, r.slow_at, r.coarse_at, r.blind_at)):
-        if since >= arguments[0]:
-            arguments[0] = since
+    i = 0
+    for name in literal_unroll(_SINCE):
+        if r[name] >= arguments[0]:
+            arguments[0] = r[name]
             code = -(messages.FIRST_RUN_WARNING + i)
+        i += 1  # noqa: SIM113 (numba unrolls the names alone)
     return code
 
 
