@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..cells import cell
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
@@ -26,10 +27,10 @@ class Table(NamedTuple):
 
     def text(self) -> str:
         """Return the table as text in columns, for a terminal."""
-        shown = [list(self.heads), *([_shown(cell) for cell in row] for row in self.rows)]
+        shown = [list(self.heads), *([cell(value) for value in row] for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
         lines = [
-            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+            "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
             for row in shown
         ]
         return "\n".join([self.title, *lines])
@@ -38,17 +39,11 @@ class Table(NamedTuple):
         """Return the table as HTML, for a notebook."""
         heads = "".join(f"<th>{html.escape(head)}</th>" for head in self.heads)
         rows = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>"
+            "<tr>" + "".join(f"<td>{html.escape(cell(value))}</td>" for value in row) + "</tr>"
             for row in self.rows
         )
         title = f"<caption>{html.escape(self.title)}</caption>"
         return f"<table>{title}<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
-
-
-def _shown(cell: object) -> str:
-    if isinstance(cell, float):
-        return "-" if math.isnan(cell) else f"{cell:.5g}"
-    return str(cell)
 
 
 def hertz(omega: float) -> float:
