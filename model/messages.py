@@ -43,15 +43,15 @@ _SENTENCES = {
     "clearances and loads must be smaller, or springs stiffer",
     "NO_REST": f"{_NO_REST} was found",
     "LOST_IN_ROUNDING": f"{_NO_REST} was found: beside the stiffness of the shaft's elements, "
-    "{.2g} N/m, rounding hides what holds it, {.2g} N/m; a smaller young is as rigid",
-    "ON_A_HUMP": f"{_NO_REST} that is stable was found: a journal lies on a hump of its worn bore; "
-    "change wear_angle, or tell a [start]",
+    "{.2g} N/m, rounding hides that of its supports, {.2g} N/m; a smaller young is as rigid",
+    "ON_A_HUMP": f"{_NO_REST} that is stable exists: a journal lies on a hump of its worn bore; "
+    "change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
-    "DIVERGED": f"{_DIVERGED}try a smaller solver.h; what diverges at every step length is the "
-    "machine's own, with loads or a speed that it does not bear",
+    "DIVERGED": f"{_DIVERGED}try a smaller solver.h; if it diverges at every step length, the "
+    "machine cannot stand its loads or its speed",
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",

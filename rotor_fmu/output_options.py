@@ -56,7 +56,7 @@ def _options() -> dict[str, Any]:
         ],
         "is_quiet": Annotated[
             bool,
-            typer.Option("--quiet", help="Print nothing but errors, and what --json asks for."),
+            typer.Option("--quiet", help="Print nothing but errors and the output of --json."),
         ],
     }
 

@@ -42,26 +42,32 @@ class ContactQuantities:
     mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_parameter=True)
     k: float = quantity("N/m", "contact stiffness", is_parameter=True)
     c: float = quantity("N.s/m", "contact damping", NOT_NEGATIVE, 100.0, is_parameter=True)
-    delta_c: float = quantity("m", "penetration at which its damping is whole", default=2e-7)
+    delta_c: float = quantity(
+        "m", "penetration from which the contact damping acts in full", default=2e-7
+    )
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
     exponent: float = quantity(
         "1",
-        "exponent of the penetration: 1 linear, 10/9 a roller, 1.5 Hertz; k in N/m^exponent",
+        "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz; k in N/m^exponent",
         _EXPONENT,
         1.0,
     )
-    mu_rise: float = quantity("1", "excess of the friction at rest", NOT_NEGATIVE, 0.0)
-    v_stribeck: float = quantity("m/s", "sliding speed over which it falls off", default=0.01)
+    mu_rise: float = quantity(
+        "1", "excess of the coefficient of friction at rest", NOT_NEGATIVE, 0.0
+    )
+    v_stribeck: float = quantity(
+        "m/s", "sliding speed over which the excess falls off", default=0.01
+    )
     wear: float = quantity("m", "depth of the wear", NOT_NEGATIVE, 0.0)
     wear_angle: float = quantity("rad", "direction of the wear", ANY, 1.5 * math.pi)
-    wear_power: float = quantity("1", "narrowness of the wear: 1 wide", _POWER, 1.0)
+    wear_power: float = quantity("1", "narrowness of the worn arc: 1 is widest", _POWER, 1.0)
     k_t: float = quantity(
         "N/m",
-        "tangential stiffness of a journal that sticks; 0: it creeps below v_s",
+        "tangential stiffness of a sticking contact; 0: no sticking, the journal creeps below v_s",
         NOT_NEGATIVE,
         0.0,
     )
-    c_t: float = quantity("N.s/m", "tangential damping of a journal that sticks", default=100.0)
+    c_t: float = quantity("N.s/m", "tangential damping of a sticking contact", default=100.0)
 
 
 @jit

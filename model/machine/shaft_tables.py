@@ -1,11 +1,11 @@
 """The tables of a TOML file that describe the shaft: materials, and sections between nodes.
 
 Either `[shaft]` gives the nodes' positions and a diameter between any two, or `[[section]]` tables
-tell one stretch after another, each of one or more elements:
+describe one stretch after another, each of one or more elements:
 
     length, elements (1), material, axial_force (0), shear ("cowper"), taper ("exact")
     outer, or outer_left and outer_right; bore (0), or bore_left and bore_right
-    [[section.layer]]: what else lies there, a sleeve say, told in the same way
+    [[section.layer]]: another layer there, such as a sleeve, given in the same way
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _PROFILE_KEYS = (
     "axial_force", "shear", "taper",
 )  # fmt: skip
 _SECTION_KEYS = ("length", "elements", *_PROFILE_KEYS, "layer")
-# More tell a beam no better: what rounding takes of its stiffness grows with the fourth power.
+# More do not improve a beam: the rounding error of its stiffness grows with the fourth power.
 MOST_ELEMENTS = 1000
 
 

@@ -20,7 +20,7 @@ class Body(of.Part):
     """
 
     KIND: ClassVar[str] = "body"
-    TEXT: ClassVar[str] = "a rigid body on the shaft, told by its mass and moments of inertia"
+    TEXT: ClassVar[str] = "a rigid body on the shaft, given by its mass and moments of inertia"
 
     node: int
     mass: float = quantity("kg", "mass")
@@ -28,7 +28,7 @@ class Body(of.Part):
     I_p: float = quantity("kg.m2", "moment of inertia about the axis", NOT_NEGATIVE)
     offset: float = quantity(
         "m",
-        "position beyond the node of the centre of mass, where loads act and x, y are told",
+        "axial distance of the centre of mass from the node; loads act and x, y are observed there",
         ANY,
         0.0,
     )

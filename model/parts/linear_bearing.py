@@ -113,8 +113,8 @@ LOSSES = (
     Output(
         "circulation",
         "J",
-        "taken by cross coupling of linear bearings and by their stiffness as it follows the "
-        "speed; negative where it feeds the whirl",
+        "dissipated by the cross coupling of linear bearings and by the dependence of their "
+        "stiffness on the speed; negative where it feeds the whirl",
         nominal=1.0,
     ),
 )
@@ -214,7 +214,7 @@ class LinearBearing(Coefficients, Part):
     """
 
     KIND: ClassVar[str] = "linear_bearing"
-    TEXT: ClassVar[str] = "a bearing by its stiffness and damping coefficients"
+    TEXT: ClassVar[str] = "a bearing, given by its stiffness and damping coefficients"
     LAWS: ClassVar[tuple[Law, ...]] = (LINEAR_BEARING,)
 
     node: int
@@ -267,4 +267,4 @@ class Seal(LinearBearing):
     """A seal: a linear bearing under its own name."""
 
     KIND: ClassVar[str] = "seal"
-    TEXT: ClassVar[str] = "a seal by its stiffness and damping coefficients"
+    TEXT: ClassVar[str] = "a seal, given by its stiffness and damping coefficients"

@@ -217,7 +217,7 @@ class TouchdownBearing(TouchdownQuantities, ClearanceContact):
     """A touchdown (auxiliary, backup) bearing; its race stands still at the start."""
 
     KIND: ClassVar[str] = "touchdown_bearing"
-    TEXT: ClassVar[str] = "a journal in the clearance of a race that friction turns"
+    TEXT: ClassVar[str] = "a journal in the clearance of a race that is turned by friction"
     LAWS: ClassVar[tuple[Law, ...]] = (TOUCHDOWN_BEARING,)
 
     @property

@@ -105,8 +105,13 @@ SETTINGS: tuple[Choice | Number, ...] = (
     Number("alpha_f", "1", ALPHA, 0.0, 1.0, "alpha_f of hht and generalized-alpha"),
     Number("alpha_m", "1", ALPHA, 0.0, 1.0, "alpha_m of wbz and generalized-alpha"),
     Number("rho", "1", RHO, 0.2, -1.0, "spectral radius at infinity of chung-hulbert"),
-    Choice("mode", MODES, "fixed", "step length", "adaptive"),
-    Switch("fitted", {"no": False, "yes": True}, False, "whether fitted to the pace of the motion"),
+    Choice("mode", MODES, "fixed", "step-length control", "adaptive"),
+    Switch(
+        "fitted",
+        {"no": False, "yes": True},
+        False,
+        "whether the method is fitted to the frequency of the motion",
+    ),
     Number(
         "tolerance",
         "1",
@@ -115,17 +120,22 @@ SETTINGS: tuple[Choice | Number, ...] = (
         0.0,
         "relative tolerance of the controlled mode",
     ),
-    Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one where it varies"),
-    Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step where it varies"),
-    Number("h_max", "s", _positive(1.0), 0.02, 0.0, "longest step where it varies"),
+    Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one if it varies"),
+    Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step if the step length varies"),
+    Number("h_max", "s", _positive(1.0), 0.02, 0.0, "longest step if the step length varies"),
     Number(
         "eps_min", "1", _positive(_BIG), 0.1, 0.0, "adaptive mode: error below which the step grows"
     ),
     Number(
-        "eps_max", "1", _positive(_BIG), 0.3, 0.0, "adaptive mode: error above which it is repeated"
+        "eps_max",
+        "1",
+        _positive(_BIG),
+        0.3,
+        0.0,
+        "adaptive mode: error above which the step is repeated",
     ),
     Choice("indicator", INDICATORS, "zienkiewicz-xie", "error indicator of the adaptive mode"),
-    Choice("norm", NORMS, "increment", "what its error is relative to"),
+    Choice("norm", NORMS, "increment", "norm of the error in the adaptive mode"),
     Number("atol", "m", _positive(1.0), 1e-6, 0.0, "absolute part of the mixed norm"),
     Number("rtol", "1", _positive(1.0), 1e-3, 0.0, "relative part of the mixed norm"),
     Number(
@@ -134,8 +144,8 @@ SETTINGS: tuple[Choice | Number, ...] = (
         Range(1, 2e9),
         10_000_000,
         0,
-        "iterations of the interfaces' problem, each step counting for one at least, after which a "
-        "communication step ends early",
+        "largest number of iterations of the interface problem in a communication step, which then "
+        "ends early; each step counts at least one",
         is_whole=True,
     ),
 )

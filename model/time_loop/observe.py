@@ -28,7 +28,7 @@ from .memory import AXIS, ONCE, PEAK, SENSE, spin_now
 
 SHAFT = (
     Output("phi", "rad", "angle of rotation, integral of the speed", True, 100.0),
-    Output("w", "rad/s", "speed of rotation reached", nominal=100.0, reached_by=SPEED),
+    Output("w", "rad/s", "speed of rotation", nominal=100.0, reached_by=SPEED),
     Output("a", "rad/s2", "rate of the speed", nominal=10.0, reached_by=ALL),
     Output(
         "tau",
@@ -41,8 +41,8 @@ SHAFT = (
     Output(
         "tau_load",
         "N.m",
-        "what friction, whirl and unbalance take of it, tau - J a: the load of a partner that "
-        "integrates the speed with the rotor's inertia J",
+        "share of tau due to friction, whirl and unbalance, tau - J a: the load of a partner that "
+        "integrates the speed with the rotor's moment of inertia J",
         True,
         0.1,
         reached_by=ALL,
@@ -50,7 +50,7 @@ SHAFT = (
     Output(
         "J",
         "kg.m2",
-        "moment of inertia about the axis of rotation, eccentric masses included",
+        "moment of inertia about the axis of rotation, including eccentric masses",
         nominal=0.01,
     ),
 )
@@ -62,14 +62,14 @@ SOLVER = (
     Output(
         "error",
         "1",
-        "largest local error of a step over the last revolution, over the one tolerated",
+        "largest local error of a step over the last revolution, relative to the tolerance",
         nominal=1.0,
     ),
     Output(
         "error_rms",
         "1",
-        "root mean square of the steps' local errors over the last revolution, over the one "
-        "tolerated",
+        "root mean square of the steps' local errors over the last revolution, relative to the "
+        "tolerance",
         nominal=0.1,
     ),
     Output("h_min_used", "s", "shortest step length chosen", nominal=1e-3),
@@ -77,7 +77,7 @@ SOLVER = (
     Output(
         "trapped",
         "1",
-        "steps in the false state, a journal jumping from wall to wall by the integrator's doing",
+        "steps in the false state, in which the integrator makes a journal jump from wall to wall",
         kind="Integer",
     ),
     Output(
@@ -86,13 +86,13 @@ SOLVER = (
     Output(
         "overdamped_at",
         "s",
-        "time from which the integrator damped a rub so much that it may hide an instability; "
+        "time since which the integrator damps a rub so much that it may hide an instability; "
         "-1: never",
         nominal=1.0,
     ),
 )
 _RESIDUAL = Output(
-    "residual", "J", "energy that the integrator made (or, negative, lost)", nominal=0.1
+    "residual", "J", "energy error of the integrator: gained, or, negative, lost", nominal=0.1
 )
 
 

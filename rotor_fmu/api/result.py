@@ -305,7 +305,7 @@ class Result:
         no peaks: the run ends within the start-up, 2 s
         """
         if self.points is None:
-            return Peaks((), "the run was read from its folder, where its amplitudes are not kept")
+            return Peaks((), "the run was read from its folder, which does not hold its amplitudes")
         t, c = self.points.t, self.points.columns
         amplitudes = [name for name in c if name.endswith((".x_amp", ".y_amp"))]
         result = []
@@ -316,7 +316,9 @@ class Result:
                 values = float(c[name][at]), float(c["w"][at]), float(t[at])
                 result.append(Peak(part, quantity[0], *values))
         if not amplitudes:
-            return Peaks((), "the machine has no disc, body or sensor, whose motion is told")
+            return Peaks(
+                (), "the machine has no disc, body or sensor, whose motion could have a peak"
+            )
         return Peaks(result, "" if result else why_no_peak(t, c["w"], PEAKS_AFTER))
 
     def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:

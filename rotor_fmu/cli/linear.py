@@ -30,20 +30,27 @@ _UNIT = "|".join(_UNITS)
 _POINTS, _MOST_POINTS = 101, 100_000
 
 RotorFile = Annotated[
-    Path | None, typer.Option("--rotor", help="Machine as TOML; default: the paper's rig.")
+    Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
 Contacts = Annotated[
     str | None,
     typer.Option(
-        help="Clearance contacts open or pinned; default: open where the machine is held without."
+        help="State of clearance contacts: open or pinned; default: open if other supports hold it."
     ),
 ]
-One = Annotated[str, typer.Option("--speed", help="Speed: 300, 3000rpm, 50Hz; rad/s by itself.")]
+One = Annotated[
+    str,
+    typer.Option(
+        "--speed", help="Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s."
+    ),
+]
 Range = Annotated[
     str | None,
-    typer.Option("--speed", help="FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz behind."),
+    typer.Option(
+        "--speed", help="Speeds FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz added."
+    ),
 ]
-Count = Annotated[int, typer.Option(help="How many modes.")]
+Count = Annotated[int, typer.Option(help="Number of modes.")]
 
 
 @with_output_options
@@ -70,7 +77,9 @@ def campbell(
     speed: Range = None,
     count: Count = 8,
     contacts: Contacts = None,
-    harmonic: Annotated[float, typer.Option(help="Multiple of the speed that excites.")] = 1.0,
+    harmonic: Annotated[
+        float, typer.Option(help="Multiple of the speed of rotation that excites.")
+    ] = 1.0,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
 ) -> dict[str, Any]:
     """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
@@ -91,13 +100,13 @@ def unbalance(
     rotor: RotorFile = None,
     speed: Range = None,
     node: Annotated[
-        list[int] | None, typer.Option(help="Node (from 1) to be told, repeatable.")
+        list[int] | None, typer.Option(help="Node to show, counted from 1; repeatable.")
     ] = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
             "--unbalance",
-            help="NODE:AMOUNT[:DEGREES] in kg m, in the place of the machine's own; repeatable.",
+            help="NODE:AMOUNT[:DEGREES] in kg m, replaces the machine's unbalances; repeatable.",
         ),
     ] = None,
     contacts: Contacts = None,
@@ -149,7 +158,7 @@ def show(
 
 @with_output_options
 def import_ross(
-    file: Annotated[Path, typer.Argument(help="A rotor that ROSS saved, TOML or JSON.")],
+    file: Annotated[Path, typer.Argument(help="Rotor saved by ROSS, as TOML or JSON.")],
     out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
 ) -> dict[str, Any]:
     """Convert a rotor that ROSS saved into a machine file."""

@@ -16,7 +16,7 @@ from ..errors import InputError, writable_folder
 
 
 def schema_command(
-    as_page: Annotated[bool, typer.Option("--page", help="as a page in Markdown")] = False,
+    as_page: Annotated[bool, typer.Option("--page", help="Print a page in Markdown.")] = False,
 ) -> None:
     """Print all tables and keys of a machine file, as a JSON schema for editors or as a page."""
     from ..machine_file.page import page
@@ -26,9 +26,11 @@ def schema_command(
 
 
 def example(
-    name: Annotated[str | None, typer.Argument(help="One of the list that none prints.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="Name of an example; without it the command lists all.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder to copy all of the example into.")
+        Path | None, typer.Option(help="Folder to which the whole example is copied.")
     ] = None,
 ) -> None:
     """List the examples, print the machine file of one, or copy its folder."""

@@ -34,30 +34,44 @@ from ..runs.summary import summary
 from ..runs.verification import finer_job
 
 RotorFile = Annotated[
-    Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
+    Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
 Free = Annotated[
-    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
+    bool,
+    typer.Option("--free", help="Use the FMU that is driven by a torque, RotorBearingFree.fmu."),
 ]
 Sets = Annotated[
     list[str] | None,
-    typer.Option("--set", help="NAME=VALUE of a parameter, or of an input held constant."),
+    typer.Option(
+        "--set", help="Set a parameter, or an input that stays constant: NAME=VALUE; repeatable."
+    ),
 ]
 
 
 @with_output_options
 def run_down(
-    preset: Annotated[str | None, typer.Option(help=f"One of {', '.join(PRESETS)}.")] = None,
+    preset: Annotated[
+        str | None, typer.Option(help=f"Preset of the solver, one of {', '.join(PRESETS)}.")
+    ] = None,
     sets: Sets = None,
     signals: Annotated[
-        Path | None, typer.Option("--input", help="CSV: time and inputs, SI units.")
+        Path | None,
+        typer.Option(
+            "--input",
+            help="CSV file with a column for the time and one for each input, in SI units.",
+        ),
     ] = None,
     stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
     step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
-    direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
+    direct: Annotated[
+        bool, typer.Option("--direct", help="Run the model directly, without an FMU.")
+    ] = False,
     verify: Annotated[
         bool,
-        typer.Option("--verify", help="Run again with a tenth of the tolerance or half the step."),
+        typer.Option(
+            "--verify",
+            help="Repeat the run with a tenth of the tolerance or half the step, and compare.",
+        ),
     ] = False,
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),

@@ -32,7 +32,7 @@ REDUCTION = Variable(
     f"{PREFIX}reduction",
     "Integer",
     "parameter",
-    "Craig-Bampton modes kept of the shaft beside the deflections of bearings, discs and coupling; "
+    "Craig-Bampton modes of the shaft besides the deflections of bearings, discs and coupling; "
     "0: all of the shaft; chosen when an FMU is built",
     start=0,
     low=0,

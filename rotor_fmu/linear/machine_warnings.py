@@ -23,7 +23,7 @@ def machine_warnings(rotor: Rotor) -> list[str]:
         and not machine.is_held
         and not _is_released(rotor)
     ):
-        result.append(f"{machine.why_not_held()}, or a [start] in the air is told")
+        result.append(f"{machine.why_not_held()}, or give a [start] in the air")
     try:
         at_rest = modes(rotor, 0.0, contacts=OPEN)
     except LinearError:

@@ -79,7 +79,9 @@ class Recorded:
     def __init__(self, recording: Recording, name: str) -> None:
         for needed in ("phi", "w"):
             if needed not in recording.columns:
-                raise InputError(f"{name}: its recording has no {needed}, by which turns are told")
+                raise InputError(
+                    f"{name}: its recording has no {needed}, which is needed to count turns"
+                )
         self.name, self.columns = name, recording.columns
         self.t = recording.t
         self.phi, self.w = recording.columns["phi"], recording.columns["w"]

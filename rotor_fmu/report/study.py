@@ -121,7 +121,7 @@ def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str
     for text, count in reasons.most_common(_MOST_REASONS):
         said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")
     if len(reasons) > _MOST_REASONS:
-        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map tells each.")
+        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map shows each.")
     return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
 
 

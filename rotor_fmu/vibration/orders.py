@@ -201,11 +201,11 @@ def order_track_of(
             raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
         if abs(order * turns - round(order * turns)) > 1e-9 or order * turns < 2:
             raise ValueError(
-                f"order {order:g}: a block of {turns} turns tells multiples of {1 / turns:g} from "
-                f"{2 / turns:g} on apart"
+                f"order {order:g}: a block of {turns} turns resolves multiples of {1 / turns:g}, "
+                f"from {2 / turns:g} on"
             )
     first = signal.blocks(turns)
-    # 1x, or whatever else is asked for, must be told
+    # 1x, or whatever else is asked for, must be resolved
     signal.enough_rows(first, turns, max(min(orders), min(1.0, max(orders))))
     rows = signal.rows_of(first, turns)
     window = hann(turns, signal.per_turn)

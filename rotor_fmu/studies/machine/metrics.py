@@ -141,13 +141,11 @@ def check(metric: Metric, how: Excitation) -> None:
         )
     held = LEVELS if metric.kind == "order" else ("constant",)
     if kind.in_turns and (how.kind not in held or n["measure"]):
-        raise InputError(
-            f"{where}: {metric.kind} is kept of runs at a constant speed in whole turns"
-        )
+        raise InputError(f"{where}: {metric.kind} needs runs at constant speed in whole turns")
     if metric.kind == "jump" and how.kind != "steps":
-        raise InputError(f"{where}: jump is kept of runs in steps")
+        raise InputError(f"{where}: jump needs runs in steps of the speed")
     if metric.kind in ("value", "amplitude", "passing") and how.kind in LEVELS:
-        raise InputError(f"{where}: {metric.kind} is kept of runs whose speed goes on")
+        raise InputError(f"{where}: {metric.kind} needs runs whose speed varies continuously")
     if options.get("after", 0.0) < 0:
         raise InputError(f"{where}: after = {options['after']:g} s: must be >= 0")
     if metric.kind == "passing":

@@ -146,7 +146,7 @@ def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> Mac
     if is_verified:
         if runs.how.kind == COUPLED:
             raise InputError(f"verify: not of runs of the kind {COUPLED}")
-        text = "largest difference of what is kept from the same run, finer"
+        text = "largest difference of the metrics from the same run, solved more finely"
         columns.append(Column(VERIFICATION, "1", text))
     return replace(runs, metrics=tuple(metrics), columns=tuple(columns), is_verified=is_verified)
 

@@ -46,7 +46,7 @@ _UP = _RAMP | {
 _MEASURED = {
     "settle": Number("s", 1.0, False, "time that each speed is held before it is looked at"),
     "turns": Number("1", 64.0, True, "turns looked at"),
-    "per_turn": Number("1", 32.0, True, "samples a turn, of what is told by turns"),
+    "per_turn": Number("1", 32.0, True, "samples per turn, for metrics over whole turns"),
     "measure": Number("s", 0.0, False, "time looked at, in the place of turns"),
     "step": Number("s", 1e-3, True, "communication step, where measure is given"),
 }
@@ -72,7 +72,7 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     "motor": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
         "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it is told to follow"),
+        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "from": Number("rad/s", 1.0, False, "speed at the start"),
         "stop": _STOP,
@@ -81,7 +81,7 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     "drive-train": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
         "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it is told to follow"),
+        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "integral": Number("N.m/rad", 0.2, False, "torque of an angle that is missing"),
         "inertia": Number("kg.m2", 1e-3, True, "moment of inertia of the motor"),
