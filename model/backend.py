@@ -1,5 +1,5 @@
-"""What carries out the functions of `entries`: the library of kernels where there is one for this
-machine, else numba, else Python. The numbers are the same."""
+"""The backend that runs the functions of `entries`: the solver library if there is one for this
+machine, otherwise numba, otherwise plain Python. All three give the same numbers."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ VARIABLE = "ROTOR_FMU_KERNELS"
 
 
 class Backend(Enum):
-    """What carries out the kernels."""
+    """The backend that runs the kernels."""
 
     LIBRARY = "library"
     NUMBA = "numba"
@@ -39,10 +39,10 @@ class EntryPoints(NamedTuple):
 
 @cache
 def selected_backend() -> Backend:
-    """What carries out the kernels in this process: the one that the environment's
-    ROTOR_FMU_KERNELS names, or the first that there is.
+    """Return the backend of this process: the one named by the environment variable
+    ROTOR_FMU_KERNELS, or the first that is available.
 
-    Raises `ValueError` for a name that is none, or a library that is not there.
+    Raises `ValueError` for an unknown name or a missing library.
     """
     wanted = os.environ.get(VARIABLE)
     if wanted is not None and wanted not in {backend.value for backend in Backend}:
@@ -69,12 +69,12 @@ def _has_numba() -> bool:
 
 
 def waits_for_compiler() -> bool:
-    """Whether the first run in this process compiles the kernels."""
+    """Return whether the first run in this process compiles the kernels."""
     return selected_backend() is Backend.NUMBA and has_to_compile(entries.advance)
 
 
 def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
-    """The functions for a block, carried out by `backend`, the one chosen if None."""
+    """Return the functions for a block, run by `backend`, by default the selected one."""
     backend = backend or selected_backend()
     functions: tuple[Any, ...] = (
         entries.start,

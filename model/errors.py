@@ -1,5 +1,5 @@
-"""What every error about a user's input is."""
+"""The base class of all errors about a user's input."""
 
 
 class UserInputError(Exception):
-    """Something given that cannot be; the message names it, its value and what is allowed."""
+    """Invalid input; the message names it, its value and what is allowed."""

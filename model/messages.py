@@ -1,5 +1,5 @@
-"""What there is to say of a run, each sentence once: a code is its place in `SENTENCES`, behind
-those of the settings (see `spelling`). `{where}` stands for what a machine has in its place.
+"""The messages about a run, each sentence once: a code is its place in `SENTENCES`, behind those of
+the settings (see `spelling`). `{where}` stands for the machine's own list of contact states.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not fi
 
 
 def _positional(template: str, **texts: str) -> str:
-    """A template with named places as a sentence of `spelling`."""
+    """Return a template with named places as a sentence of `spelling`."""
     for name, text in texts.items():
         template = template.replace(f"{{{name}}}", text)
     return re.sub(r"\{\w*:([^{}]*)\}", r"{\1}", template)
 
 
 def _either(one: str, other: str, inside: str) -> str:
-    """Of two templates about one number that which a flag names, told before and behind it."""
+    """Return a sentence that chooses between two templates by a flag that stands before and behind
+    their number."""
     parts = zip(one.split(inside), other.split(inside), strict=True)
     return inside.join(choice(pair) for pair in parts)
 
@@ -42,15 +43,15 @@ _SENTENCES = {
     "clearances and loads must be smaller, or springs stiffer",
     "NO_REST": f"{_NO_REST} was found",
     "LOST_IN_ROUNDING": f"{_NO_REST} was found: beside the stiffness of the shaft's elements, "
-    "{.2g} N/m, rounding hides what holds it, {.2g} N/m; a smaller young is as rigid",
-    "ON_A_HUMP": f"{_NO_REST} that is stable was found: a journal lies on a hump of its worn bore; "
-    "change wear_angle, or tell a [start]",
+    "{.2g} N/m, rounding hides that of its supports, {.2g} N/m; a smaller young is as rigid",
+    "ON_A_HUMP": f"{_NO_REST} that is stable exists: a journal lies on a hump of its worn bore; "
+    "change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
-    "DIVERGED": f"{_DIVERGED}try a smaller solver.h; what diverges at every step length is the "
-    "machine's own, with loads or a speed that it does not bear",
+    "DIVERGED": f"{_DIVERGED}try a smaller solver.h; if it diverges at every step length, the "
+    "machine cannot stand its loads or its speed",
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
@@ -93,7 +94,7 @@ _FIRST = len(settings.SENTENCES)
 
 
 def closed_at(contacts: Sequence[str], interfaces: np.recarray) -> str:
-    """What stands for `{where}`: all contacts open, all that slip closed, each alone.
+    """Return the text for `{where}`: all contacts open, all that slip closed, or one alone.
 
     contacts: names of the interfaces."""
     walls = np.flatnonzero(interfaces.slips == 1).tolist()

@@ -1,4 +1,4 @@
-"""What a run has come to, as the code of a sentence (`messages`) and its numbers."""
+"""The outcome of a run, as the code of a sentence (`messages`) and its numbers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LOST = 1e-9  # of the shaft's stiffness: what is softer rounding may hide
 
 @jit
 def no_rest(run, status, arguments):
-    """Why a start has no equilibrium."""
+    """Return why a start has no equilibrium."""
     structure, numbers = run.structure, run.structure.numbers[0]
     if status == equilibrium.BEYOND:
         farthest = _farthest(run)
@@ -53,7 +53,7 @@ def no_rest(run, status, arguments):
 
 @jit
 def _held_nodes(structure):
-    """How many nodes have a spring or an interface."""
+    """Return how many nodes have a spring or an interface."""
     held = 0
     for dof in range(structure.M.shape[0]):
         is_held = False
@@ -68,7 +68,8 @@ def _held_nodes(structure):
 
 @jit
 def growth_at_rest(root, arguments):
-    """What grows at rest with this root [1/s], its imaginary part >= 0; NaN: nothing."""
+    """Return the message about a growth at rest with this root [1/s], its imaginary part >= 0; NaN:
+    nothing."""
     if root != root:
         return messages.GOOD
     if root.imag > _ROUNDING * modulus(root):
@@ -80,7 +81,7 @@ def growth_at_rest(root, arguments):
 
 
 def grows_at_rest(root: complex) -> str:
-    """A sentence about a growth at rest, its root [1/s] with an imaginary part >= 0."""
+    """Return a sentence about a growth at rest, its root [1/s] with an imaginary part >= 0."""
     arguments = np.zeros(MOST_ARGUMENTS)
     return spell(messages.SENTENCES[interpreted(growth_at_rest)(root, arguments)], arguments)
 
@@ -97,8 +98,8 @@ def _describe_whirl(whirl, arguments, at):
 
 @jit
 def unstable(run, arguments):
-    """Of the whirls that a survey found, that which grows fastest at the present speed with all
-    contacts open."""
+    """Return the message about the whirl of a survey that grows fastest at the present speed with
+    all contacts open."""
     survey = run.survey
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]
@@ -111,8 +112,8 @@ def unstable(run, arguments):
 
 @jit
 def hidden(run, arguments):
-    """The growing whirls that a survey found and that the solver's steps hide: the one that grows
-    fastest, and the longest step that resolves them all."""
+    """Return the growing whirls that a survey found and that the solver's steps hide: the one that
+    grows fastest, and the longest step that resolves them all."""
     survey, numbers = run.survey, run.method.numbers[0]
     if numbers.mode == CONTROLLED or not is_stable(numbers):
         return messages.GOOD
@@ -139,7 +140,7 @@ def hidden(run, arguments):
 
 @jit
 def _farthest(run):
-    """Which deflection is farthest away, or the first that is nowhere."""
+    """Return which deflection is farthest away, or the first that is nowhere."""
     deflections = run.structure.deflections
     place, farthest = 0, -1.0
     for i in range(len(deflections)):
@@ -153,8 +154,8 @@ def _farthest(run):
 
 @jit
 def _whirled_apart(run, arguments):
-    """Whether there are growing whirls; if so, from told[5] on, the one most like the motion
-    reached: in its sense, if there is one, and nearest in frequency."""
+    """Return whether there are growing whirls; if so, from arguments[5] on, the one most like the
+    motion reached: in its sense, if there is one, and nearest in frequency."""
     survey, motion, speed = run.survey, run.motion, run.memory.record[0].omega
     dof = run.structure.deflections[_farthest(run), 0]
     q, v = motion.q[dof], motion.v[dof]
@@ -179,8 +180,8 @@ def _whirled_apart(run, arguments):
 
 @jit
 def failure(run, status, arguments):
-    """Why an `advance` did not come to its end; where it diverged, the survey of whirls has to have
-    been made anew."""
+    """Return why an `advance` did not come to its end; where it diverged, the survey of whirls has
+    to have been made anew."""
     r = run.memory.record[0]
     arguments[0], arguments[1], arguments[2] = r.failed_at, r.omega, r.failed_h
     if status == time_loop.NOT_CONVERGED:

@@ -1,7 +1,7 @@
 """Quantities: unit, rule and text of a number, declared where the number is.
 
-A data class declares its numbers by `quantity(...)`; whatever else must know of them (the reader of
-TOML, checks, records for the kernels, the FMU's variables, documents) is made from that.
+A data class declares its numbers by `quantity(...)`; everything else (the reader of TOML files,
+checks, the kernels' records, the FMU's variables, documents) is made from that declaration.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from .errors import UserInputError
 
 
 class QuantityError(UserInputError, ValueError):
-    """A number that cannot be; the message names the quantity, its value and what is allowed."""
+    """An impossible value; the message names the quantity, its value and what is allowed."""
 
 
 @dataclass(frozen=True)
 class Rule:
-    """What a number may be: `least` or more, or, is_strict, more; at most `most`; and the words
-    that say so."""
+    """The values that a number may have: at least `least`, or, if is_strict, more; at most `most`;
+    and the words that say so."""
 
     least: float
     is_strict: bool
@@ -30,7 +30,7 @@ class Rule:
     most: float = math.inf
 
     def allows(self, value: float) -> bool:
-        """Whether a number may be this one."""
+        """Return whether a number may be this one."""
         is_enough = value > self.least if self.is_strict else value >= self.least
         return is_enough and value <= self.most
 
@@ -44,9 +44,9 @@ LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number that a user gives: unit ("1" where it has none), what it is, what it may be, whether
-    an FMU takes it as a parameter, whether it is no number but true or false, and whether a list of
-    numbers, a column of a table, may stand for it."""
+    """A number that a user gives: unit ("1" if it has none), description, allowed values, whether
+    it is a parameter of the FMU, whether it is a Boolean, and whether a list of numbers, a column
+    of a table, may take its place."""
 
     unit: str
     text: str
@@ -58,11 +58,11 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Output:
-    """A number that a model computes: its name within its part, unit, what it is.
+    """A number that a model computes: its name within its part, unit, description.
 
     kind: Real, Integer or Boolean; is_output: whether it is among the few that every run records;
-    nominal: its usual size [unit], of a Real; reached_by: what changes it within an instant, the
-    motion being what it is: `NOTHING`, the machine's `SPEED`, or that and every load, `ALL`.
+    nominal: its usual size [unit], of a Real; reached_by: the inputs that change it at once, with
+    the motion unchanged: `NOTHING`, the machine's `SPEED`, or the speed and every load, `ALL`.
     """
 
     name: str
@@ -83,27 +83,27 @@ def quantity(
     is_parameter: bool = False,
     may_be_list: bool = False,
 ) -> Any:
-    """A field of a data class that is a `Quantity`."""
+    """Return a field of a data class that is a `Quantity`."""
     declared = Quantity(unit, text, rule, is_parameter, may_be_list=may_be_list)
     return field(default=default, metadata={"quantity": declared})
 
 
 def switch(text: str, default: Any = MISSING, *, is_parameter: bool = False) -> Any:
-    """A field of a data class that is true or false."""
+    """Return a field of a data class that is true or false."""
     declared = Quantity("1", text, ANY, is_parameter, is_switch=True)
     return field(default=default, metadata={"quantity": declared})
 
 
 def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> Any:
-    """A named tuple of the place of each entry, by its name: kernels fill arrays by it, as in
-    `out[places(OUTPUTS).x]`. first: place of the first; width: places that an entry takes."""
+    """Return a named tuple of the place of each entry, by its name: kernels fill arrays by it, as
+    in `out[places(OUTPUTS).x]`. first: place of the first; width: places that an entry takes."""
     names = [entry if isinstance(entry, str) else entry.name for entry in entries]
     kind = namedtuple("Places", names)  # type: ignore[misc]
     return kind(*range(first, first + width * len(names), width))
 
 
 def quantities(kind: Any) -> Mapping[str, Quantity]:
-    """The quantities of a data class (or of an instance) by their names, in their order."""
+    """Return the quantities of a data class (or of an instance) by their names, in their order."""
     return {f.name: f.metadata["quantity"] for f in fields(kind) if "quantity" in f.metadata}
 
 

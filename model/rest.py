@@ -1,4 +1,4 @@
-"""Where a machine rests: the start of every run, for analyses that need no more of it."""
+"""The equilibrium in which every run starts, for analyses that need nothing else of a run."""
 
 from __future__ import annotations
 
@@ -9,6 +9,6 @@ from .simulation import Simulation
 
 
 def rest(rotor: Rotor) -> np.ndarray:
-    """Displacements at rest under the weight, without spin and friction, complex, shape
+    """Return the displacements at rest under the weight, without spin and friction, complex, shape
     (n + housings + 1,) as in `Motion` [m]. Raises `EquilibriumError`."""
     return Simulation(rotor).motion.q.copy()

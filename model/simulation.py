@@ -29,28 +29,28 @@ from .warnings import RUN_WARNINGS
 
 
 class EquilibriumError(UserInputError, RuntimeError):
-    """No static equilibrium was found."""
+    """There is no static equilibrium."""
 
 
 class StepFailure(RuntimeError):
-    """A step that could not be made; says when, where, and what to try."""
+    """A step that failed; the message says when, where, and what to try."""
 
 
 class RotorWarning(UserWarning):
-    """Something that makes a run doubtful: an unstable scheme, the integrator's false state, an
-    instability that it hides."""
+    """A warning that a result is not to be trusted: an unstable scheme, the integrator's false
+    state, an instability that it hides."""
 
 
 class RotorNote(UserWarning):
-    """Something about the machine or what was asked for that leaves a run as good as any: a machine
-    that is unstable, a setting without effect, much work."""
+    """A note that does not affect the quality of a run: a machine that is unstable, a setting
+    without effect, long computing time."""
 
 
 _has_said_interpreted = False
 
 
 def warn(message: Message, stacklevel: int = 3) -> None:
-    """Warn of what a run says: a `RotorNote`, or a `RotorWarning`."""
+    """Issue a message of a run as a `RotorNote` or a `RotorWarning`."""
     warnings.warn(message, RotorNote if message.is_note else RotorWarning, stacklevel=stacklevel)
 
 
@@ -58,14 +58,13 @@ class Simulation:
     """One rotor in motion.
 
     The rotor starts at rest in its static equilibrium under gravity and `loads` (complex, on the
-    ports in their order [N]) at time t [s], turning at `speed` [rad/s].
-    `rate` [rad/s2] is the rate of the speed over the first interval; later ones continue the speed
-    linearly from the last two values given, or, without `continues_speed`, hold the last. Given a
-    `drive_torque` [N.m], the rotor is free: from that speed on the torque drives it. `record`: what
-    to keep of every step for `drain`, names or a `Record`; it changes no number of the run. What
-    makes a run doubtful goes to `warn` (default: a `RotorWarning`): settings that make oscillations
-    grow, the false state, a missing compiler. Raises `EquilibriumError`, and `ValueError` for what
-    cannot be recorded.
+    ports in their order [N]) at time t [s], turning at `speed` [rad/s]. `rate` [rad/s2] is the rate
+    of the speed over the first interval; later ones continue the speed linearly from the last two
+    values given, or, without `continues_speed`, hold the last. Given a `drive_torque` [N.m], the
+    rotor is free: from that speed on the torque drives it. `record`: signals to record at every
+    step for `drain`, as names or a `Record`; it changes no number of the run. Warnings go to `warn`
+    (default: a `RotorWarning`): settings that make oscillations grow, the false state, a missing
+    compiler. Raises `EquilibriumError`, and `ValueError` for a signal that cannot be recorded.
     """
 
     def __init__(
@@ -160,7 +159,7 @@ class Simulation:
         return self._observed
 
     def read(self, name: str) -> float:
-        """One observed quantity by its name, as in `observed_names`."""
+        """Return one observed quantity by its name, as in `observed_names`."""
         return float(self.observed[self.names.index(name)])
 
     def advance(
@@ -180,9 +179,9 @@ class Simulation:
         they are linear in time [rad/s2, N.m/s], [N/s]; without them loads and torque are constant,
         and the speed goes on as its last two values say.
 
-        Raises `ValueError` for what is not finite or lies in the past, without a step, and
-        `StepFailure`, the state then being that after the last good step. After the settings'
-        `max_iterations` it is raised too, and a further call goes on from there.
+        Raises `ValueError`, without a step, for a value that is not finite or a time in the past,
+        and `StepFailure`, with the state after the last good step, also after the settings'
+        `max_iterations`; a further call then continues from there.
         """
         if not math.isfinite(to):
             raise ValueError(f"to = {to}: must be finite")
@@ -213,7 +212,8 @@ class Simulation:
                 self._warn(Message(warning.words.format(since[0]), warning.code))
 
     def snapshot(self) -> np.ndarray:
-        """A copy of everything that `restore` needs to go on from here, bit for bit; bytes."""
+        """Return a copy of everything that `restore` needs to go on from here, bit for bit;
+        bytes."""
         return self._state.copy()
 
     def restore(self, snapshot: np.ndarray | bytes) -> None:
@@ -226,8 +226,8 @@ class Simulation:
         )
 
     def drain(self) -> np.ndarray:
-        """What was recorded since the last call, shape (n, 1 + names recorded): time [s] and, in
-        their order, the names.
+        """Return the rows recorded since the last call, shape (n, 1 + names recorded): time [s]
+        and, in their order, the names.
 
         The first row ever is the state at the start, the others are ends of steps. Where more than
         the most rows were due in between, every second was dropped, and so on. A restored snapshot
@@ -271,19 +271,19 @@ class Simulation:
             self._warn(Message(INTERPRETED_WARNING, "interpreted"))
 
     def _warn_beyond(self, speed: float) -> None:
-        """Say once of every range that the speed [rad/s] has left it."""
+        """Warn once for every range that the speed [rad/s] has left."""
         for allowed in list(self._ranges):
             if not allowed.low <= speed <= allowed.high:
                 self._ranges.remove(allowed)
                 self._warn(Message(allowed.beyond.format(speed=speed), allowed.code))
 
     def _failure(self, status: int) -> str:
-        """Why a step failed."""
+        """Return why a step failed."""
         self._entry_points.survey(float(self._run.memory.record[0].surveyed_at), False)
         return self._sentence(outcomes.failure, self._run, status)
 
     def _sentence(self, kernel: Callable[..., int], *arguments: object) -> Message:
-        """What a kernel of `outcomes` has to say, "" where it is nothing."""
+        """Return the sentence of a kernel of `outcomes`, "" if there is none."""
         code = interpreted(kernel)(*arguments, self._arguments)
         text = spell(messages.SENTENCES[code].replace("{where}", self._where), self._arguments)
         return Message(text, messages.CODES[code])

@@ -1,7 +1,8 @@
-"""Sentences with places for the numbers that a kernel tells.
+"""Sentences with places for the numbers that a kernel returns.
 
 `{g}` and `{.4g}` stand for a number, `{d}` for an integer, `{?this|that}` for the text that a
-number chooses, from 0. The FMU's instance spells the same (`rotor_fmu/fmi/c/log.c`).
+number chooses, from 0. The FMU's instance formats them in the same way
+(`rotor_fmu/fmi/c/log.c`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ _PLACE = re.compile(r"\{(\?[^{}]*|[d]|\.?\d*g)\}")
 
 
 def spell(pattern: str, numbers: Iterable[float]) -> str:
-    """A sentence with its numbers."""
+    """Return a sentence with its numbers."""
     arguments = iter(numbers)
 
     def shown(place: re.Match[str]) -> str:
@@ -28,27 +29,28 @@ def spell(pattern: str, numbers: Iterable[float]) -> str:
 
 
 class Message(str):
-    """A sentence that a run says, and its machine-readable code.
+    """A message of a run, and its machine-readable code.
 
-    A note is about the machine or what was asked for; any other makes the run doubtful.
+    A note is about the machine or the input; any other message means that the result is not to be
+    trusted.
     """
 
     __slots__ = ("code",)
     code: str
 
     def __new__(cls, text: str, code: str) -> Message:
-        """A sentence with its code."""
+        """Return a sentence with its code."""
         message = super().__new__(cls, text)
         message.code = code
         return message
 
     def __getnewargs__(self) -> tuple[Any, ...]:
-        """What a copy is made of."""
+        """Return the arguments of a copy."""
         return str(self), self.code
 
     @property
     def is_note(self) -> bool:
-        """Whether a run that says it is as good as any."""
+        """Return whether it is a note, which does not affect the quality of the run."""
         return self.code in NOTES
 
 
@@ -58,5 +60,5 @@ NOTES = frozenset(
 
 
 def choice(texts: Iterable[str]) -> str:
-    """The place for one of some texts."""
+    """Return the place for one of some texts."""
     return f"{{?{'|'.join(texts)}}}"

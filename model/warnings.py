@@ -1,15 +1,17 @@
-"""What makes a run doubtful once it has begun, each from an instant that the run remembers."""
+"""The warnings about a run, each with the time from which it holds."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-from .time_loop.monitors import SLOW
+# Iterations in a cycle of the rotation or of the lowest mode, whichever is faster, above which a
+# run is called slow: with steps by tolerance a cycle takes some hundreds.
+SLOW = 300_000
 
 
 class RunWarning(NamedTuple):
-    """A field of the run's record, the time from which the doubt holds [s] or NaN, its code (see
-    `spelling.Message`), and the words in which that time stands."""
+    """A field of the run's record, the time from which the warning holds [s] or NaN, its code (see
+    `spelling.Message`), and its sentence, in which that time is filled in."""
 
     since: str
     code: str
@@ -24,14 +26,14 @@ RUN_WARNINGS = (
         "trapped_at",
         "false-state",
         "false state since t = {:.4g} s: a journal jumps from wall to wall of its clearance every "
-        "step or two, which is the integrator's doing; do not trust this run: take the preset "
+        "step or two, caused by the integrator; do not trust this run: take the preset "
         "robust, or a smaller solver.h",
     ),
     RunWarning(
         "overdamped_at",
         "overdamped",
-        "overdamped since t = {:.4g} s: while a journal rubs the integrator takes energy that the "
-        "machine's own dampers would not, and may hide an instability; do not trust this run: take "
+        "overdamped since t = {:.4g} s: while a journal rubs the integrator dissipates more energy "
+        "than the machine's own dampers, and may hide an instability; do not trust this run: take "
         "the preset controlled, or a smaller solver.h",
     ),
     RunWarning(
@@ -43,7 +45,7 @@ RUN_WARNINGS = (
     RunWarning(
         "coarse_at",
         "too-coarse",
-        "too coarse since t = {:.4g} s: steps of solver.h_min, below which none is made, miss the "
+        "too coarse since t = {:.4g} s: steps of solver.h_min, the shortest allowed, miss the "
         "tolerance; take a smaller solver.h_min, or a larger solver.tolerance",
     ),
     RunWarning(

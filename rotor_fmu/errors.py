@@ -18,7 +18,7 @@ FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 
 
 class InputError(UserInputError, ValueError):
-    """What a user gave that cannot be; names the thing, its value and what is allowed.
+    """Invalid input; the message names it, its value and what is allowed.
 
     >>> import rotor_fmu as rf
     >>> try:
@@ -30,7 +30,7 @@ class InputError(UserInputError, ValueError):
 
 
 class RunFailed(RuntimeError):
-    """A run that did not reach its end, where nothing of it can be returned.
+    """A run that failed and left nothing to return.
 
     >>> import rotor_fmu as rf
     >>> try:
@@ -67,7 +67,7 @@ def run(app: Callable[..., int | None]) -> None:
 
 
 def _one_line(error: typer.TyperException) -> str:
-    """The parser's complaint in one line, with the value that it leaves out."""
+    """Return the parser's error in one line, with the value that it leaves out."""
     text = " ".join(error.format_message().split())
     for option in getattr(getattr(error, "param", None), "opts", ()):
         if option in sys.argv[1:-1]:
@@ -77,7 +77,7 @@ def _one_line(error: typer.TyperException) -> str:
 
 
 def _unreachable(error: OSError) -> str:
-    """What cannot be read or written, and why, in one line; a full disk, for one."""
+    """Return in one line what cannot be read or written, and why, such as a full disk."""
     if isinstance(error, shutil.Error):  # of a folder: a file each
         _, file, reason = error.args[0][0]
     else:
@@ -91,7 +91,8 @@ def _end(message: str, status: int) -> None:
 
 
 def optional(module: str, extra: str, what: str) -> Any:
-    """A module that an extra of this package brings; `InputError` where it is not installed."""
+    """Return a module that an extra of this package brings; `InputError` where it is not
+    installed."""
     try:
         return import_module(module)
     except ImportError:
@@ -102,7 +103,7 @@ def optional(module: str, extra: str, what: str) -> Any:
 
 
 def writable_folder(path: Path) -> Path:
-    """The folder, made if need be; `InputError` if it cannot be written to."""
+    """Return the folder, made if need be; `InputError` if it cannot be written to."""
     try:
         path.mkdir(parents=True, exist_ok=True)
         probe = path / ".rotor-fmu-probe"
@@ -118,8 +119,8 @@ _MOST_BYTES = 64_000_000  # of a text file that a user may name
 
 
 def read_text(option: str, path: Path) -> str:
-    """A text file that a user named; `InputError` if it cannot be read, or is a device or a pipe,
-    which might have no end."""
+    """Return a text file that a user named; `InputError` if it cannot be read, or is a device or a
+    pipe, which might have no end."""
     try:
         if not path.is_file():
             path.stat()  # says why there is none

@@ -1,4 +1,4 @@
-"""What all pictures of the project have in common."""
+"""The common style of all pictures."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe 
 
 
 class PlainFigure(Figure):
-    """A figure whose texts are as they are written: a machine's names may hold dollar signs, which
+    """A figure whose texts are drawn as written: a machine's names may hold dollar signs, which
     matplotlib would read as formulas."""
 
     def draw(self, renderer: RendererBase) -> None:
@@ -29,7 +29,7 @@ class PlainFigure(Figure):
 
 
 def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
-    """A figure with one pair of axes, without the global state of pyplot; size in inches."""
+    """Return a figure with one pair of axes, without the global state of pyplot; size in inches."""
     figure, axes = new_panels(width, height, 1, 1)
     return figure, axes[0]
 
@@ -37,7 +37,7 @@ def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
 def new_panels(
     width: float, height: float, rows: int, columns: int = 1, share_x: bool = False
 ) -> tuple[Figure, np.ndarray]:
-    """A figure with several pairs of axes, shape (rows x columns,); size in inches."""
+    """Return a figure with several pairs of axes, shape (rows x columns,); size in inches."""
     figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, columns, squeeze=False, sharex=share_x).ravel()

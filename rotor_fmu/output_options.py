@@ -1,4 +1,4 @@
-"""What a command tells of its results: words, the same figures as JSON, or nothing."""
+"""The output options of commands: text, the same figures as JSON, or nothing."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from .status import FAILED
 
 def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:
     """Give a command that returns its figures the options `--json` and `--quiet`; a `status` among
-    the figures that says `failed: ` is a `RunFailed` once they are told."""
+    the figures that begins with `failed: ` raises `RunFailed` once they are printed."""
 
     @wraps(command)
     def run_command(*, as_json: bool = False, is_quiet: bool = False, **options: Any) -> None:
-        """Call the command and tell what it returns."""
+        """Call the command and print what it returns."""
         with ExitStack() as stack:
             if as_json or is_quiet:
                 stack.enter_context(redirect_stdout(io.StringIO()))
@@ -56,18 +56,18 @@ def _options() -> dict[str, Any]:
         ],
         "is_quiet": Annotated[
             bool,
-            typer.Option("--quiet", help="Print nothing but errors, and what --json asks for."),
+            typer.Option("--quiet", help="Print nothing but errors and the output of --json."),
         ],
     }
 
 
 def json_text(figures: Mapping[str, Any]) -> str:
-    """Figures as JSON, which knows no infinity: null where a number is not finite."""
+    """Return figures as JSON, which has no infinity: null where a number is not finite."""
     return dumps(as_json_value(figures), indent=2, allow_nan=False) + "\n"
 
 
 def as_json_value(value: Any) -> Any:
-    """Figures of which JSON has words: None where a number is not finite."""
+    """Return figures as JSON values: None where a number is not finite."""
     if isinstance(value, Mapping):
         return {str(key): as_json_value(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

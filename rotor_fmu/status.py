@@ -11,7 +11,7 @@ OK, DOUBTFUL, FAILED = "ok", "doubtful: ", "failed: "
 
 
 def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
-    """The status of a run that said this; failure: why it ended early."""
+    """Return the status of a run that said this; failure: why it ended early."""
     if failure is not None:
         return f"{FAILED}{failure}"
     codes = dict.fromkeys(m.code for m in messages if m.code and not m.is_note)
@@ -19,13 +19,13 @@ def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
 
 
 def with_doubt(status: str, code: str) -> str:
-    """A status to which the code of a doubt is added."""
+    """Return a status with the code of a warning added."""
     if status == OK:
         return f"{DOUBTFUL}{code}"
     return status if status.startswith(FAILED) else f"{status}, {code}"
 
 
 def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:
-    """The messages of a run and their codes, as a file or a page tells them."""
+    """Return the messages of a run and their codes, as a file or a page tells them."""
     listed = [*messages]
     return {"messages": [str(m) for m in listed], "codes": [m.code for m in listed]}

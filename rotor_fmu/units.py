@@ -1,4 +1,4 @@
-"""Units that people write, beside the SI units that everything here is in."""
+"""Units that users may write besides SI units; inside, everything is in SI units."""
 
 from __future__ import annotations
 
@@ -15,5 +15,6 @@ _OTHERS = {
 
 
 def units_for(si: str) -> dict[str, float]:
-    """The units in which a quantity may be given, and what one of each is in the SI unit [1]."""
+    """Return the units in which a quantity may be given, and the factor of each to the SI unit
+    [1]."""
     return {si: 1.0, **_OTHERS.get(si, {})}

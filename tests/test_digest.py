@@ -49,7 +49,7 @@ def edit(tree, name, old, new):
 
 
 KERNEL = ("model", "kernels", "functions.py")
-DOCSTRING = '"""|z| of a complex number'
+DOCSTRING = '"""Return |z| of a complex number'
 ENTRY = ("library", "entry_points.py")
 
 
@@ -57,7 +57,7 @@ def test_comments_docstrings_and_layout_change_nothing(tree):
     before = digests(tree)
     edit(tree, KERNEL, DOCSTRING, '"""The length of a complex number')
     edit(tree, KERNEL, "_SPLIT = 134217729.0", "# a comment\n\n_SPLIT = (\n    134217729.0\n)")
-    edit(tree, ENTRY, '    """`entries.survey`."""', '    """Another text."""  # and a comment')
+    edit(tree, ENTRY, '    """Call `entries.survey`."""', '    """Another text."""  # a comment')
     assert digests(tree) == before
 
 

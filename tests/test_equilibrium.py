@@ -153,7 +153,7 @@ def test_a_shaft_that_rounding_makes_loose_is_said_to_be_too_stiff():
         "elements = 60\n[[point_mass]]\nnode = 31\nmass = 10.0\n"
     )
     machine = parse_rotor(stiff + bearing.format(1) + bearing.format(61))
-    with pytest.raises(EquilibriumError, match=r"rounding hides what holds it, 2e\+06 N/m"):
+    with pytest.raises(EquilibriumError, match=r"rounding hides that of its supports, 2e\+06 N/m"):
         rest(machine)
 
 

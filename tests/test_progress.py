@@ -3,6 +3,7 @@
 import pytest
 from rotor_fmu.model.settings import choose
 
+from rotor_fmu import screen
 from rotor_fmu.runs import progress
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.progress import shown, steps
@@ -37,10 +38,10 @@ def test_steps_at_the_shortest_allowed_say_so():
 
 
 @pytest.mark.parametrize("is_terminal", [False, True])
-def test_progress_is_told_every_now_and_then(monkeypatch, capsys, is_terminal):
+def test_progress_is_shown_every_now_and_then(monkeypatch, capsys, is_terminal):
     """On a clock of which every look takes 6 s."""
     clock = iter(range(0, 600, 6))
-    monkeypatch.setattr(progress.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(screen.time, "monotonic", lambda: next(clock))
     monkeypatch.setattr(type(progress._console), "is_terminal", is_terminal)
     looks = []
 

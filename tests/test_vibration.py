@@ -200,7 +200,8 @@ def test_a_signal_of_too_few_turns_is_refused_with_its_length(function):
 def test_an_order_that_the_block_does_not_hold_is_refused():
     t, phi = run_down(2.0)
     with pytest.raises(
-        ValueError, match=r"order 0\.3: a block of 4 turns tells multiples of 0\.25 from 0\.5 on"
+        ValueError,
+        match=r"order 0\.3: a block of 4 turns resolves multiples of 0\.25, from 0\.5",
     ):
         vibration.order_track(t, phi, phi + 0j, [0.3])
     with pytest.raises(ValueError, match=r"order 3: must be one of 0\.5, 1, 2"):

@@ -28,7 +28,8 @@ from .wall import touch
 
 @jit
 def friction(part, v_t):
-    """mu_t, the signed coefficient of friction at a sliding speed [m/s], and its derivative."""
+    """Return mu_t, the signed coefficient of friction at a sliding speed [m/s], and its
+    derivative."""
     root = math.sqrt(v_t * v_t + part.v_s * part.v_s)
     s_t = v_t / root
     mu = part.mu
@@ -43,7 +44,7 @@ def friction(part, v_t):
 
 @jit
 def _largest_friction(part, v_t):
-    """mu(v_t) and its derivative."""
+    """Return mu(v_t) and its derivative."""
     if part.mu_rise == 0.0:
         return part.mu, 0.0
     x = v_t / part.v_stribeck
@@ -64,8 +65,8 @@ class Friction(NamedTuple):
 
 @jit
 def rub(part, n, v_t, b, free):
-    """`Friction` under a normal force n [N] at a sliding speed [m/s], z = free + b z'; b = 0 at an
-    instant."""
+    """Return the `Friction` under a normal force n [N] at a sliding speed [m/s], z = free + b z'; b
+    = 0 at an instant."""
     if part.k_t == 0.0:
         mu_t, slope = friction(part, v_t)
         return Friction(mu_t, slope, mu_t, free)
@@ -83,20 +84,20 @@ def rub(part, n, v_t, b, free):
 
 @jit
 def stretching(part, rubbing, z):
-    """z' [m/s] of a contact that sticks, at a friction force [N]; without a spring 0."""
+    """Return z' [m/s] of a contact that sticks, at a friction force [N]; 0 without a spring."""
     return (rubbing - part.k_t * z) / part.c_t if part.k_t > 0.0 else 0.0
 
 
 @jit
 def stretched(part, z):
-    """Elastic energy of the tangential spring [J]."""
+    """Return the elastic energy of the tangential spring [J]."""
     return 0.5 * part.k_t * z * z
 
 
 @jit
 def outward(gradient):
-    """How steep the clearance is where it is touched [1], and its unit normal in the frame along
-    e."""
+    """Return the slope of the clearance at the point of contact [1], and its unit normal in the
+    frame along e."""
     if gradient.imag == 0.0:  # round
         return 1.0, complex(1.0, 0.0)
     steep = modulus(gradient)
@@ -119,8 +120,8 @@ class Rubbing(NamedTuple):
 
 @jit
 def rubbing(part, kinematics, surface, z):
-    """`Rubbing` on a surface past which the journal's own moves with the speed `surface` [m/s] if
-    its centre rests; z: elongation of the tangential spring [m]."""
+    """Return the `Rubbing` on a surface past which the journal's own moves with the speed `surface`
+    [m/s] if its centre rests; z: elongation of the tangential spring [m]."""
     at = touch(part, kinematics)
     if at.penetration <= 0.0:
         return Rubbing(0.0j, 0.0, 0.0, 0.0, at.penetration, 0.0, 0.0)
@@ -137,7 +138,8 @@ def rubbing(part, kinematics, surface, z):
 
 @jit_not_inlined
 def _column(at, rubs, give, z, z_v):
-    """dF in the frame along e by a displacement z and a velocity z_v; see `contact_tangent`."""
+    """Return dF in the frame along e by a displacement z and a velocity z_v; see
+    `contact_tangent`."""
     steep, normal = outward(at.gradient)
     d_gradient = complex(at.skew * z.imag, at.skew * z.real + at.curvature * z.imag)
     d_rate = (d_gradient.conjugate() * at.velocity + at.gradient.conjugate() * z_v).real
@@ -154,8 +156,9 @@ def _column(at, rubs, give, z, z_v):
 
 @jit
 def contact_tangent(at, rubs, give, weights):
-    """The pair p, q of a contact, at: its `Touch`, rubs: its `Friction`; give: what the surface
-    that is rubbed leaves of a change of the friction force [1]; weights: see `parts.law`."""
+    """Return the pair p, q of a contact, at: its `Touch`, rubs: its `Friction`; give: share of a
+    change of the friction force that remains when the rubbed surface yields [1]; weights: see
+    `parts.law`."""
     e, by_d, by_v = at.direction, weights.displacement, weights.velocity
     if at.gradient.imag != 0.0:
         by_a = _column(at, rubs, give, by_d + 0j, by_v + 0j)
@@ -178,7 +181,7 @@ def contact_tangent(at, rubs, give, weights):
 
 @jit
 def rubbing_tangent(part, kinematics, weights, surface, b, free):
-    """Force of a contact on the journal [N], its tangent p, q, and z [m]; see `rub`."""
+    """Return the force of a contact on the journal [N], its tangent p, q, and z [m]; see `rub`."""
     at = touch(part, kinematics)
     n = at.normal
     if at.penetration <= 0.0 or n <= 0.0:

@@ -1,12 +1,12 @@
-"""A journal at a wall: where it touches, how far it is in, what that costs.
+"""A journal at a wall: where it touches, how deep it penetrates, and the force that follows.
 
 d = u + i v [m] is the journal's displacement relative to the housing, e = d / |d| the direction of
 contact, psi = arg d the contact angle (paper A, eqs 2 to 5, with its misprints mended):
 
     delta = |d| - s;    n = max(0, k delta^m + c min(1, delta / delta_c) delta')  while delta > 0
 
-with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration: were it
-there at once, the force would jump at touch, and a step that ends in the jump would have no
+with the exponent m = 1, or 1.5 for Hertz' contact. The damping grows with the penetration. If it
+acted at once, the force would jump at touch, and a step that ends in the jump would have no
 solution.
 
 In a worn housing the clearance depends on the direction, s(psi) = clearance + wear
@@ -30,43 +30,50 @@ _POWER = Rule(1.0, False, "must be >= 1 and finite")
 
 @dataclass(frozen=True, kw_only=True)
 class ContactQuantities:
-    """What a clearance contact is: journal_radius, radial clearance [m]; contact stiffness k
-    [N/m^exponent], contact damping c [N.s/m] that is fully there at the penetration delta_c [m];
-    coefficient of friction mu [1], smoothed below the sliding speed v_s [m/s], and at rest larger
-    by mu_rise [1], which falls off over v_stribeck [m/s]; depth [m], direction [rad] and
-    narrowness [1] of the wear; tangential stiffness k_t [N/m] and damping c_t [N.s/m] of a journal
-    that sticks."""
+    """The quantities of a clearance contact: journal_radius, radial clearance [m]; contact
+    stiffness k [N/m^exponent], contact damping c [N.s/m] that reaches its full value at the
+    penetration delta_c [m]; coefficient of friction mu [1], smoothed below the sliding speed v_s
+    [m/s], and at rest larger by mu_rise [1], which falls off over v_stribeck [m/s]; depth [m],
+    direction [rad] and narrowness [1] of the wear; tangential stiffness k_t [N/m] and damping c_t
+    [N.s/m] of a journal that sticks."""
 
     journal_radius: float = quantity("m", "radius of the journal")
     clearance: float = quantity("m", "radial clearance", is_parameter=True)
     mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_parameter=True)
     k: float = quantity("N/m", "contact stiffness", is_parameter=True)
     c: float = quantity("N.s/m", "contact damping", NOT_NEGATIVE, 100.0, is_parameter=True)
-    delta_c: float = quantity("m", "penetration at which its damping is whole", default=2e-7)
+    delta_c: float = quantity(
+        "m", "penetration from which the contact damping acts in full", default=2e-7
+    )
     v_s: float = quantity("m/s", "sliding speed below which friction is smoothed", default=1e-3)
     exponent: float = quantity(
         "1",
-        "exponent of the penetration: 1 linear, 10/9 a roller, 1.5 Hertz; k in N/m^exponent",
+        "exponent of the penetration: 1 linear, 10/9 roller, 1.5 Hertz; k in N/m^exponent",
         _EXPONENT,
         1.0,
     )
-    mu_rise: float = quantity("1", "excess of the friction at rest", NOT_NEGATIVE, 0.0)
-    v_stribeck: float = quantity("m/s", "sliding speed over which it falls off", default=0.01)
+    mu_rise: float = quantity(
+        "1", "excess of the coefficient of friction at rest", NOT_NEGATIVE, 0.0
+    )
+    v_stribeck: float = quantity(
+        "m/s", "sliding speed over which the excess falls off", default=0.01
+    )
     wear: float = quantity("m", "depth of the wear", NOT_NEGATIVE, 0.0)
     wear_angle: float = quantity("rad", "direction of the wear", ANY, 1.5 * math.pi)
-    wear_power: float = quantity("1", "narrowness of the wear: 1 wide", _POWER, 1.0)
+    wear_power: float = quantity("1", "narrowness of the worn arc: 1 is widest", _POWER, 1.0)
     k_t: float = quantity(
         "N/m",
-        "tangential stiffness of a journal that sticks; 0: it creeps below v_s",
+        "tangential stiffness of a sticking contact; 0: no sticking, the journal creeps below v_s",
         NOT_NEGATIVE,
         0.0,
     )
-    c_t: float = quantity("N.s/m", "tangential damping of a journal that sticks", default=100.0)
+    c_t: float = quantity("N.s/m", "tangential damping of a sticking contact", default=100.0)
 
 
 @jit
 def _clearance_at(part, d):
-    """Clearance in the direction of d, and its first and second derivative by the angle [m]."""
+    """Return the clearance in the direction of d, and its first and second derivative by the angle
+    [m]."""
     if part.wear == 0.0:
         return part.clearance, 0.0, 0.0
     return _worn_at(part, d)
@@ -74,7 +81,7 @@ def _clearance_at(part, d):
 
 @jit_not_inlined
 def _worn_at(part, d):
-    """`_clearance_at` of a worn housing."""
+    """Return what `_clearance_at` returns, for a worn housing."""
     turned = direction(0.5 * (angle(d) - part.wear_angle))
     c, s = turned.real, turned.imag
     p = part.wear_power
@@ -89,7 +96,7 @@ def _worn_at(part, d):
 
 @jit
 def elastic(part, delta):
-    """Elastic force of a penetration [N], its derivative [N/m]."""
+    """Return the elastic force of a penetration [N] and its derivative [N/m]."""
     if part.exponent == 1.0:
         return part.k * delta, part.k
     slope = part.k * power(delta, part.exponent - 1.0)
@@ -118,7 +125,8 @@ class Touch(NamedTuple):
 
 @jit
 def touch(part, kinematics):
-    """`Touch` of a journal; all but the penetration is 0 where it does not touch."""
+    """Return the `Touch` of a journal; everything but the penetration is 0 where it does not
+    touch."""
     d = kinematics.displacement
     r = modulus(d)
     s, s_1, s_2 = _clearance_at(part, d)
@@ -144,7 +152,7 @@ def touch(part, kinematics):
 
 @jit
 def contact_angle(d):
-    """psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
+    """Return psi in [0, 2 pi) [rad] of the journal's relative displacement d."""
     psi = angle(d)
     if psi < 0.0:
         psi += 2.0 * math.pi
@@ -153,19 +161,19 @@ def contact_angle(d):
 
 @jit
 def gap(part, d):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return _clearance_at(part, d)[0] - modulus(d)
 
 
 @jit
 def length(part):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return part.clearance
 
 
 @jit
 def compression(part, d):
-    """Elastic energy of a contact [J]."""
+    """Return the elastic energy of a contact [J]."""
     delta = -gap(part, d)
     if delta <= 0.0:
         return 0.0

@@ -1,1 +1,1 @@
-"""What kernels are made with: the compiler and its cache, band matrices."""
+"""Tools for kernels: the compiler and its cache, band matrices, elementary functions."""

@@ -15,7 +15,8 @@ from .jit import jit
 
 
 def to_band(dense: np.ndarray, half_bandwidth: int) -> np.ndarray:
-    """Band storage, shape (n, half_bandwidth + 1), of a dense symmetric matrix, shape (n, n)."""
+    """Return the band storage, shape (n, half_bandwidth + 1), of a dense symmetric matrix, shape
+    (n, n)."""
     n = len(dense)
     band = np.zeros((n, half_bandwidth + 1), dtype=dense.dtype)
     for d in range(half_bandwidth + 1):
@@ -24,7 +25,7 @@ def to_band(dense: np.ndarray, half_bandwidth: int) -> np.ndarray:
 
 
 def to_dense(band: np.ndarray) -> np.ndarray:
-    """Dense symmetric matrix, shape (n, n), of a band matrix."""
+    """Return the dense symmetric matrix, shape (n, n), of a band matrix."""
     n, width = band.shape
     dense = np.zeros((n, n), dtype=band.dtype)
     for d in range(width):
@@ -59,7 +60,7 @@ def add_product(band, x, y):
 
 @jit
 def form(band, x, y):
-    """x^H A y of a real matrix and complex vectors of shape (n,)."""
+    """Return x^H A y of a real matrix and complex vectors of shape (n,)."""
     n, width = band.shape
     total = 0.0j
     for i in range(n):

@@ -31,7 +31,7 @@ class Field(NamedTuple):
     extents: tuple[str, ...]
 
     def shape(self, sizes: Mapping[str, int]) -> tuple[int, ...]:
-        """Its shape for these sizes."""
+        """Return its shape for these sizes."""
         return tuple(eval(extent, {}, dict(sizes)) for extent in self.extents)
 
 
@@ -45,7 +45,7 @@ class Group:
     tuples: Mapping[str, Sequence[tuple[np.dtype, tuple[str, ...]]]]
 
     def members(self) -> list[tuple[str, list[Field]]]:
-        """Each member with its arrays: one, or those of its tuple."""
+        """Return each member with its arrays: one, or those of its tuple."""
         members = []
         for name, hint in get_type_hints(self.kind, include_extras=True).items():
             path = f"{self.name}.{name}"
@@ -78,7 +78,7 @@ class Layout:
         )
 
     def offsets(self, sizes: Mapping[str, int]) -> dict[str, int]:
-        """Where each array begins [bytes], and under "" where the block ends."""
+        """Return where each array begins [bytes], and under "" where the block ends."""
         at = _padded(self.header_length * _HEADER_TYPE.itemsize)
         where = {}
         for field in self.fields:
@@ -87,7 +87,7 @@ class Layout:
         return where | {"": at}
 
     def new(self, sizes: Mapping[str, int]) -> np.ndarray:
-        """A block of zeros with its head filled in, dtype uint8."""
+        """Return a block of zeros with its head filled in, dtype uint8."""
         where = self.offsets(sizes)
         raw = np.zeros(where[""] + ALIGNMENT, dtype=np.uint8)
         start = -raw.ctypes.data % ALIGNMENT
@@ -99,7 +99,7 @@ class Layout:
         return block
 
     def extent(self, block: np.ndarray, group: str) -> slice:
-        """Which bytes of the block a group takes."""
+        """Return which bytes of the block a group takes."""
         header = block[: self.header_length * _HEADER_TYPE.itemsize].view(_HEADER_TYPE)
         names = [g.name for g in self.groups]
         last = names.index(group) + 1
@@ -116,8 +116,8 @@ class Layout:
         return dispatcher(self._view(array_at), options=OPTIONS)
 
     def _view(self, at: Callable[..., Any]) -> Callable[[Any], Any]:
-        """The function that finds all groups in a block, from source that the table spells; at:
-        finds an array."""
+        """Return the function that finds all groups in a block, from source that the table spells;
+        at: finds an array."""
         scope: dict[str, Any] = {"at": at, "header_type": _HEADER_TYPE, "run": self.run}
         lines = [f"    header = at(block, 0, ({self.header_length},), header_type)"]
         lines += [f"    {name} = header[{i}]" for i, name in enumerate(self.size_names, 1)]
@@ -148,7 +148,7 @@ def _padded(size: int) -> int:
 
 
 def _array(block, offset, shape, dtype):
-    """The array of this shape and type at an offset [bytes] in a block."""
+    """Return the array of this shape and type at an offset [bytes] in a block."""
     size = int(np.prod(shape)) * dtype.itemsize
     result = block[offset : offset + size].view(dtype).reshape(shape)
     return result.view(np.recarray) if dtype.names else result

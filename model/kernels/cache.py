@@ -1,4 +1,4 @@
-"""The user's folder for what can be made again: libraries, and code that numba compiled."""
+"""The user's cache folder, for libraries and for code that numba compiled."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _said: set[str] = set()
 
 
 def user_cache() -> Path:
-    """The folder that the environment's ROTOR_FMU_CACHE names, or the platform's usual one.
+    """Return the folder that the environment's ROTOR_FMU_CACHE names, or the platform's usual one.
 
     Raises `OSError` if there is neither, as for a user without a home, and `ImportError` without
     platformdirs.
@@ -29,8 +29,8 @@ def user_cache() -> Path:
 
 
 def private_folder(folder: Path) -> Path:
-    """Make a folder for this user alone, or check that nobody else can write to the one there is:
-    what lies in it is run as machine code.
+    """Make a folder for this user alone, or check that nobody else can write to the existing one:
+    its files are run as machine code.
 
     Raises `OSError` if it cannot be made or written to, belongs to another user or is open to
     others.

@@ -1,9 +1,8 @@
-"""Digests of kernels: what a library was made of, by which it is found.
+"""Digests of the kernels' sources, by which a library is identified.
 
 A digest follows the syntax trees, without docstrings, of a module and of all modules of `model`
-that importing it leads to. Comments, docstrings and layout change nothing. To parse them
-takes a quarter of a second, so a record beside a library says which digest the files had as they
-were then.
+that importing it leads to. Comments, docstrings and layout change nothing. To parse them takes a
+quarter of a second, so a record beside each library stores the digest of its files.
 """
 
 from __future__ import annotations
@@ -31,14 +30,13 @@ _NO_KERNELS = (Path(__file__), Path(__file__).with_name("cache.py"))
 
 
 def kernels_digest() -> str:
-    """Sixteen characters that follow the kernels of a run, as they were when this was first
-    called."""
+    """Return the digest of a run's kernels, sixteen characters, as they were at the first call."""
     return _digests()[1]
 
 
 @cache
 def _digests() -> tuple[str, str]:
-    """Of all files' bytes, and of the kernels' syntax."""
+    """Return the digests of all files' bytes and of the kernels' syntax."""
     files = files_digest()
     for folder in folders():
         with suppress(OSError, ValueError):
@@ -49,7 +47,7 @@ def _digests() -> tuple[str, str]:
 
 
 def made_here() -> Path:
-    """The folder in the user's cache for libraries. Raises what `user_cache` does."""
+    """Return the folder in the user's cache for libraries. Raises what `user_cache` does."""
     return user_cache() / "native"
 
 
@@ -79,7 +77,7 @@ def record(folder: Path) -> None:
 
 
 def files_digest() -> str:
-    """Sixteen characters that follow every byte of the model's modules."""
+    """Return the sixteen characters that follow every byte of the model's modules."""
     digest = hashlib.sha256()
     for file in sorted(_MODEL.rglob("*.py")):
         digest.update(_path(file) + b"\0" + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
@@ -87,7 +85,8 @@ def files_digest() -> str:
 
 
 def syntax_digest(files: list[Path], before: str = "") -> str:
-    """Sixteen characters that follow the syntax trees of modules without their docstrings."""
+    """Return the sixteen characters that follow the syntax trees of modules without their
+    docstrings."""
     digest = hashlib.sha256(before.encode())
     for file in files:
         tree = ast.parse(file.read_bytes())
@@ -96,14 +95,14 @@ def syntax_digest(files: list[Path], before: str = "") -> str:
 
 
 def _path(file: Path) -> bytes:
-    """What a module is called wherever the package lies."""
+    """Return the module's name, wherever the package is installed."""
     inside = file.is_relative_to(_MODEL)
     return (file.relative_to(_MODEL).as_posix() if inside else f"../{file.name}").encode()
 
 
 def _text(node: object) -> str:
-    """A syntax tree as text, the same in every version of Python: `ast.dump` shows fields that are
-    empty in some."""
+    """Return a syntax tree as text, the same in every version of Python: `ast.dump` shows fields
+    that are empty in some."""
     if isinstance(node, ast.AST):
         fields = []
         for name, value in ast.iter_fields(node):
@@ -121,7 +120,8 @@ _DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def imported(start: Path, package: str) -> list[Path]:
-    """A module of `package`, and the modules of the model that importing it leads to, sorted."""
+    """Return a module of `package`, and the modules of the model that importing it leads to,
+    sorted."""
     result = {start}
     left = [(start, package)]
     while left:

@@ -24,7 +24,7 @@ CACHES = True
 def dispatcher(
     function: Callable[..., Any], to_cache: bool = False, options: Mapping[str, Any] = {}
 ) -> Any:
-    """What `numba.njit` makes of a function, its code cached on disk if `to_cache`."""
+    """Return the `numba.njit` dispatcher of a function, its code cached on disk if `to_cache`."""
     without_counts = {"_nrt": False} if _HAS_NRT else {}
     made = numba.njit(**{**options, **without_counts, **EXTRA})(function)
     folder = cache_folder() if to_cache and CACHES else None
@@ -41,8 +41,9 @@ def dispatcher(
 
 @cache
 def cache_folder() -> Path | None:
-    """Where numba caches the code of these kernels: its own check, a file's time, knows nothing of
-    the kernels that a kernel calls. None, which is logged, where there can be no such folder."""
+    """Return the folder in which numba caches the code of these kernels: its own check, a file's
+    time, ignores the kernels that a kernel calls. None, which is logged, if there can be no such
+    folder."""
     try:
         kernels = private_folder(user_cache()) / "numba"
         return private_folder(private_folder(kernels) / kernels_digest())
@@ -52,7 +53,7 @@ def cache_folder() -> Path | None:
 
 
 def is_cached(function: Callable[..., Any]) -> bool:
-    """Whether code of a function is cached, of whatever signature."""
+    """Return whether code of a function is cached, of whatever signature."""
     folder = cache_folder()
     name = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
     return folder is not None and any(folder.rglob(f"{name}-*.nbc"))
@@ -60,7 +61,7 @@ def is_cached(function: Callable[..., Any]) -> bool:
 
 @typeof_impl.register(Kernel)
 def _type_of(kernel, context):
-    """In compiled code a kernel stands for its dispatcher."""
+    """Return the type of a kernel's dispatcher, which stands for the kernel in compiled code."""
     return typeof_impl(kernel.dispatcher, context)
 
 
@@ -71,7 +72,7 @@ def array_at(typing_context, block, offset, shape, dtype):
     array_type = types.Array(dtype.dtype, len(shape), "C")
 
     def generate(context, builder, signature, arguments):
-        """The array's record, filled with where it lies and its extents."""
+        """Return the array's record, filled with where it lies and its extents."""
         from numba.np import arrayobj
 
         base = arguments[0]

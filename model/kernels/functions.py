@@ -18,20 +18,20 @@ _SPLIT = 134217729.0  # 2^27 + 1 cuts a number into halves whose products are ex
 
 @jit
 def modulus(z):
-    """|z| of a complex number that neither overflows nor underflows when it is squared."""
+    """Return |z| of a complex number that neither overflows nor underflows when it is squared."""
     return math.sqrt(z.real * z.real + z.imag * z.imag)
 
 
 @jit
 def inverse(z):
-    """1 / z of such a number. Division of complex numbers is rounded in as many ways as there are
-    languages and libraries; this is the same in all."""
+    """Return 1 / z of such a number. Division of complex numbers is rounded in as many ways as
+    there are languages and libraries; this is the same in all."""
     return z.conjugate() * (1.0 / (z.real * z.real + z.imag * z.imag))
 
 
 @jit
 def _sum(a, b):
-    """a + b, and what its rounding lost (Knuth)."""
+    """Return a + b and its rounding error (Knuth)."""
     s = a + b
     added = s - a
     return s, (a - (s - added)) + (b - added)
@@ -39,7 +39,7 @@ def _sum(a, b):
 
 @jit
 def _product(a, b):
-    """a b, and what its rounding lost (Dekker)."""
+    """Return a b and its rounding error (Dekker)."""
     p = a * b
     wide = _SPLIT * a
     a_high = wide - (wide - a)
@@ -68,7 +68,7 @@ def _reduced(theta):
 
 @jit
 def direction(theta):
-    """exp(i theta), each part below 1 ulp; |theta| up to 1e12, NaN beyond."""
+    """Return exp(i theta), each part below 1 ulp; |theta| up to 1e12, NaN beyond."""
     if not abs(theta) <= 1e12:
         return complex(math.nan, math.nan)
     quarter, r, low = _reduced(abs(theta))
@@ -113,7 +113,7 @@ _ARCTAN = (
 
 @jit
 def _arctan_of_ratio(a, b):
-    """arctan(a / b) of 0 <= a <= b, b > 0."""
+    """Return arctan(a / b) of 0 <= a <= b, b > 0."""
     k = int(16.0 * (a / b) + 0.5)
     c = k * 0.0625
     # arctan(a / b) - arctan(c) = arctan((a - c b) / (b + c a))
@@ -135,7 +135,8 @@ def _arctan_of_ratio(a, b):
 
 @jit_not_inlined
 def angle(z):
-    """The angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of 0."""
+    """Return the angle of a complex number from 0 to the right, in (-pi, pi], below 1 ulp; 0 of
+    0."""
     a, b = abs(z.imag), abs(z.real)
     if not (a > 0.0 or b > 0.0):
         return 0.0 if a == b else math.nan
@@ -153,7 +154,7 @@ def angle(z):
 
 @jit
 def _power_of_two(n):
-    """2^n, exactly; `2.0**n` would be the system's exp2."""
+    """Return 2^n, exactly; `2.0**n` would be the system's exp2."""
     y, factor, left = 1.0, 2.0 if n >= 0 else 0.5, abs(n)
     while left > 0:
         if left % 2 == 1:
@@ -165,7 +166,7 @@ def _power_of_two(n):
 
 @jit
 def root(x, n):
-    """The n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
+    """Return the n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
     if not 0.0 < x < math.inf:
         return x
     factor = _power_of_two(n)
@@ -188,7 +189,7 @@ _LN2 = (0.6931471803691238, 1.9082149292705877e-10)  # ln 2 in a part of 32 bits
 
 @jit_not_inlined
 def exponential(x):
-    """exp(x), within 2 ulp; 0 below -700, infinite above 700."""
+    """Return exp(x), within 2 ulp; 0 below -700, infinite above 700."""
     if not -700.0 <= x <= 700.0:
         return math.inf if x > 0.0 else 0.0 if x < 0.0 else math.nan
     n = math.floor(x * 1.4426950408889634 + 0.5)
@@ -201,7 +202,7 @@ def exponential(x):
 
 @jit_not_inlined
 def logarithm(x):
-    """ln x of x > 0, within 4 ulp of the larger of it and 1."""
+    """Return ln x of x > 0, within 4 ulp of the larger of it and 1."""
     if not 0.0 < x < math.inf:
         return -math.inf if x == 0.0 else math.inf if x > 0.0 else math.nan
     n = 0
@@ -221,8 +222,8 @@ def logarithm(x):
 
 @jit_not_inlined
 def power(x, y):
-    """x^y of x >= 0, to 4 ulp times the logarithm of the result; exact where y is 0 or 1, the root
-    where it is 1/2."""
+    """Return x^y of x >= 0, to 4 ulp times the logarithm of the result; exact where y is 0 or 1,
+    the root where it is 1/2."""
     if y == 0.0:
         return 1.0
     if y == 1.0:

@@ -30,7 +30,7 @@ OPTIONS = {"error_model": "numpy", "nogil": True, "forceinline": True}
 
 class Kernel:
     """A function that numba compiles for the types of its first call, or into the function that
-    calls it. All else that numba's dispatcher has is had from here too."""
+    calls it. Every other attribute is that of numba's dispatcher."""
 
     def __init__(self, function: Callable[..., Any], make: Callable[[], Any]) -> None:
         self.py_func = function
@@ -39,7 +39,7 @@ class Kernel:
 
     @cached_property
     def dispatcher(self) -> Any:
-        """What numba makes of the function."""
+        """Return numba's dispatcher of the function."""
         return self._make()
 
     @cached_property
@@ -52,19 +52,19 @@ class Kernel:
         return self.dispatcher(*arguments)
 
     def __getattr__(self, name: str) -> Any:
-        """What is not found here is the dispatcher's."""
+        """Return an attribute of the dispatcher."""
         if name.startswith("__"):
             raise AttributeError(name)
         return getattr(self.dispatcher, name)
 
     def __reduce__(self) -> Any:
-        """As numba's dispatcher is stored."""
+        """Pickle the kernel as numba's dispatcher does."""
         return self.dispatcher.__reduce__()
 
 
 def interpreted(function: Any) -> Any:
-    """A `jit` function interpreted, with all that it calls: for what is called once a machine,
-    where importing a compiler would take longer. Anything else is as it was."""
+    """Return a `jit` function interpreted, with all that it calls: for what is called once a
+    machine, where importing a compiler would take longer. Anything else is as it was."""
     if isinstance(function, Kernel):
         return function.interpreted
     if isinstance(function, ModuleType) and function.__name__.startswith(_PACKAGE):
@@ -95,14 +95,14 @@ def _interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _globals(code: CodeType) -> set[str]:
-    """Names of globals that a function's code reads."""
+    """Return the names of globals that a function's code reads."""
     inner = (_globals(c) for c in code.co_consts if isinstance(c, CodeType))
     own = {i.argval for i in get_instructions(code) if i.opname == "LOAD_GLOBAL"}
     return own.union(*inner)
 
 
 def has_to_compile(function: Any) -> bool:
-    """Whether the first call of a `jit` function compiles it, no code of it being cached."""
+    """Return whether the first call of a `jit` function compiles it, no code of it being cached."""
     if not IS_COMPILED or function.overloads:
         return False
     from .dispatching import is_cached

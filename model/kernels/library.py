@@ -1,4 +1,4 @@
-"""The kernels of a run as a library, made ahead: found by what it was made of, and loaded.
+"""The solver library, made ahead: located by the digest of its sources, and loaded.
 
 A file counts only if its name says that it was made of exactly these kernels and is whole:
 
@@ -32,21 +32,21 @@ _DIGITS = 16
 
 
 def here() -> str | None:
-    """Name of this machine's platform; None where there can be no library."""
+    """Return the name of this machine's platform, or None if no library can be made for it."""
     is_wide = sys.maxsize > 2**32
     machine = _MACHINES.get(platform.machine(), "")
     return _PLATFORMS.get((sys.platform, machine)) if is_wide else None
 
 
 def file_name(name: str, core: str, suffix: str, content: bytes) -> str:
-    """What the library of a platform is called that has this content."""
+    """Return the file name of a platform's library with this content."""
     checksum = hashlib.sha256(content).hexdigest()[:_DIGITS]
     return f"{name}.{core}.{kernels_digest()}.{checksum}{suffix}"
 
 
 def find(name: str, core: str = "*") -> Path | None:
-    """The library of a platform that was made of these kernels, if there is one; core: and of what
-    else."""
+    """Return the library of a platform that was made of these kernels, if there is one; core: and
+    of what else."""
     for folder in folders():
         for file in sorted(folder.glob(f"{name}.{core}.{kernels_digest()}.*")):
             if file.name == file_name(name, file.name.split(".")[1], file.suffix, _read(file)):
@@ -63,7 +63,7 @@ def _read(file: Path) -> bytes:
 
 @cache
 def loaded() -> ctypes.CDLL | None:
-    """This machine's library with the types of its functions, or None where there is none."""
+    """Return this machine's library with the types of its functions, or None if there is none."""
     name = here()
     file = find(name) if name else None
     if file is None:

@@ -1,4 +1,4 @@
-"""Linear answers about a machine: modes, Campbell diagram, response to unbalance, deflection."""
+"""Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection."""
 
 from .campbell import Campbell, CriticalSpeed, campbell
 from .machine import CONTACTS, LinearError, LinearMachine

@@ -38,7 +38,7 @@ class CriticalSpeed:
 @dataclass(frozen=True)
 class Campbell(Spectrum):
     """Modes over s speeds [rad/s], each followed by its shape; m modes in their order at the first
-    speed. What was lost sight of is NaN.
+    speed. Modes that could not be followed are NaN.
 
     eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonic: multiple of the
     speed that excites; critical: where a mode meets it, by ascending speed; threshold: lowest speed
@@ -62,7 +62,8 @@ def campbell(
     contacts: str | None = None,
     harmonic: float = 1.0,
 ) -> Campbell:
-    """The Campbell diagram of the `count` lowest modes over ascending speeds [rad/s], at least 2.
+    """Return the Campbell diagram of the `count` lowest modes over ascending speeds [rad/s], at
+    least 2.
 
     harmonic: multiple of the speed that excites, for critical speeds; contacts: `open` or `pinned`;
     None: open where the machine is held without them. Raises `LinearError`.
@@ -98,7 +99,7 @@ def campbell(
 
 
 class _Follower:
-    """Modes of a machine at any speed, and which is which."""
+    """Follows modes of a machine from speed to speed by their shapes."""
 
     def __init__(self, machine: LinearMachine, count: int) -> None:
         self._machine = machine
@@ -108,7 +109,8 @@ class _Follower:
         return machine_modes(self._machine, float(speed), self._count)
 
     def onward(self, a: Modes, b: Modes, places: np.ndarray, depth: int = 0) -> np.ndarray:
-        """Places in `b` of the modes that have `places` in `a`; -1 of one that is not there."""
+        """Return the places in `b` of the modes that have `places` in `a`; -1 of one that is not
+        there."""
         result, alike = _matched(a, b, places)
         if (alike > _ALIKE).all() or depth == _HALVINGS:
             return np.where(alike > _UNLIKE, result, -1)
@@ -118,7 +120,7 @@ class _Follower:
 
 
 def _likeness(a: Modes, b: Modes) -> np.ndarray:
-    """Modal assurance criterion of all shapes of a with all of b."""
+    """Return the modal assurance criterion of all shapes of a with all of b."""
     one, other = (
         np.hstack([m.x, m.y, m.housing_x, m.housing_y, m.slope_x * s, m.slope_y * s])
         for m, s in ((a, np.ptp(a.z) / 10), (b, np.ptp(b.z) / 10))
@@ -128,7 +130,7 @@ def _likeness(a: Modes, b: Modes) -> np.ndarray:
 
 
 def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places in `b`, and how alike the shapes are; 1 of what is lost already."""
+    """Return the places in `b`, and how alike the shapes are; 1 of what is lost already."""
     result, alike = np.full(len(places), -1), np.where(places >= 0, 0.0, 1.0)
     known = places >= 0
     if not known.any() or not len(b.eigenvalues):
@@ -144,7 +146,7 @@ def _matched(a: Modes, b: Modes, places: np.ndarray) -> tuple[np.ndarray, np.nda
 def _critical(
     follow: _Follower, seen: Sequence[Modes], places: Sequence[np.ndarray], harmonic: float
 ) -> list[CriticalSpeed]:
-    """Critical speeds between two speeds of the diagram."""
+    """Return the critical speeds between two speeds of the diagram."""
     a, b = seen
     result = []
     for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
@@ -159,15 +161,15 @@ def _critical(
 
 
 def _excess(modes: Modes, place: int, harmonic: float) -> float:
-    """Of a mode's frequency over the harmonic [rad/s]."""
+    """Return the excess of a mode's frequency over the harmonic [rad/s]."""
     return float(modes.damped[place]) - harmonic * abs(modes.speed)
 
 
 def _meeting(
     follow: _Follower, a: Modes, places: np.ndarray, mode: int, end: float, harmonic: float
 ) -> tuple[Modes, int]:
-    """The modes where that with the place places[mode] in `a` has its frequency in the harmonic,
-    before the speed `end`, and its place there."""
+    """Return the modes where that with the place places[mode] in `a` has its frequency in the
+    harmonic, before the speed `end`, and its place there."""
 
     def seen_at(speed: float) -> tuple[Modes, int]:
         there = follow.at(speed)
@@ -182,8 +184,8 @@ def _meeting(
 
 
 def _growth(modes: Modes) -> float:
-    """Largest share of growth of a mode, Re lambda / |lambda|; of what does not oscillate, its
-    sign."""
+    """Return the largest share of growth of a mode, Re lambda / |lambda|; of what does not
+    oscillate, its sign."""
     growing = [1.0] if (modes.decays > 0).any() else []
     return max([*(-modes.damping_ratio[modes.is_sound]), *growing], default=-1.0)
 

@@ -18,7 +18,8 @@ from .tangents import Tangents
 
 
 class LinearError(QuantityError):
-    """A linear answer that the machine cannot have; says which and what to do."""
+    """A linear analysis that this machine does not allow; the message names it and says what to
+    do."""
 
 
 class Strain(NamedTuple):
@@ -31,16 +32,17 @@ class Strain(NamedTuple):
     by_v: np.ndarray
 
     def matrix(self, turned: np.ndarray) -> sp.csc_array:
-        """Of the unknowns, with Z = turned."""
+        """Return the matrix of the unknowns, with Z = turned."""
         return (self.across.T @ diagonal(_turned(self.stiffness, turned)) @ self.across).tocsc()
 
     def flexibility(self, turned: np.ndarray) -> np.ndarray:
-        """Of each element's strains, x and y in turn, with Z = turned, shape (elements, 4, 4)."""
+        """Return the flexibility of each element's strains, x and y in turn, with Z = turned, shape
+        (elements, 4, 4)."""
         return _turned(np.linalg.inv(self.stiffness), np.linalg.inv(turned))
 
 
 def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
-    """Kronecker's product of each matrix of some, shape (count, 2, 2), and one."""
+    """Return the Kronecker product of each of `count` matrices, shape (count, 2, 2), with one."""
     return np.einsum("eij,ab->eiajb", each, turned).reshape(-1, 4, 4)
 
 
@@ -70,7 +72,8 @@ class Linear(NamedTuple):
         return self.own_K + self.strain.matrix(self.strain.by_d)
 
     def factorized(self, root: complex = 0.0) -> Solve:
-        """Solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is singular."""
+        """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is
+        singular."""
         own = root**2 * self.M + root * self.own_D + self.own_K
         turned = self.strain.by_d + root * self.strain.by_v
         try:

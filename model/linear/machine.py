@@ -37,8 +37,8 @@ _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that n
 
 
 class Supports(NamedTuple):
-    """What holds the shaft, in the order of the parts: names of springs to ground, of interfaces;
-    housings' names."""
+    """The supports of the shaft, in the order of the parts: names of springs to ground, of
+    interfaces; housings' names."""
 
     springs: tuple[str, ...]
     interfaces: tuple[str, ...]
@@ -46,7 +46,7 @@ class Supports(NamedTuple):
 
 
 class LinearMachine:
-    """A machine whose linear answers are asked for.
+    """A machine for linear analyses.
 
     contacts: `open` or `pinned`; None: open where the machine is held without its contacts, else
     pinned. Raises `LinearError` for another word.
@@ -99,19 +99,19 @@ class LinearMachine:
         return np.array(self.rotor.nodes)
 
     def at(self, speed: float) -> Linear:
-        """The machine at a speed [rad/s], linearized where gravity holds it; where nothing does, or
-        no law needs it, at no displacement. Raises `LinearError` if Newton's method finds no
-        equilibrium."""
+        """Return the machine at a speed [rad/s], linearized where gravity holds it; where nothing
+        does, or no law needs it, at no displacement. Raises `LinearError` if Newton's method finds
+        no equilibrium."""
         needs_rest = self.is_held and self._acts.any()
         return self.loaded(speed) if needs_rest else self.at_zero_load(speed)
 
     def at_zero_load(self, speed: float) -> Linear:
-        """The machine at a speed [rad/s] linearized at no displacement."""
+        """Return the machine at a speed [rad/s] linearized at no displacement."""
         return self._linear(speed, np.zeros(self.expand.shape[1]))
 
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
-        """The machine at a speed [rad/s] linearized where gravity and `loads` hold it; loads: x, y
-        of every dof, shape (2 size,) [N, N.m]."""
+        """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
+        loads: x, y of every dof, shape (2 size,) [N, N.m]."""
         if not self.is_held:
             raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
@@ -144,14 +144,14 @@ class LinearMachine:
         return numbers.kappa_v * speed + numbers.kappa_h * math.copysign(speed != 0, speed)
 
     def _strain(self, speed: float) -> Strain:
-        """What the shaft's strain adds."""
+        """Return the contribution of the shaft's strain."""
         numbers = self.structure.numbers[0]
         by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * _TURN
         by_v = numbers.eta_v * np.eye(2)
         return Strain(self._strained, self._full.stiffness, by_d, by_v)
 
     def _linear(self, speed: float, at: np.ndarray) -> Linear:
-        """The matrices linearized at the displacements `at`."""
+        """Return the matrices linearized at the displacements `at`."""
         K = self._K
         D = (self._D + speed * self._gyroscopic).tocsc()
         m = len(self._acts)
@@ -165,19 +165,21 @@ class LinearMachine:
         return Linear(speed, self.M, D, K, self._strain(speed), at, none, laws)
 
     def _tangent(self, tangents: np.ndarray, u: np.ndarray) -> np.ndarray:
-        """What tangents by interface make of displacements, x and y in turn."""
+        """Return the matrix of tangents by interface, x and y in turn."""
         d = (self._across @ u).reshape(-1, 2)
         return np.einsum("jab,jb->ja", tangents, d).ravel()
 
     def _between(self, tangents: np.ndarray) -> Any:
-        """Matrix of what acts between nodes and housings, of its tangents by interface."""
+        """Return the matrix of what acts between nodes and housings, of its tangents by
+        interface."""
         blocks = sp.block_diag([sp.coo_array(tangent) for tangent in tangents])
         return self._across.T @ blocks @ self._across
 
     def loads(
         self, linear: Linear, u: np.ndarray, pull: np.ndarray, force: np.ndarray, omega: float
     ) -> np.ndarray:
-        """What springs, then interfaces bear, x and y, shape (springs + interfaces, 2) [N].
+        """Return the loads on springs, then on interfaces, in x and y, shape (springs + interfaces,
+        2) [N].
 
         The machine moves as Re(u exp(i omega t)), its elements pulling with `pull`, under `force`,
         x, y of every dof; at omega = 0 it rests.
@@ -196,7 +198,7 @@ class LinearMachine:
         return np.concatenate([springs, acting])
 
     def _reactions(self, speed, whole, pull, force, omega, acting) -> np.ndarray:
-        """What the pins bear: that which all else leaves, shape (pins, 2)."""
+        """Return the forces on the pins, which balance all others, shape (pins, 2)."""
         full = self._full
         damping = full.C + speed * full.gyroscopic
         left = force - full.strained.T @ pull - full.K @ whole - 1j * omega * (damping @ whole)
@@ -206,7 +208,7 @@ class LinearMachine:
         return result.reshape(-1, 2)
 
     def _holds(self, linear: Linear) -> bool:
-        """Whether the stiffness resists every motion as a rigid body."""
+        """Return whether the stiffness resists every motion as a rigid body."""
         soft = _SOFT * self.structure.numbers[0].lowest_omega ** 2
         nodes, size = self.nodes, self.across.shape[1] // 2
         n = 2 * len(nodes)
@@ -222,7 +224,7 @@ class LinearMachine:
         return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
 
     def why_not_held(self) -> str:
-        """One line about what holds the machine, and what does not."""
+        """Return one line about the supports that hold the machine and those that do not."""
         held = len(self.supports.springs) + int(self._acts.sum())
         if self.contacts == PINNED:
             held += len(self.pinned)
@@ -274,8 +276,8 @@ def _matrices(rotor: Rotor, s: Structure) -> _Full:
 
 
 def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
-    """From the unknowns to all dofs, of which ground, the last, stays; pairs: (dof, end) that move
-    as one."""
+    """Return the matrix from the unknowns to all dofs, of which ground, the last, stays; pairs:
+    (dof, end) that move as one."""
     leader = np.arange(size)
     for dof, end in pairs:
         retained, merged = sorted((leader[dof], leader[end]))
@@ -290,7 +292,7 @@ def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
 
 
 def _differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:
-    """x, y of each pair's first less its second."""
+    """Return x, y of each pair's first less its second."""
     matrix = sp.lil_array((len(pairs), size))
     for j, (dof, end) in enumerate(pairs):
         matrix[j, dof] = 1.0
@@ -299,18 +301,18 @@ def _differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:
 
 
 def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
-    """Forces f of the pins with across^T f = left, ground's rows aside."""
+    """Return the forces f of the pins with across^T f = left, ground's rows aside."""
     rows = across.toarray().T[:-2]
     return np.linalg.lstsq(rows, left[:-2], rcond=None)[0]
 
 
 def in_plane(z: np.ndarray) -> np.ndarray:
-    """x, y in turn of complex numbers, shape (2 n,)."""
+    """Return x, y in turn of complex numbers, shape (2 n,)."""
     return np.column_stack([z.real, z.imag]).ravel()
 
 
 def to_complex(u: np.ndarray) -> np.ndarray:
-    """x + i y of x, y in turn, shape (n,)."""
+    """Return x + i y of x, y in turn, shape (n,)."""
     return u[::2] + 1j * u[1::2]
 
 

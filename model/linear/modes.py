@@ -39,8 +39,8 @@ class Modes(Spectrum):
     complex of shape (m,); x, y: shapes, complex of shape (m, n), the largest semi-axis 1; slope_x,
     slope_y [1/m], alike; housing_x, housing_y: shape (m, housings); is_degenerate: shape (m,),
     whether a mode shares its eigenvalue, so that it may whirl either way; decays: eigenvalues of
-    what does not oscillate [1/s], slowest first; residuals: what each mode leaves of its equation,
-    shape (m,) [1], about the relative error of its eigenvalue.
+    modes that do not oscillate [1/s], slowest first; residuals: the residual of each mode's
+    equation, shape (m,) [1], about the relative error of its eigenvalue.
     """
 
     speed: float
@@ -59,7 +59,8 @@ class Modes(Spectrum):
 
     @property
     def is_sound(self) -> np.ndarray:
-        """Which modes satisfy their equations within `DOUBTFUL`; others are rounding in part."""
+        """Which modes satisfy their equations within `DOUBTFUL`; others are dominated by
+        rounding."""
         return self.residuals <= DOUBTFUL
 
     @property
@@ -102,7 +103,7 @@ def modes(
     count: int = DEFAULT_COUNT,
     contacts: str | None = None,
 ) -> Modes:
-    """The `count` lowest modes at a speed [rad/s], fewer where there are fewer.
+    """Return the `count` lowest modes at a speed [rad/s], fewer where there are fewer.
 
     contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
     `LinearError`.
@@ -111,7 +112,7 @@ def modes(
 
 
 def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
-    """`modes` of a machine that is linear already."""
+    """Return `modes` of a machine that is linear already."""
     check_speed(speed)
     if count < 1:
         raise LinearError(f"count = {count}: must be at least 1")
@@ -151,7 +152,7 @@ class _Inverse:
         self.size = linear.M.shape[0]
 
     def __call__(self, state: np.ndarray) -> np.ndarray:
-        """Of states, shape (2 size,) or (2 size, columns)."""
+        """Apply the inverse to states, shape (2 size,) or (2 size, columns)."""
         if np.iscomplexobj(state):
             return self(state.real) + 1j * self(state.imag)
         q, v = state[: self.size], state[self.size :]
@@ -162,12 +163,12 @@ class _Inverse:
         return np.concatenate([moved, q + self.sigma * moved])
 
     def eigenvalues(self, inverted: np.ndarray) -> np.ndarray:
-        """Of the machine [1/s], of those of the inverse."""
+        """Return the machine's eigenvalues [1/s] from those of the inverse."""
         return self.scale * (self.sigma + 1 / inverted)
 
     def residuals(self, values: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """What eigenvalues [1/s] and their states leave of (A - sigma)^-1 x = x / (lambda - sigma),
-        of its right side: the larger of displacements' and velocities' shares [1]."""
+        """Return what eigenvalues [1/s] and their states leave of (A - sigma)^-1 x = x / (lambda -
+        sigma), of its right side: the larger of displacements' and velocities' shares [1]."""
         left = self(states) * (values / self.scale - self.sigma) - states
         halves = (np.s_[: self.size], np.s_[self.size :])
         norm = np.linalg.norm
@@ -175,8 +176,8 @@ class _Inverse:
 
 
 def _eigen(inverse: _Inverse, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues [1/s] and the states that belong to them; at least `count` that oscillate where
-    there are so many."""
+    """Return the eigenvalues [1/s] and the states that belong to them; at least `count` that
+    oscillate where there are so many."""
     size = 2 * inverse.size
     wanted = 2 * count + 4
     while True:

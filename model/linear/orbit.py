@@ -10,23 +10,24 @@ import numpy as np
 
 
 def forward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """f of complex amplitudes."""
+    """Return f of complex amplitudes."""
     return (x + 1j * y) / 2
 
 
 def backward_part(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """b of complex amplitudes."""
+    """Return b of complex amplitudes."""
     return np.conj(x - 1j * y) / 2
 
 
 def semi_axes(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Major and minor semi-axis; the minor one is negative where the node whirls backward."""
+    """Return the major and minor semi-axis; the minor one is negative where the node whirls
+    backward."""
     forward, backward = np.abs(forward_part(x, y)), np.abs(backward_part(x, y))
     return forward + backward, forward - backward
 
 
 def inclination(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Angle of the major axis from x [rad], in (-pi / 2, pi / 2]."""
+    """Return the angle of the major axis from x [rad], in (-pi / 2, pi / 2]."""
     both = np.angle(forward_part(x, y)) + np.angle(backward_part(x, y))
     angle = np.mod(both / 2, np.pi)
     return np.where(angle > np.pi / 2, angle - np.pi, angle)

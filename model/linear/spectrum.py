@@ -1,4 +1,4 @@
-"""What eigenvalues say: frequencies, damping ratio, logarithmic decrement."""
+"""Frequencies, damping ratio and logarithmic decrement from eigenvalues."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Static deflection under gravity and loads, and what the bearings bear."""
+"""Static deflection under gravity and loads, and the loads on the bearings."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ class Static:
     """A machine at rest under gravity and loads while it turns at `speed` [rad/s]; n nodes.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y [m], slope_x, slope_y [rad],
-    shape (n,); housings: their names, housing_x, housing_y [m]; supports: names of what bears the
-    shaft, support_z: where it stands [m]; load_x, load_y: what each bears [N], downwards negative.
+    shape (n,); housings: their names, housing_x, housing_y [m]; supports: names of the supports,
+    support_z: their positions [m]; load_x, load_y: the load on each [N], downwards negative.
     """
 
     speed: float
@@ -44,11 +44,12 @@ def static(
     contacts: str | None = None,
     loads: Sequence[tuple[int, float, float]] = (),
 ) -> Static:
-    """Where gravity and loads hold a machine that turns at a speed [rad/s].
+    """Return the static deflection of a machine under gravity and loads while it turns at a speed
+    [rad/s].
 
     loads: (node from 1, force to the right, force upwards) [N]; contacts: `open` or `pinned`; None:
-    open where the machine is held without them. Raises `LinearError` for a machine that is not
-    held and for a node that is none.
+    open where the machine is held without them. Raises `LinearError` for a machine that is not held
+    and for an unknown node.
     """
     check_speed(speed)
     machine = LinearMachine(rotor, contacts)
@@ -80,7 +81,7 @@ def static(
 
 
 def check_node(machine: LinearMachine, node: int) -> int:
-    """The node, if it is one; raises `LinearError`."""
+    """Return the node if the machine has it; raises `LinearError` otherwise."""
     highest = len(machine.nodes)
     if not 1 <= node <= highest:
         raise LinearError(f"node = {node}: must be an integer from 1 to {highest}")

@@ -26,8 +26,8 @@ class UnbalanceResponse:
     whose angles are measured from the shaft's mark.
 
     contacts: `open` or `pinned`; z: positions of the nodes [m]; x, y: shape (s, n) [m]; housings:
-    names, housing_x, housing_y, shape (s, housings) [m]; supports: names of what bears the shaft;
-    load_x, load_y: what each bears, shape (s, supports) [N].
+    names, housing_x, housing_y, shape (s, housings) [m]; supports: names of the supports; load_x,
+    load_y: the load on each, shape (s, supports) [N].
     """
 
     speeds: np.ndarray
@@ -44,12 +44,12 @@ class UnbalanceResponse:
 
     @property
     def forward(self) -> np.ndarray:
-        """What turns with the shaft, complex of shape (s, n) [m]."""
+        """Forward whirl component, complex of shape (s, n) [m]."""
         return orbit.forward_part(self.x, self.y)
 
     @property
     def backward(self) -> np.ndarray:
-        """What turns against it, complex of shape (s, n) [m]."""
+        """Backward whirl component, complex of shape (s, n) [m]."""
         return orbit.backward_part(self.x, self.y)
 
     @property
@@ -90,8 +90,8 @@ def unbalance_response(
     contacts: str | None = None,
     unbalances: Sequence[tuple[int, float, float]] | None = None,
 ) -> UnbalanceResponse:
-    """Steady response at speeds [rad/s] to the machine's unbalances, or to those given in their
-    place.
+    """Return the steady response at speeds [rad/s] to the machine's unbalances, or to those given
+    instead.
 
     unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
     `pinned`; None: open where the machine is held without them. Raises `LinearError`.
@@ -133,6 +133,6 @@ def unbalance_response(
 
 
 def _nothing(machine: LinearMachine) -> np.ndarray:
-    """The loads of what rests."""
+    """Return the loads of what rests."""
     supports = machine.supports
     return np.zeros((len(supports.springs) + len(supports.interfaces), 2), dtype=complex)

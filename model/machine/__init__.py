@@ -1,1 +1,1 @@
-"""What a machine is, as data."""
+"""Machines as data, and their files."""

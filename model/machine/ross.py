@@ -2,7 +2,7 @@
 
 One table an element, keyed `{Class}_{tag}`; SI units, nodes from 0, x and y transverse. Elements of
 one `n` lie in layers. A bearing's `n_link` beyond the shaft is a pedestal: a point mass on a second
-bearing to ground; here a housing. What cannot be carried over is refused by name.
+bearing to ground; here a housing. An element that cannot be imported is an error that names it.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _SHEARS = {"cowper": "cowper", "hutchinson": "ross-hutchinson"}
 
 
 class Imported(NamedTuple):
-    """A machine from ROSS: the tables of a machine file, and what is worth saying about it."""
+    """A machine from ROSS: the tables of a machine file, and notes on the import."""
 
     tables: dict[str, Any]
     notes: tuple[str, ...]
 
 
 def is_ross(data: Mapping[str, Any]) -> bool:
-    """Whether the content of a TOML or JSON file is a rotor that ROSS saved."""
+    """Return whether the content of a TOML or JSON file is a rotor that ROSS saved."""
     return "ross_version" in data or any(key.startswith(f"{_SHAFT}_") for key in data)
 
 
@@ -62,7 +62,7 @@ class _Element(NamedTuple):
     values: dict[str, Any]
 
     def number(self, key: str, default: float | None = None) -> float:
-        """A finite number."""
+        """Return a finite number."""
         value = self.values.get(key, default)
         value = default if value is None else value
         if value is None:
@@ -74,14 +74,14 @@ class _Element(NamedTuple):
         return float(value)
 
     def node(self, key: str = "n") -> int:
-        """A node, from 0."""
+        """Return a node, from 0."""
         value = self.values.get(key)
         if isinstance(value, bool) or not isinstance(value, int) or value < 0:
             raise QuantityError(f"{self.where}.{key} = {value!r}: must be an integer from 0")
         return value
 
     def column(self, key: str) -> float | list[float]:
-        """A coefficient: a number, or a list over the speed."""
+        """Return a coefficient: a number, or a list over the speed."""
         value = self.values.get(key, 0.0)
         if value is None or value == []:
             return 0.0
@@ -96,7 +96,7 @@ class _Element(NamedTuple):
         return cells[0] if len(set(cells)) == 1 else cells
 
     def refuse_others(self, *known: str) -> None:
-        """Raise `QuantityError` for a key that is not known and says something."""
+        """Raise `QuantityError` for an unknown key with a value."""
         for key, value in self.values.items():
             if value is not None and key not in (*known, *_IDLE):
                 hint = nearest(key, known)
@@ -125,7 +125,7 @@ class _Reader:
             self._elements.append(_Element(key, kind, value))
 
     def read(self) -> Imported:
-        """The tables of a machine file."""
+        """Return the tables of a machine file."""
         tables: dict[str, Any] = {"name": self._name, "material": {}, "shaft": {}}
         shaft = self._of(_SHAFT)
         tables["section"] = self._sections(shaft, tables["material"])
@@ -167,7 +167,7 @@ class _Reader:
         return {"node": element.node() + 1}
 
     def _sections(self, shaft: list[_Element], materials: dict[str, Any]) -> list[dict[str, Any]]:
-        """Sections from left to right, the inmost layer first."""
+        """Return the sections from left to right, the inmost layer first."""
         if not shaft:
             raise QuantityError("no ShaftElement_... is there")
         at: dict[int, list[dict[str, Any]]] = {}
@@ -252,7 +252,7 @@ class _Reader:
         return x
 
     def _pedestals(self, last: int) -> dict[int, tuple[dict[str, Any], _Element]]:
-        """Housings by their nodes, with the bearings that hold them to ground."""
+        """Return the housings by their nodes, with the bearings that hold them to ground."""
         result = {}
         linked = {
             e.node("n_link"): e
@@ -286,7 +286,7 @@ class _Reader:
         return result
 
     def _coefficients(self, element: _Element) -> dict[str, Any]:
-        """The eight coefficients, and the speeds where they are tables."""
+        """Return the eight coefficients, and the speeds where they are tables."""
         axes = ("frequency", "speed")
         element.refuse_others("n", "n_link", *axes, *_COEFFICIENTS, *_MASSES, *_AXIAL)
         for key in _MASSES:

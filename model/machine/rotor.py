@@ -48,7 +48,7 @@ _TAKEN = (
 
 
 def _is_base(element: Element) -> bool:
-    """Whether it is no node that the element acts on but the foundation."""
+    """Return whether it is no node that the element acts on but the foundation."""
     return isinstance(element, Port) and element.node == BASE
 
 
@@ -67,7 +67,7 @@ class Name(NamedTuple):
 
 
 def spelled(kind: str, index: int) -> str:
-    """A part's name: `bearing[1]`, `coupling`."""
+    """Return a part's name: `bearing[1]`, `coupling`."""
     return f"{kind}[{index}]" if index else kind
 
 
@@ -86,7 +86,7 @@ class Rotor:
     inclination of the shaft [rad] leaves the cosine; start: position of the first node along the
     shaft [m].
 
-    Raises `QuantityError` for anything that no machine can be.
+    Raises `QuantityError` for an impossible value.
     """
 
     material: Material
@@ -208,7 +208,7 @@ class Rotor:
             yield spelled(*key), part
 
     def of_kind(self, kind: type[AnyPart]) -> tuple[AnyPart, ...]:
-        """The parts of exactly this kind, in their order."""
+        """Return the parts of exactly this kind, in their order."""
         return tuple(part for part in self.parts if type(part) is kind)
 
     @property
@@ -248,7 +248,7 @@ class Rotor:
         return sum(section.length for section in self.sections)
 
     def with_parts(self, kind: type[Part], *parts: Part) -> Rotor:
-        """The machine with these parts in the place of all of a kind."""
+        """Return the machine with these parts in the place of all of a kind."""
         at = next((i for i, p in enumerate(self.parts) if type(p) is kind), len(self.parts))
         behind = (p for p in self.parts[at:] if type(p) is not kind)
         return replace(self, parts=(*self.parts[:at], *parts, *behind))
@@ -265,7 +265,7 @@ class Rotor:
             yield Name(heading, 0, own), quantities(self)[own], getattr(self, own)
 
     def with_values(self, values: Mapping[str, float | bool]) -> Rotor:
-        """The machine with some quantities replaced, all at once.
+        """Return the machine with some quantities replaced, all at once.
 
         values: by their names as the FMU spells them: `bearing[1].clearance`, `shaft.eta_v`,
         `gravity`. Raises `QuantityError` if a name is unknown or the machine impossible.
@@ -283,5 +283,5 @@ class Rotor:
         return replace(self, parts=tuple(parts), **changed)
 
     def with_value(self, name: str, value: float | bool) -> Rotor:
-        """`with_values` of one."""
+        """Return the machine with one quantity replaced; see `with_values`."""
         return self.with_values({name: value})

@@ -1,11 +1,11 @@
-"""The tables of a TOML file that tell the shaft: materials, and sections between nodes.
+"""The tables of a TOML file that describe the shaft: materials, and sections between nodes.
 
 Either `[shaft]` gives the nodes' positions and a diameter between any two, or `[[section]]` tables
-tell one stretch after another, each of one or more elements:
+describe one stretch after another, each of one or more elements:
 
     length, elements (1), material, axial_force (0), shear ("cowper"), taper ("exact")
     outer, or outer_left and outer_right; bore (0), or bore_left and bore_right
-    [[section.layer]]: what else lies there, a sleeve say, told in the same way
+    [[section.layer]]: another layer there, such as a sleeve, given in the same way
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _PROFILE_KEYS = (
     "axial_force", "shear", "taper",
 )  # fmt: skip
 _SECTION_KEYS = ("length", "elements", *_PROFILE_KEYS, "layer")
-# More tell a beam no better: what rounding takes of its stiffness grows with the fourth power.
+# More do not improve a beam: the rounding error of its stiffness grows with the fourth power.
 MOST_ELEMENTS = 1000
 
 
@@ -46,7 +46,7 @@ class Materials:
             self.own = next(iter(self.named.values()))
 
     def take(self, where: str, name: Any) -> Material:
-        """The material of this name, as `where` gives it."""
+        """Return the material of this name, as `where` gives it."""
         if not isinstance(name, str) or name not in self.named:
             known = ", ".join(self.named) or "none"
             raise QuantityError(
@@ -59,7 +59,7 @@ class Materials:
 def sections_between(
     nodes: Any, diameters: Any, material: Material
 ) -> tuple[float, tuple[Section, ...]]:
-    """Position of the first node [m] and solid cylinders between nodes."""
+    """Return the position of the first node [m] and solid cylinders between nodes."""
     for key, given in (("nodes", nodes), ("diameters", diameters)):
         if not isinstance(given, list):
             raise QuantityError(f"shaft.{key} = {given!r}: must be a list of numbers [m]")
@@ -86,7 +86,7 @@ def sections_between(
 
 
 def sections_in_turn(given: Any, materials: Materials) -> tuple[Section, ...]:
-    """The shaft from `[[section]]` tables, left to right, each cut into its elements."""
+    """Return the shaft from `[[section]]` tables, left to right, each cut into its elements."""
     sections: list[Section] = []
     for where, table in tables_of("section", given):
         refuse_unknown(where, table, _SECTION_KEYS)
@@ -115,7 +115,7 @@ def sections_in_turn(given: Any, materials: Materials) -> tuple[Section, ...]:
 
 
 def _profile(where: str, table: dict[str, Any], length: float, materials: Materials) -> Section:
-    """What a table says of diameters and material."""
+    """Return the diameters and the material that a table gives."""
     values: dict[str, Any] = {"axial_force": table.get("axial_force", 0.0)}
     for name, default in (("outer", None), ("bore", 0.0)):
         sides = [f"{name}_left", f"{name}_right"]

@@ -1,4 +1,4 @@
-"""What is said where the speed leaves a range: of the tables over the speed that parts have."""
+"""Messages for speeds outside a range, such as that of a part's table over the speed."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from .rotor import Rotor
 
 
 class SpeedRange(NamedTuple):
-    """Speeds [rad/s], what is said of one outside, {speed:.4g} in it to be filled in, and the code
-    of that message."""
+    """A range of speeds [rad/s], the message for a speed outside it, in which {speed:.4g} is filled
+    in, and the code of that message."""
 
     low: float
     high: float
@@ -18,7 +18,7 @@ class SpeedRange(NamedTuple):
 
 
 def tables_of(rotor: Rotor) -> list[SpeedRange]:
-    """Those that the tables of a machine's parts cover."""
+    """Return the ranges that the tables of a machine's parts cover."""
     named = ((where, getattr(part, "speed", ())) for where, part in rotor.named_parts())
     return [
         SpeedRange(

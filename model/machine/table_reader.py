@@ -1,5 +1,5 @@
-"""Tables of a TOML file -> data classes, with one plain line for what is missing, misspelt or of
-another kind."""
+"""Tables of a TOML file -> data classes, with a one-line error for a key that is missing, misspelt
+or of the wrong type."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from ..quantities import QuantityError, quantities
 
 
 def a_table(where: str, value: Any) -> dict[str, Any]:
-    """The value, which must be a table."""
+    """Return the value, which must be a table."""
     if not isinstance(value, dict):
         raise QuantityError(f"{where} = {value!r}: must be a table, [{where}]")
     return value
 
 
 def tables_of(where: str, given: Any) -> list[tuple[str, dict[str, Any]]]:
-    """A list of tables, each with its name, `disc[1]`."""
+    """Return a list of tables, each with its name, `disc[1]`."""
     if not isinstance(given, list):
         raise QuantityError(f"{where} = {given!r}: must be a list of tables, [[{where}]]")
     return [(f"{where}[{i}]", a_table(f"{where}[{i}]", item)) for i, item in enumerate(given, 1)]
 
 
 def number(value: Any, may_be_list: bool = False) -> Any:
-    """A number as a float, a list as a tuple of such where it may be one; what is none is left to
-    the check of its quantity."""
+    """Return a number as a float, a list as a tuple of such where it may be one; anything else is
+    left to the check of its quantity."""
     if may_be_list and isinstance(value, list):
         return tuple(number(item) for item in value)
     is_number = isinstance(value, int) and not isinstance(value, bool)
@@ -35,7 +35,7 @@ def number(value: Any, may_be_list: bool = False) -> Any:
 
 
 def nearest(given: object, known: Collection[str]) -> str:
-    """`did you mean x? `, where a known name is near."""
+    """Return `did you mean x? ` if a known name is near."""
     near = get_close_matches(str(given), known, 1)
     return f"did you mean {near[0]}? " if near else ""
 
@@ -55,7 +55,7 @@ def _is_optional(field: Field[Any]) -> bool:
 
 
 def make(kind: type, where: str, value: Any) -> Any:
-    """An instance of a data class from a table with its fields as keys."""
+    """Return an instance of a data class from a table with its fields as keys."""
     table = a_table(where, value)
     refuse_unknown(where, table, tuple(f.name for f in fields(kind)))
     for field in fields(kind):

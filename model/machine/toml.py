@@ -1,4 +1,4 @@
-"""TOML text -> `Rotor`, with one plain line for whatever is missing, misspelt or impossible."""
+"""TOML text -> `Rotor`, with a one-line error for a key that is missing, misspelt or impossible."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _SAME = 1e-9  # of the shaft's length: positions that are one
 
 
 def rig_toml(name: str = "zigulic2003") -> str:
-    """TOML text of a rig that comes with the package."""
+    """Return the TOML text of a rig that comes with the package."""
     return files(__package__).joinpath("rigs", f"{name}.toml").read_text(encoding="utf-8")
 
 
 def rig(name: str = "zigulic2003") -> Rotor:
-    """A rig that comes with the package."""
+    """Return a rig that comes with the package."""
     return parse_rotor(rig_toml(name))
 
 
@@ -83,7 +83,7 @@ def parse_rotor(text: str) -> Rotor:
 def _parts(
     kind: type[Part], data: dict[str, Any], nodes: Sequence[float], materials: Materials
 ) -> list[Part]:
-    """All parts of a kind."""
+    """Return all parts of a kind."""
     if kind.KIND not in data:
         return []
     if kind.IS_SINGLE:
@@ -103,7 +103,7 @@ def _parts(
 
 
 def _node_at(where: str, values: dict[str, Any], nodes: Sequence[float]) -> int:
-    """The node at the position z [m], which may be given in the place of its number."""
+    """Return the node at the position z [m], which may be given in the place of its number."""
     z = number(values.pop("z"))
     if "node" in values:
         raise QuantityError(f"{where}.z: is given beside {where}.node")

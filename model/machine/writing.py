@@ -9,7 +9,7 @@ from typing import Any
 
 
 def toml_text(tables: Mapping[str, Any]) -> str:
-    """TOML of numbers, strings, lists of numbers, tables, and lists of tables."""
+    """Return TOML of numbers, strings, lists of numbers, tables, and lists of tables."""
     return "\n".join(_lines("", tables)).strip() + "\n"
 
 

@@ -55,8 +55,8 @@ class Unbalance(NamedTuple):
 
 
 class Port(NamedTuple):
-    """A place where an external force acts, `offset` [m] beyond a node, with what it is
-    called in a text; or `BASE`, whose input is the acceleration of the foundation."""
+    """A place where an external force acts, `offset` [m] beyond a node, with its name in texts; or
+    `BASE`, whose input is the acceleration of the foundation."""
 
     node: int
     where: str
@@ -109,15 +109,13 @@ class Interface(NamedTuple):
 Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount | Interface
 
 
-_LAST = "over the last revolution, or, where the shaft stands, since the last communication point"
+_LAST = "over the last revolution, or, at standstill, since the last communication point"
 _FROM_REST = f"{_LAST}; at rest under the loads at the start"
-_ONCE = (
-    "0-p, over the last whole revolution; 0 before the first one way, and where the shaft stands"
-)
-_LEADS = "leads phi, in the sense in which the shaft turns: a lag is negative"
+_ONCE = "0-p, over the last whole revolution; 0 before the first one in one sense and at standstill"
+_LEADS = "leads phi, in the sense of rotation: a lag is negative"
 PROBE_OUTPUTS = (
     Output("x", "m", "displacement to the right", True, 1e-4),
-    Output("y", "m", "displacement upwards, at rest below 0 by the sag", True, 1e-4),
+    Output("y", "m", "displacement upwards, negative at rest by the static sag", True, 1e-4),
     Output("x_amp", "m", f"largest abs(x - x at rest) {_FROM_REST}", nominal=1e-4),
     Output("y_amp", "m", f"largest abs(y - y at rest) {_FROM_REST}", nominal=1e-4),
     Output("r_amp", "m", f"largest distance from rest in any direction {_LAST}", True, 1e-4),

@@ -1,4 +1,4 @@
-"""Rigid bodies on the shaft that are told by their inertia, and point masses."""
+"""Rigid bodies on the shaft, given by their inertia, and point masses."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Body(of.Part):
     """
 
     KIND: ClassVar[str] = "body"
-    TEXT: ClassVar[str] = "a rigid body on the shaft, told by its mass and moments of inertia"
+    TEXT: ClassVar[str] = "a rigid body on the shaft, given by its mass and moments of inertia"
 
     node: int
     mass: float = quantity("kg", "mass")
@@ -28,7 +28,7 @@ class Body(of.Part):
     I_p: float = quantity("kg.m2", "moment of inertia about the axis", NOT_NEGATIVE)
     offset: float = quantity(
         "m",
-        "position beyond the node of the centre of mass, where loads act and x, y are told",
+        "axial distance of the centre of mass from the node; loads act and x, y are observed there",
         ANY,
         0.0,
     )
@@ -45,7 +45,7 @@ class Body(of.Part):
         yield of.Probe(self.node, self.offset)
 
     def outline(self) -> Iterator[of.Shape]:
-        """The solid cylinder of the same mass and inertia, as far as there is one."""
+        """Yield the solid cylinder of the same mass and inertia, if there is one."""
         radius = (2 * self.I_p / self.mass) ** 0.5
         width = (max(0.0, 12 * self.I_d / self.mass - 3 * radius**2)) ** 0.5
         yield of.Shape(self.offset - width / 2, width, 0.0, radius, "body")

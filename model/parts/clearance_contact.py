@@ -33,14 +33,14 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit
 def contact_force(part, kinematics):
-    """`Rubbing` of one contact whose journal does not stick, `part` a record of
+    """Return the `Rubbing` of one contact whose journal does not stick, `part` a record of
     `ContactQuantities`."""
     return rubbing(part, kinematics, part.journal_radius * kinematics.sliding_speed, 0.0)
 
 
 @jit
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     surface = part.journal_radius * kinematics.sliding_speed
     force, p, q, _ = rubbing_tangent(part, kinematics, weights, surface, 0.0, 0.0)
     return force, p, q
@@ -48,19 +48,19 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit
 def _force(part, tables, kinematics, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return contact_force(part, kinematics).force
 
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return (compression(part, displacement),)
 
 
 @jit
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """See `parts.law`: contact damping, friction."""
+    """Implement this function of a law (see `parts.law`): contact damping, friction."""
     contact = contact_force(part, kinematics)
     out[_LOSS.contact] = contact.damping * contact.rate
     out[_LOSS.friction] = contact.friction * contact.sliding
@@ -80,7 +80,7 @@ def observe_contact(displacement, contact, out):
 
 @jit
 def _observe(part, tables, kinematics, internal_state, out):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     observe_contact(kinematics.displacement, contact_force(part, kinematics), out)
 
 
@@ -103,7 +103,7 @@ CLEARANCE_CONTACT = Law(
 
 @jit_not_inlined
 def _sticking_tangent(part, tables, kinematics, weights, free, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     surface = part.journal_radius * kinematics.sliding_speed
     force, p, q, z = rubbing_tangent(part, kinematics, weights, surface, weights.rate, free[0])
     internal_state[0] = z
@@ -112,7 +112,7 @@ def _sticking_tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit
 def _sticking(part, kinematics, internal_state):
-    """`Rubbing` of a contact whose journal may stick."""
+    """Return the `Rubbing` of a contact whose journal may stick."""
     return rubbing(
         part, kinematics, part.journal_radius * kinematics.sliding_speed, internal_state[0]
     )
@@ -120,13 +120,13 @@ def _sticking(part, kinematics, internal_state):
 
 @jit_not_inlined
 def _sticking_force(part, tables, kinematics, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return _sticking(part, kinematics, internal_state).force
 
 
 @jit_not_inlined
 def _sticking_rates(part, tables, kinematics, internal_state, out):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     out[0] = stretching(
         part, _sticking(part, kinematics, internal_state).friction, internal_state[0]
     )
@@ -134,13 +134,14 @@ def _sticking_rates(part, tables, kinematics, internal_state, out):
 
 @jit
 def _sticking_energy(part, tables, displacement, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return (compression(part, displacement) + stretched(part, internal_state[0]),)
 
 
 @jit_not_inlined
 def _sticking_dissipate(part, tables, kinematics, internal_state, out):
-    """See `parts.law`: contact damping, friction less what its spring takes."""
+    """Implement this function of a law (see `parts.law`): contact damping, friction less what its
+    spring takes."""
     contact = _sticking(part, kinematics, internal_state)
     spring = part.k_t * internal_state[0] * stretching(part, contact.friction, internal_state[0])
     out[_LOSS.contact] = contact.damping * contact.rate
@@ -150,7 +151,7 @@ def _sticking_dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _sticking_observe(part, tables, kinematics, internal_state, out):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     observe_contact(kinematics.displacement, _sticking(part, kinematics, internal_state), out)
 
 
@@ -168,7 +169,7 @@ STICKING_CONTACT = replace(
 
 
 def contact_law(part: ContactQuantities) -> Law:
-    """The law of a contact whose wall does not turn."""
+    """Return the law of a contact whose wall does not turn."""
     return STICKING_CONTACT if part.k_t > 0 else CLEARANCE_CONTACT
 
 
@@ -186,7 +187,7 @@ class ClearanceContact(ContactQuantities, Part):
 
     @property
     def law(self) -> Law:
-        """The one of `LAWS` that it has."""
+        """The law of this contact, one of `LAWS`."""
         return contact_law(self)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:

@@ -1,4 +1,4 @@
-"""What a machine as a whole is subject to: a foundation that moves, a start in the air."""
+"""Conditions on the machine as a whole: a foundation that moves, a start in the air."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Start(Part):
 
     KIND: ClassVar[str] = "start"
     TEXT: ClassVar[str] = (
-        "a start of the rotor in the air, as one body, in the place of equilibrium"
+        "a start of the rotor in the air, as one rigid body, instead of in equilibrium"
     )
     IS_SINGLE: ClassVar[bool] = True
 

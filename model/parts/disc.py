@@ -33,7 +33,7 @@ class Disc(Part):
     material: Material | None = None
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError` for quantities that no disc has, too."""
+        """Raise `QuantityError`, for an impossible disc too."""
         super().check(where)
         if self.bore >= self.diameter:
             raise QuantityError(
@@ -41,17 +41,17 @@ class Disc(Part):
             )
 
     def mass(self, density: float) -> float:
-        """Mass [kg]; density [kg/m3]."""
+        """Return the mass [kg]; density [kg/m3]."""
         if self.material is not None:
             density = self.material.density
         return density * math.pi / 4 * (self.diameter**2 - self.bore**2) * self.width
 
     def polar_inertia(self, density: float) -> float:
-        """Moment of inertia about the shaft [kg.m2]; density [kg/m3]."""
+        """Return the moment of inertia about the shaft [kg.m2]; density [kg/m3]."""
         return self.mass(density) * (self.diameter**2 + self.bore**2) / 8
 
     def diametral_inertia(self, density: float) -> float:
-        """Moment of inertia about a diameter [kg.m2]; density [kg/m3]."""
+        """Return the moment of inertia about a diameter [kg.m2]; density [kg/m3]."""
         return self.mass(density) * ((self.diameter**2 + self.bore**2) / 16 + self.width**2 / 12)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
@@ -79,7 +79,7 @@ class Coupling(Disc):
     phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """A disc's, but for what is observed."""
+        """Yield the elements of a disc, except for its probes."""
         for element in super().elements(where, density):
             if isinstance(element, Port):
                 yield Port(self.node, "the coupling")

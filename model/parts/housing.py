@@ -13,8 +13,8 @@ from .base import Element, Mount, Part
 
 @dataclass(frozen=True, kw_only=True)
 class HousingQuantities:
-    """What a housing is: mass [kg], in y times mass_ratio [1]; springs [N/m] and dampers [N.s/m] to
-    ground in x and y."""
+    """The quantities of a housing: mass [kg], in y times mass_ratio [1]; springs [N/m] and dampers
+    [N.s/m] to ground in x and y."""
 
     kx: float = quantity("N/m", "horizontal stiffness of the housing's springs", is_parameter=True)
     ky: float = quantity("N/m", "vertical stiffness of the housing's springs", is_parameter=True)
@@ -30,7 +30,7 @@ class HousingQuantities:
 
 @jit
 def masses(housing):
-    """In x and in y [kg]."""
+    """Return the housing mass in x and in y [kg]."""
     return housing.mass, housing.mass * housing.mass_ratio
 
 

@@ -65,19 +65,19 @@ class Weights(NamedTuple):
 
 @jit
 def no_length(part):
-    """The length of a law without one of its own."""
+    """Return 0, the length of a law without one of its own."""
     return 0.0
 
 
 @jit
 def always_acts(part, displacement):
-    """The opening of a law without a wall."""
+    """Return the gap of a law without a wall, which always acts."""
     return -1.0
 
 
 @jit
 def no_rates(part, tables, kinematics, internal_state, out):
-    """The rates of a law without states."""
+    """Do nothing: the rates of a law without states."""
     return
 
 
@@ -146,7 +146,8 @@ class Law:
 
 
 def _link(code: int, function: _Kernel, rest: _Kernel | None) -> _Kernel:
-    """Calls `function` for interfaces of the law `code`, `rest` for the others."""
+    """Return a function that calls `function` for interfaces of the law `code`, `rest` for the
+    others."""
     if rest is None:
 
         def call(laws, interface, *arguments):

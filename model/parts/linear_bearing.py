@@ -8,9 +8,9 @@ and in complex coordinates K d = k d + l conj(d), with
 k = (kxx + kyy + i (kyx - kxy)) / 2 and l = (kxx - kyy + i (kyx + kxy)) / 2.
 
 The ledger: K0, the symmetric part of K at standstill, stores d^T K0 d / 2; C dissipates d'^T C d';
-what is left, d'^T (K - K0) d, no potential stands for: the work of the cross coupling, and of a
-stiffness that follows the speed. It is an entry of its own, `circulation`, negative where it feeds
-the whirl.
+the rest, d'^T (K - K0) d, has no potential: it is the work of the cross coupling and of a stiffness
+that depends on the speed. It is an entry of its own, `circulation`, negative where it feeds the
+whirl.
 """
 
 from __future__ import annotations
@@ -71,14 +71,14 @@ _CUBICS = places(quantities(Coefficients), 1, 4)
 
 @jit
 def _cubic(tables, at, s):
-    """A cubic of s, highest power first."""
+    """Return a cubic of s, highest power first."""
     return ((tables[at] * s + tables[at + 1]) * s + tables[at + 2]) * s + tables[at + 3]
 
 
 @jit_not_inlined
 def coefficients(part, tables, speed):
-    """Stiffness k, l [N/m] and damping c, e [N.s/m] at a speed [rad/s]: K d = k d + l conj(d),
-    C d' = c d' + e conj(d'). Beyond a table's ends they are those of the end."""
+    """Return the stiffness k, l [N/m] and damping c, e [N.s/m] at a speed [rad/s]: K d = k d + l
+    conj(d), C d' = c d' + e conj(d'). Beyond a table's ends they are those of the end."""
     kxx, kxy, kyx, kyy = part.kxx, part.kxy, part.kyx, part.kyy
     cxx, cxy, cyx, cyy = part.cxx, part.cxy, part.cyx, part.cyy
     rows = part.rows
@@ -113,8 +113,8 @@ LOSSES = (
     Output(
         "circulation",
         "J",
-        "taken by cross coupling of linear bearings and by their stiffness as it follows the "
-        "speed; negative where it feeds the whirl",
+        "dissipated by the cross coupling of linear bearings and by the dependence of their "
+        "stiffness on the speed; negative where it feeds the whirl",
         nominal=1.0,
     ),
 )
@@ -123,7 +123,7 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 
 @jit
 def _force(part, tables, kinematics, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     return -(k * d + l * d.conjugate() + c * d_dot + e * d_dot.conjugate())
@@ -131,7 +131,7 @@ def _force(part, tables, kinematics, internal_state):
 
 @jit
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     by_d, by_v = weights.displacement, weights.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
@@ -141,7 +141,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     d = displacement
     k, l, _, _ = coefficients(part, tables, 0.0)  # noqa: E741
     return (0.5 * ((k.real * d + l * d.conjugate()) * d.conjugate()).real,)
@@ -149,7 +149,7 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """See `parts.law`: damping, circulation."""
+    """Implement this function of a law (see `parts.law`): damping, circulation."""
     d, d_dot = kinematics.displacement, kinematics.velocity
     k, l, c, e = coefficients(part, tables, kinematics.speed)  # noqa: E741
     k0, l0, _, _ = coefficients(part, tables, 0.0)
@@ -161,14 +161,15 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit
 def _observe(part, tables, kinematics, internal_state, out):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     force = _force(part, tables, kinematics, internal_state)
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
 
 
 def _table(part: LinearBearing) -> np.ndarray:
-    """Rows of a speed and the PCHIP cubics from there on, of all coefficients; 0 of constants."""
+    """Return the rows of a speed and the PCHIP cubics from there on, of all coefficients; 0 of
+    constants."""
     speeds = np.array(part.speed, dtype=float)
     rows = np.zeros((len(speeds), _COLUMNS))
     rows[:, 0] = speeds
@@ -213,7 +214,7 @@ class LinearBearing(Coefficients, Part):
     """
 
     KIND: ClassVar[str] = "linear_bearing"
-    TEXT: ClassVar[str] = "a bearing by its stiffness and damping coefficients"
+    TEXT: ClassVar[str] = "a bearing, given by its stiffness and damping coefficients"
     LAWS: ClassVar[tuple[Law, ...]] = (LINEAR_BEARING,)
 
     node: int
@@ -223,7 +224,7 @@ class LinearBearing(Coefficients, Part):
     )
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError` for what no table can be, too."""
+        """Raise `QuantityError`, for an impossible table too."""
         check_all(where, self)
         if not isinstance(self.speed, tuple):
             raise QuantityError(f"{where}.speed = {self.speed!r}: must be a list of numbers")
@@ -244,7 +245,7 @@ class LinearBearing(Coefficients, Part):
             raise QuantityError(f"{where}.speed: no coefficient is a list over it")
 
     def matrices(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
-        """K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
+        """Return K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
         at = float(np.clip(speed, self.speed[0], self.speed[-1])) if self.speed else speed
         values = [
             float(_cubics(self.speed, v)(at)) if isinstance(v, tuple) else v
@@ -266,4 +267,4 @@ class Seal(LinearBearing):
     """A seal: a linear bearing under its own name."""
 
     KIND: ClassVar[str] = "seal"
-    TEXT: ClassVar[str] = "a seal by its stiffness and damping coefficients"
+    TEXT: ClassVar[str] = "a seal, given by its stiffness and damping coefficients"

@@ -1,4 +1,4 @@
-"""The shaft: what it is made of, and its sections."""
+"""The shaft: its materials and its sections."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _OVERLAP = 1e-6  # of diameters, that is rounding
 class Material:
     """An elastic material: Young's modulus [Pa], density [kg/m3], Poisson's ratio [1].
 
-    Raises `QuantityError` for what no material can be.
+    Raises `QuantityError` for an impossible value.
     """
 
     young: float = quantity("Pa", "Young's modulus")
@@ -57,11 +57,11 @@ class Section:
 
     @classmethod
     def cylinder(cls, length: float, diameter: float, material: Material) -> Section:
-        """A solid cylinder; length, diameter [m]."""
+        """Return a solid cylinder; length, diameter [m]."""
         return cls(length, diameter, diameter, material)
 
     def check(self, where: str) -> None:
-        """Raise `QuantityError` for what no section called `where` can be."""
+        """Raise `QuantityError` for an impossible value of the section called `where`."""
         check_all(where, self)
         for side in ("left", "right"):
             outer, bore = getattr(self, f"outer_{side}"), getattr(self, f"bore_{side}")
@@ -92,11 +92,11 @@ class Section:
                 )
 
     def with_layers(self, *layers: Section) -> Section:
-        """The section with these further layers."""
+        """Return the section with these further layers."""
         return replace(self, layers=layers)
 
     def part(self, begin: float, end: float) -> Section:
-        """The stretch between two shares of the length, from 0 to 1."""
+        """Return the stretch between two shares of the length, from 0 to 1."""
 
         def between(name: str, share: float) -> float:
             left: float = getattr(self, f"{name}_left")
@@ -127,7 +127,8 @@ class Section:
         """Moment of inertia about the axis without that of further layers [kg.m2]."""
 
         def fourth(left: float, right: float) -> float:
-            """Mean of the fourth power of a diameter that is linear along the section."""
+            """Return the mean of the fourth power of a diameter that is linear along the
+            section."""
             return sum(left ** (4 - k) * right**k for k in range(5)) / 5
 
         solid = fourth(self.outer_left, self.outer_right)

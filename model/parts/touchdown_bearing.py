@@ -35,8 +35,8 @@ _ROUNDING = 1e-14
 
 @dataclass(frozen=True, kw_only=True)
 class RaceQuantities:
-    """What a race is: moment of inertia [kg.m2]; constant drag [N.m], which is smoothed below the
-    speed race_w_s [rad/s], and viscous drag [N.m.s/rad]."""
+    """The quantities of a race: moment of inertia [kg.m2]; constant drag [N.m], which is smoothed
+    below the speed race_w_s [rad/s], and viscous drag [N.m.s/rad]."""
 
     race_inertia: float = quantity("kg.m2", "moment of inertia of the race", is_parameter=True)
     race_drag: float = quantity(
@@ -50,13 +50,13 @@ class RaceQuantities:
 
 @dataclass(frozen=True, kw_only=True)
 class TouchdownQuantities(ContactQuantities, RaceQuantities):
-    """A clearance contact's, behind those of the race: numba takes a record that begins as another
-    does for one of that kind."""
+    """The quantities of the race, then those of a clearance contact: numba accepts a record that
+    begins like another as one of that type."""
 
 
 @jit
 def _drag(part, w):
-    """Torque that brakes the race at the speed w [rad/s], and its derivative."""
+    """Return the torque that brakes the race at the speed w [rad/s], and its derivative."""
     root = math.sqrt(w * w + part.race_w_s * part.race_w_s)
     smooth = part.race_w_s / root
     torque = part.race_drag * w / root + part.race_damping * w
@@ -65,14 +65,15 @@ def _drag(part, w):
 
 @jit
 def _radius(part):
-    """Of the race's inner surface [m]."""
+    """Return the radius of the race's inner surface [m]."""
     return part.journal_radius + part.clearance
 
 
 @jit
 def _race_speed(part, pressure, sliding, b, free, guess, free_z):
-    """The race's speed at the end of a step [rad/s]; pressure: normal force [N], sliding: speed
-    past a race at rest [m/s]; b: weight of the rate [s]; free_z: see `contact.rubbing` [m]."""
+    """Return the race's speed at the end of a step [rad/s]; pressure: normal force [N], sliding:
+    speed past a race at rest [m/s]; b: weight of the rate [s]; free_z: see `contact.rubbing`
+    [m]."""
     per = b / part.race_inertia
     if per == 0.0:
         return free
@@ -113,7 +114,7 @@ _STATE = places(("race", "elongation"))
 
 @jit
 def _rubbing(part, kinematics, internal_state):
-    """`Rubbing` of the journal on the race."""
+    """Return the `Rubbing` of the journal on the race."""
     surface = (
         part.journal_radius * kinematics.sliding_speed - _radius(part) * internal_state[_STATE.race]
     )
@@ -122,13 +123,13 @@ def _rubbing(part, kinematics, internal_state):
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     return _rubbing(part, kinematics, internal_state).force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     at, b = touch(part, kinematics), weights.rate
     free_w, free_z, guess = free[_STATE.race], free[_STATE.elongation], internal_state[_STATE.race]
     if at.penetration <= 0.0 or at.normal <= 0.0:
@@ -154,7 +155,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     friction = _rubbing(part, kinematics, internal_state).friction
     drag = _drag(part, internal_state[_STATE.race])[0]
     out[_STATE.race] = (_radius(part) * friction - drag) / part.race_inertia
@@ -163,7 +164,7 @@ def _rates(part, tables, kinematics, internal_state, out):
 
 @jit
 def _energy(part, tables, displacement, internal_state):
-    """See `parts.law`: contact, race."""
+    """Implement this function of a law (see `parts.law`): contact, race."""
     elastic = compression(part, displacement) + stretched(part, internal_state[_STATE.elongation])
     return elastic, 0.5 * part.race_inertia * internal_state[_STATE.race] * internal_state[
         _STATE.race
@@ -172,7 +173,7 @@ def _energy(part, tables, displacement, internal_state):
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
-    """See `parts.law`: contact damping, friction, drag."""
+    """Implement this function of a law (see `parts.law`): contact damping, friction, drag."""
     contact = _rubbing(part, kinematics, internal_state)
     w, z = internal_state[_STATE.race], internal_state[_STATE.elongation]
     spring = part.k_t * z * stretching(part, contact.friction, z)
@@ -184,7 +185,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
-    """See `parts.law`."""
+    """Implement this function of a law; see `parts.law`."""
     contact = _rubbing(part, kinematics, internal_state)
     observe_contact(kinematics.displacement, contact, out)
     out[_OUT.race] = internal_state[_STATE.race]
@@ -216,10 +217,10 @@ class TouchdownBearing(TouchdownQuantities, ClearanceContact):
     """A touchdown (auxiliary, backup) bearing; its race stands still at the start."""
 
     KIND: ClassVar[str] = "touchdown_bearing"
-    TEXT: ClassVar[str] = "a journal in the clearance of a race that friction turns"
+    TEXT: ClassVar[str] = "a journal in the clearance of a race that is turned by friction"
     LAWS: ClassVar[tuple[Law, ...]] = (TOUCHDOWN_BEARING,)
 
     @property
     def law(self) -> Law:
-        """That of a race."""
+        """The law of a contact with a race."""
         return TOUCHDOWN_BEARING

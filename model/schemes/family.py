@@ -51,7 +51,8 @@ _ROUNDING = 1e-12
 
 
 class Range(NamedTuple):
-    """What a number may be: from low to high, or, is_above or is_below, between them."""
+    """The values that a number may have: from low to high, excluding low if is_above and high if
+    is_below."""
 
     low: float
     high: float
@@ -59,12 +60,12 @@ class Range(NamedTuple):
     is_below: bool = False
 
     def holds(self, value: float) -> bool:
-        """Whether a value is one of these."""
+        """Return whether a value is one of these."""
         is_high_enough = value > self.low if self.is_above else value >= self.low
         return is_high_enough and (value < self.high if self.is_below else value <= self.high)
 
     def words(self, unit: str = "") -> str:
-        """What is allowed; unit: what stands behind a number."""
+        """Return the allowed values in words; unit: appended to each number."""
         low = f"{'>' if self.is_above else 'at least'} {self.low:g}"
         high = f"{'below' if self.is_below else 'at most'} {self.high:g}"
         return f"must be {low}{unit if self.low else ''} and {high}{unit}"
@@ -106,10 +107,10 @@ class Scheme(NamedTuple):
 
 
 def general(alpha_f: float, alpha_m: float, beta: float, gamma: float) -> Scheme:
-    """Any member of the family, stable and consistent or not.
+    """Return any member of the family, stable and consistent or not.
 
     Raises `SchemeError` for parameters that leave no implicit equation: an alpha outside [-1, 1),
-    beta <= 0; or that are past all reason, above 1e6.
+    beta <= 0; or that are above 1e6.
     """
     _check_alphas(alpha_f, alpha_m)
     if not 0 < beta <= LARGEST:
@@ -129,7 +130,7 @@ def _check_alphas(alpha_f: float, alpha_m: float) -> None:
 
 @jit
 def second_order(alpha_f, alpha_m):
-    """The member of second order with these alphas, whatever they are."""
+    """Return the member of second order with these alphas, whatever they are."""
     difference = alpha_f - alpha_m
     root = 1.0 + difference
     return Scheme(alpha_m, alpha_f, root * root / 4, 0.5 + difference)
@@ -137,7 +138,7 @@ def second_order(alpha_f, alpha_m):
 
 @jit
 def alphas(rho):
-    """alpha_f and alpha_m with the least low-frequency damping for a rho at infinity."""
+    """Return alpha_f and alpha_m with the least low-frequency damping for a rho at infinity."""
     return rho / (rho + 1.0), (2.0 * rho - 1.0) / (rho + 1.0)
 
 
@@ -159,7 +160,7 @@ def generalized_alpha(alpha_f: float, alpha_m: float) -> Scheme:
 def newmark(beta: float = 0.25, gamma: float = 0.5) -> Scheme:
     """Newmark 1959: average acceleration by default; linear acceleration is beta = 1/6.
 
-    Raises `SchemeError` for beta <= 0 and where one is past all reason.
+    Raises `SchemeError` for beta <= 0 and for a parameter above 1e6.
     """
     return general(0.0, 0.0, beta, gamma)
 
@@ -185,7 +186,8 @@ def chung_hulbert(rho: float) -> Scheme:
 
 
 def amplification(scheme: Scheme, w: float, xi: float = 0.0) -> np.ndarray:
-    """Amplification matrix of an oscillator over one step, shape (3, 3), for (q, h v, h^2 a).
+    """Return the amplification matrix of an oscillator over one step, shape (3, 3), for (q, h v,
+    h^2 a).
 
     w = omega h [rad], which may be infinite; xi: physical damping ratio [1]. (Paper B, eq. 15.)
     """
@@ -205,7 +207,7 @@ def amplification(scheme: Scheme, w: float, xi: float = 0.0) -> np.ndarray:
 
 
 def roots_at_infinity(scheme: Scheme) -> tuple[complex, complex, complex]:
-    """Eigenvalues of the amplification matrix for h omega -> infinity [1].
+    """Return the eigenvalues of the amplification matrix for h omega -> infinity [1].
 
     The pair of beta z^2 + (1/2 + gamma - 2 beta) z + (1/2 - gamma + beta) = 0 and
     -alpha_f / (1 - alpha_f). With D = alpha_f - alpha_m, gamma = 1/2 + D and beta = (1 + D)^2 / 4
@@ -222,7 +224,7 @@ def roots_at_infinity(scheme: Scheme) -> tuple[complex, complex, complex]:
 
 
 def is_unconditionally_stable(scheme: Scheme) -> bool:
-    """Whether no undamped oscillation grows at any step length.
+    """Return whether no undamped oscillation grows at any step length.
 
     Routh-Hurwitz for all w; with gamma = 1/2 - alpha_m + alpha_f it is paper A's (10),
     alpha_m <= alpha_f <= 1/2 and beta >= 1/4 + (alpha_f - alpha_m) / 2, and for Newmark
@@ -235,7 +237,8 @@ def is_unconditionally_stable(scheme: Scheme) -> bool:
 
 
 def energy_momentum_beta(alpha_m: float, alpha_f: float) -> float:
-    """beta that conserves energy and momentum in a frictionless impact [1] (paper B, eq. 12).
+    """Return the beta that conserves energy and momentum in a frictionless impact [1] (paper B, eq.
+    12).
 
     Raises `SchemeError` for alpha_m = 1.
     """
@@ -245,7 +248,7 @@ def energy_momentum_beta(alpha_m: float, alpha_f: float) -> float:
 
 
 def energy_momentum_alpha_f(alpha_m: float) -> float:
-    """alpha_f for which eq. (12)'s beta is also eq. (8)'s [1] (paper B, eqs 13 and 14).
+    """Return the alpha_f for which eq. (12)'s beta is also eq. (8)'s [1] (paper B, eqs 13 and 14).
 
     sqrt(2) - 1 for alpha_m = 0. Raises `SchemeError` unless alpha_m < 1.
     """
@@ -256,7 +259,8 @@ def energy_momentum_alpha_f(alpha_m: float) -> float:
 
 
 def rebound(scheme: Scheme) -> float:
-    """Speed of a free node after it touched a wall for one step, over its speed before [1].
+    """Return the speed of a free node after it touched a wall for one step, over its speed before
+    [1].
 
     -v_{n+2} / v_n with d_{n+1} = d_n, a_n = 0 and the contact force acting at t_{n+1} alone: 1 is
     eq. (12), above 1 an impact creates energy.

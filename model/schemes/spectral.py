@@ -1,4 +1,4 @@
-"""What a time integrator does to one oscillation: growth, damping, period, order, stability.
+"""The effect of a time integrator on one oscillation: growth, damping, period, order, stability.
 
 One step of a free oscillator (omega, damping ratio xi) multiplies its state by the amplification
 matrix A (Ishikawa and Koguchi, eq. 15), a function of w = omega h alone; w / 2 pi is their dt/T.
@@ -43,7 +43,7 @@ class Method(Protocol):
 
 
 def spectral_radius(method: Method, w: float, xi: float = 0.0) -> float:
-    """Largest modulus of the amplification matrix's eigenvalues [1] (paper B, eq. 16).
+    """Return the largest modulus of the amplification matrix's eigenvalues [1] (paper B, eq. 16).
 
     w = omega h [rad], which may be infinite; xi: physical damping ratio [1].
     """
@@ -53,7 +53,7 @@ def spectral_radius(method: Method, w: float, xi: float = 0.0) -> float:
 
 
 def least_spectral_radius(method: Method, xi: float = 0.0) -> tuple[float, float]:
-    """Where the spectral radius is smallest, w [rad], and what it is there [1].
+    """Return where the spectral radius is smallest, w [rad], and what it is there [1].
 
     w is infinite where the radius falls to the end, 0 where it nowhere falls below 1.
     """
@@ -91,7 +91,7 @@ def principal_root(method: Method, w: float, xi: float = 0.0) -> complex:
 
 
 def damping_ratio(method: Method, w: float, xi: float = 0.0) -> float:
-    """Damping ratio that the computed oscillation shows, -ln|lambda| / arg(lambda) [1].
+    """Return the damping ratio that the computed oscillation shows, -ln|lambda| / arg(lambda) [1].
 
     The amplitude falls by exp(-2 pi ratio) in each period; exact would be xi / sqrt(1 - xi^2).
     (Hilber, Hughes and Taylor 1977.) NaN where nothing oscillates.
@@ -101,17 +101,19 @@ def damping_ratio(method: Method, w: float, xi: float = 0.0) -> float:
 
 
 def numerical_damping(method: Method, w: float, xi: float = 0.0) -> float:
-    """What the method adds to the damping ratio [1]; negative where it feeds the oscillation."""
+    """Return the damping ratio that the method adds [1]; negative where it feeds the
+    oscillation."""
     return damping_ratio(method, w, xi) - xi / math.sqrt(1 - xi**2)
 
 
 def period_elongation(method: Method, w: float, xi: float = 0.0) -> float:
-    """Computed period over the exact one, less 1 [1]; NaN where nothing oscillates."""
+    """Return the computed period over the exact one, less 1 [1]; NaN where nothing oscillates."""
     return w * math.sqrt(1 - xi**2) / principal_root(method, w, xi).imag - 1
 
 
 def order_of_accuracy(method: Method, xi: float = 0.05) -> float:
-    """Power of h with which decay and frequency converge [1], measured between two small steps.
+    """Return the power of h with which decay and frequency converge [1], measured between two small
+    steps.
 
     The oscillator has some damping by default: without it Newmark's beta = 1/12 looks better than
     it is.
@@ -124,7 +126,8 @@ def order_of_accuracy(method: Method, xi: float = 0.05) -> float:
 
 
 def is_stable(method: Method, w: float, xi: float = 0.0) -> bool:
-    """Whether no oscillation of this w [rad], which may be infinite, grows (paper B, eq. 17)."""
+    """Return whether no oscillation of this w [rad], which may be infinite, grows (paper B, eq.
+    17)."""
     if math.isinf(w):
         return method.rho_infinity <= 1 + _ROUNDING
     return all(
@@ -133,7 +136,7 @@ def is_stable(method: Method, w: float, xi: float = 0.0) -> bool:
 
 
 def stability_limit(method: Method, xi: float = 0.0) -> float:
-    """Largest w [rad] up to which nothing grows: 0 for never, infinity for always.
+    """Return the largest w [rad] up to which nothing grows: 0 for never, infinity for always.
 
     Exact: the roots of the Routh-Hurwitz conditions after lambda = (1 + s) / (1 - s).
     """
@@ -168,7 +171,8 @@ class Survey:
 
 
 def survey(method: Method, xi: float = 0.0) -> Survey:
-    """Everything here that does not depend on a user's frequency and step; xi: damping ratio."""
+    """Return all properties that do not depend on a user's frequency and step; xi: damping
+    ratio."""
     return Survey(
         limit=stability_limit(method, xi),
         least=least_spectral_radius(method, xi),
@@ -179,7 +183,8 @@ def survey(method: Method, xi: float = 0.0) -> Survey:
 
 
 def balance(w: float, xi: float) -> tuple[float, float, float]:
-    """An oscillator's 1, 2 xi w, w^2 up to a common factor with which w may be 0 or infinite."""
+    """Return an oscillator's 1, 2 xi w, w^2 up to a common factor with which w may be 0 or
+    infinite."""
     if math.isinf(w):
         return 0.0, 0.0, 1.0
     if w > 1:
@@ -194,7 +199,8 @@ def _joined(method: Method, w: float, xi: float) -> np.ndarray:
 
 
 def _conditions(method: Method, xi: float) -> list[np.ndarray]:
-    """Polynomials in w, none of which may be negative if no root is to lie outside the circle."""
+    """Return the polynomials in w, none of which may be negative if no root is to lie outside the
+    circle."""
     parts = method.characteristic()
     degree = max(len(part) for part in parts) - 1
     inertia, damping, stiffness = (_in_half_plane(part, degree) for part in parts)
@@ -206,7 +212,7 @@ def _conditions(method: Method, xi: float) -> list[np.ndarray]:
 
 
 def _in_half_plane(part: Coefficients, degree: int) -> np.ndarray:
-    """Coefficients in s of (1 - s)^degree part(x), x = 2 s / (1 - s)."""
+    """Return the coefficients in s of (1 - s)^degree part(x), x = 2 s / (1 - s)."""
     total = np.zeros(degree + 1)
     for k, coefficient in enumerate(part):
         term = polynomial.polymul(
@@ -217,6 +223,7 @@ def _in_half_plane(part: Coefficients, degree: int) -> np.ndarray:
 
 
 def _clean(condition: np.ndarray) -> np.ndarray:
-    """Without rounding errors and without common powers of w, which is positive."""
+    """Return the polynomial without rounding errors and without common powers of w, which is
+    positive."""
     retained = np.trim_zeros(np.where(np.abs(condition) < _ROUNDING, 0.0, condition))
     return retained if len(retained) else np.zeros(1)

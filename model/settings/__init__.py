@@ -1,4 +1,4 @@
-"""What a user chooses about the integration, with the named presets."""
+"""The settings of the integration, with the named presets."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ __all__ = [
 
 
 class SettingsError(UserInputError, ValueError):
-    """Settings that no run can have; names the setting, its value and what is allowed."""
+    """Impossible settings; the message names the setting, its value and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -101,22 +101,22 @@ class Settings:
 
     @property
     def warnings(self) -> list[Message]:
-        """What makes every run with them doubtful: a method that is unstable."""
+        """Return the warnings that hold for every run with them, such as an unstable method."""
         return _warnings(self._given, self._given, self.numbers, [COUNT])
 
     def scheme(self) -> Scheme:
-        """The integrator's parameters."""
+        """Return the integrator's parameters."""
         return Scheme(*(float(self.numbers[name]) for name in Scheme._fields))
 
     def control(self) -> Control:
-        """The step control, in the form that the compiled loop takes."""
+        """Return the step control, in the form that the compiled loop takes."""
         chosen = [name for name in Control._fields if name in (METHOD.names or ())]
         values = {name: self.numbers[name].item() for name in chosen}
         return Control(**values | {"is_fitted": bool(values["is_fitted"])})
 
 
 def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
-    """Settings as the resolver takes them."""
+    """Return the settings as the resolver takes them."""
     given = np.full(1 + COUNT, np.nan)
     given[0] = preset
     for name, value in changes.items():
@@ -128,7 +128,7 @@ def _given(preset: int, changes: Mapping[str, Any]) -> np.ndarray:
 
 
 def _resolved(given: np.ndarray) -> np.void:
-    """The record that settings give, `given` filled in; raises `SettingsError`."""
+    """Return the record that settings give, `given` filled in; raises `SettingsError`."""
     numbers, arguments = np.zeros(1, METHOD).view(np.recarray), np.zeros(MOST_ARGUMENTS)
     code = interpreted(resolve)(given, numbers[0], arguments)
     if code != messages.GOOD:
@@ -137,7 +137,7 @@ def _resolved(given: np.ndarray) -> np.void:
 
 
 def _chosen(given: np.ndarray, reduction: int) -> Settings:
-    """The settings that the resolver filled in."""
+    """Return the settings that the resolver filled in."""
     values: dict[str, Any] = {}
     for setting, number in zip(SETTINGS, given[1:].tolist(), strict=True):
         if isinstance(setting, Number):
@@ -153,7 +153,7 @@ PRESETS = {name: Settings(**of) for name, of in table.PRESETS.items()}
 
 
 def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
-    """A preset with some settings changed.
+    """Return a preset with some settings changed.
 
     Raises `SettingsError` for impossible ones, for a method without the parameters that it takes,
     and for a parameter that the method does not take.
@@ -172,8 +172,8 @@ def choose(preset: str = DEFAULT_PRESET, **changes: Any) -> Settings:
 def settings_of_given(
     given: np.ndarray, reduction: int, tolerance: float | None = None
 ) -> tuple[Settings, list[Message]]:
-    """The settings that an FMU's parameters stand for, as `resolver.resolve` takes them, and a
-    sentence for each that changes nothing; tolerance: the experiment's [1], which a value among
+    """Return the settings that an FMU's parameters stand for, as `resolver.resolve` takes them, and
+    a sentence for each that changes nothing; tolerance: the experiment's [1], which a value among
     them overrides. Raises `SettingsError`."""
     own = given.copy()
     at = 1 + NAMES.index("tolerance")
@@ -186,7 +186,7 @@ def settings_of_given(
 def _warnings(
     given: np.ndarray, own: np.ndarray, numbers: np.void, slots: Iterable[int]
 ) -> list[Message]:
-    """What `resolver.warning` has to say of some settings."""
+    """Return the warnings of `resolver.warning` about some settings."""
     arguments, said = np.zeros(MOST_ARGUMENTS), []
     for slot in slots:
         code = interpreted(warning)(given, own, numbers, arguments, slot)

@@ -1,4 +1,4 @@
-"""What is said of settings: a code is the place of a sentence in `SENTENCES` (see `spelling`).
+"""The messages about settings: a code is the place of a sentence in `SENTENCES` (see `spelling`).
 
 All but `UNSTABLE` begin with the name of a setting, before which an FMU puts a prefix.
 """
@@ -18,7 +18,7 @@ _METHOD, _SHAPE = choice(METHODS), choice(SHAPES)
 
 
 def _parameter_name(name: str) -> str:
-    """A setting with its value."""
+    """Return a setting with its value."""
     setting = BY_NAME[name]
     if isinstance(setting, Choice):
         return f"{name} = {choice(setting.values)}"
@@ -61,7 +61,7 @@ assert len(CODES) == len(SENTENCES) == IDLE + len(SETTINGS)
 
 
 def prefixed(prefix: str) -> tuple[str, ...]:
-    """The sentences with `prefix` before the settings' names."""
+    """Return the sentences with `prefix` before the settings' names."""
     return tuple(
         text if code in (GOOD, UNSTABLE) or not text else f"{prefix}{text}"
         for code, text in enumerate(SENTENCES)

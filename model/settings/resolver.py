@@ -1,5 +1,4 @@
-"""The one place where settings are settled: preset and changes -> integrator and step control, or
-the code of a sentence.
+"""Resolve settings: preset and changes -> integrator and step control, or the code of a message.
 
 A setting is a number, or of a choice its place among the names; NaN leaves it to the preset.
 """
@@ -47,7 +46,8 @@ _STABLE = 1e-12  # what is rounding in a condition of stability
 
 
 def encoded(name: str, value: object) -> float:
-    """The number that stands for a setting's value. Raises `ValueError` for what is none."""
+    """Return the number that stands for a setting's value. Raises `ValueError` for an invalid
+    one."""
     return BY_NAME[name].encoded(value)
 
 
@@ -77,9 +77,9 @@ _IS_IDLE = np.array(
 @jit
 def resolve(given, numbers, arguments):
     """Fill in the record of a run's method from the settings `given`, shape (1 + COUNT,), the
-    preset's place first; `given` then holds what was chosen.
+    preset's place first; `given` then holds the resolved values.
 
-    Returns the code of a sentence, with its numbers in `told`, or `GOOD`.
+    Returns the code of a sentence, with its numbers in `arguments`, or `GOOD`.
     """
     preset = int(given[0])
     base = int(_PRESETS[preset, _METHOD])
@@ -124,7 +124,7 @@ def _is_in_range(value, slot):
 
 @jit
 def _alphas(given, method):
-    """alpha_f and alpha_m of the member of the family."""
+    """Return alpha_f and alpha_m of the member of the family."""
     if method == _CHUNG_HULBERT:
         return alphas(given[3 + _SHAPE])
     alpha_f = 0.0 if method in (_WBZ, _NEWMARK) else given[1 + _SHAPE]
@@ -160,7 +160,7 @@ def begin(given, r):
 
 @jit
 def radius_at_infinity(numbers):
-    """`Scheme.rho_infinity` of a method's record [1]."""
+    """Return `Scheme.rho_infinity` of a method's record [1]."""
     beta, gamma, af = numbers.beta, numbers.gamma, numbers.alpha_f
     discriminant = (0.5 + gamma) ** 2 - 4 * beta
     if abs(discriminant) < _STABLE:
@@ -176,8 +176,8 @@ def radius_at_infinity(numbers):
 
 @jit
 def warning(given, own, numbers, arguments, slot):
-    """Code of a warning about one of the `own` settings among `given`, as they were before
-    `resolve`, or `GOOD`; behind the last of them about the method."""
+    """Return the code of a warning about one of the `own` settings among `given`, as they were
+    before `resolve`, or `GOOD`; behind the last of them about the method."""
     method = int(given[1 + _METHOD])
     if slot == COUNT:
         if is_stable(numbers):

@@ -1,5 +1,6 @@
-"""The solver's settings, each once: its unit, its range, its default and what it is; what each
-method and each mode looks at; the presets. Whatever else knows of them is made from here.
+"""The solver's settings, each declared once with its unit, range, default and description; the
+settings that each method and each mode uses; the presets. Everything else about settings is made
+from this table.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ NORMS = {"increment": INCREMENT_NORM, "mixed": MIXED_NORM}
 
 @dataclass(frozen=True)
 class Choice:
-    """A setting with names for its values; variable: what the FMU calls it, if otherwise."""
+    """A setting with names for its values; variable: its name in the FMU, if different."""
 
     name: str
     values: Mapping[str, Any]
@@ -43,7 +44,7 @@ class Choice:
     variable: str = ""
 
     def encoded(self, value: Any) -> float:
-        """The place of a value among the names."""
+        """Return the place of a value among the names."""
         if value not in self.values:
             raise ValueError(f"{self.name} = {value!r}: must be one of {', '.join(self.values)}")
         return float(list(self.values).index(value))
@@ -54,7 +55,7 @@ class Switch(Choice):
     """A setting that is false or true."""
 
     def encoded(self, value: Any) -> float:
-        """0 or 1."""
+        """Return 0 or 1."""
         if not isinstance(value, bool):
             raise ValueError(f"{self.name} = {value!r}: must be true or false")
         return float(value)
@@ -79,11 +80,11 @@ class Number:
 
     @property
     def rule(self) -> str:
-        """What it may be, in words."""
+        """The allowed values, in words."""
         return self.range.words("" if self.unit == "1" else f" {self.unit}")
 
     def encoded(self, value: Any) -> float:
-        """The number itself."""
+        """Return the number itself."""
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError(f"{self.name} = {value!r}: must be a number")
         if math.isnan(value):
@@ -104,8 +105,13 @@ SETTINGS: tuple[Choice | Number, ...] = (
     Number("alpha_f", "1", ALPHA, 0.0, 1.0, "alpha_f of hht and generalized-alpha"),
     Number("alpha_m", "1", ALPHA, 0.0, 1.0, "alpha_m of wbz and generalized-alpha"),
     Number("rho", "1", RHO, 0.2, -1.0, "spectral radius at infinity of chung-hulbert"),
-    Choice("mode", MODES, "fixed", "step length", "adaptive"),
-    Switch("fitted", {"no": False, "yes": True}, False, "whether fitted to the pace of the motion"),
+    Choice("mode", MODES, "fixed", "step-length control", "adaptive"),
+    Switch(
+        "fitted",
+        {"no": False, "yes": True},
+        False,
+        "whether the method is fitted to the frequency of the motion",
+    ),
     Number(
         "tolerance",
         "1",
@@ -114,17 +120,22 @@ SETTINGS: tuple[Choice | Number, ...] = (
         0.0,
         "relative tolerance of the controlled mode",
     ),
-    Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one where it varies"),
-    Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step where it varies"),
-    Number("h_max", "s", _positive(1.0), 0.02, 0.0, "longest step where it varies"),
+    Number("h", "s", _positive(1.0), 5e-4, 0.0, "step length, the first one if it varies"),
+    Number("h_min", "s", _positive(1.0), 0.004, 0.0, "shortest step if the step length varies"),
+    Number("h_max", "s", _positive(1.0), 0.02, 0.0, "longest step if the step length varies"),
     Number(
         "eps_min", "1", _positive(_BIG), 0.1, 0.0, "adaptive mode: error below which the step grows"
     ),
     Number(
-        "eps_max", "1", _positive(_BIG), 0.3, 0.0, "adaptive mode: error above which it is repeated"
+        "eps_max",
+        "1",
+        _positive(_BIG),
+        0.3,
+        0.0,
+        "adaptive mode: error above which the step is repeated",
     ),
     Choice("indicator", INDICATORS, "zienkiewicz-xie", "error indicator of the adaptive mode"),
-    Choice("norm", NORMS, "increment", "what its error is relative to"),
+    Choice("norm", NORMS, "increment", "norm of the error in the adaptive mode"),
     Number("atol", "m", _positive(1.0), 1e-6, 0.0, "absolute part of the mixed norm"),
     Number("rtol", "1", _positive(1.0), 1e-3, 0.0, "relative part of the mixed norm"),
     Number(
@@ -133,8 +144,8 @@ SETTINGS: tuple[Choice | Number, ...] = (
         Range(1, 2e9),
         10_000_000,
         0,
-        "iterations of the interfaces' problem, each step counting for one at least, after which a "
-        "communication step ends early",
+        "largest number of iterations of the interface problem in a communication step, which then "
+        "ends early; each step counts at least one",
         is_whole=True,
     ),
 )
@@ -155,7 +166,7 @@ _OF_MIXED = ("atol", "rtol")
 
 
 def is_idle(name: str, mode: str, norm: str) -> bool:
-    """Whether a setting changes nothing in a mode with a norm."""
+    """Return whether a setting changes nothing in a mode with a norm."""
     used = _OF_MODE[mode] + (_OF_MIXED if mode == "adaptive" and norm == "mixed" else ())
     return name not in used and any(name in of for of in (*_OF_MODE.values(), _OF_MIXED))
 

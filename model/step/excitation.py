@@ -1,5 +1,5 @@
-"""What acts on the rotor from outside: spin, unbalance, gravity, external loads, and what the drive
-must supply for it."""
+"""Excitation of the rotor: spin, unbalance, gravity, external loads, and the torque that the drive
+must supply."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ class Spin(NamedTuple):
 
 @jit
 def spin_of(omega, alpha, theta):
-    """`Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
+    """Return the `Spin` of a speed [rad/s], its rate [rad/s2] and an angle [rad]."""
     return Spin(omega, alpha, theta, direction(theta), omega)
 
 
 @jit
 def static_spin(omega):
-    """`Spin` of a machine that is asked where it rests at a speed [rad/s]: without unbalance, and
-    without friction."""
+    """Return the `Spin` for the equilibrium at a speed [rad/s]: without unbalance, and without
+    friction."""
     return Spin(omega, 0.0, 0.0, 0.0j, 0.0)
 
 
 @jit
 def circulation(structure, omega):
-    """kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
+    """Return kappa [1] of the circulatory term -i kappa K_shaft (Zorzi and Nelson 1977)."""
     numbers = structure.numbers[0]
     kappa = numbers.kappa_v * omega
     if omega > 0.0:
@@ -48,8 +48,8 @@ def circulation(structure, omega):
 
 @jit
 def free_fall_acceleration(structure, loads):
-    """Acceleration of what is free, seen from the base [m/s2]: gravity less the base's own, which
-    is among the loads."""
+    """Return the acceleration of what is free, seen from the base [m/s2]: gravity less the base's
+    own, which is among the loads."""
     numbers = structure.numbers[0]
     g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     return g - loads[numbers.base_load] if numbers.base_load >= 0 else g
@@ -57,7 +57,7 @@ def free_fall_acceleration(structure, loads):
 
 @jit
 def at_place(place, z):
-    """Of an unbalance's or a probe's place on the shaft, z of shape (n,) or longer."""
+    """Return z at an unbalance or a probe on the shaft, z of shape (n,) or longer."""
     value = z[place.dof]
     if place.offset != 0.0:
         value += place.offset * z[place.slope]
@@ -66,7 +66,7 @@ def at_place(place, z):
 
 @jit
 def at_load(structure, i, z):
-    """Of the place of a load on the shaft, z of shape (n,) or longer."""
+    """Return z at a load on the shaft, z of shape (n,) or longer."""
     value = z[structure.load_dof[i]]
     arm = structure.load_arms[i]
     if arm.offset != 0.0:
@@ -100,8 +100,8 @@ def add_applied(structure, spin, loads, f):
 
 @jit
 def internal_torque(structure, q, v, omega):
-    """Torque by which the drive sustains the rotating internal damping [N.m]; 0 if it does not
-    rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
+    """Return the torque by which the drive sustains the rotating internal damping [N.m]; 0 if it
+    does not rotate. With f = -eta K_s v + i kappa K_s q it is Re(f^H i q)."""
     kappa = circulation(structure, omega)
     eta_v = structure.numbers[0].kappa_v
     if kappa == 0.0 and eta_v == 0.0:
@@ -114,7 +114,7 @@ def internal_torque(structure, q, v, omega):
 
 @jit
 def drive_torque(structure, loads, q, v, a, spin, friction_torque):
-    """Torque that the drive must supply to keep the prescribed speed [N.m].
+    """Return the torque that the drive must supply to keep the prescribed speed [N.m].
 
     q, v, a: shape (n,) or longer; friction_torque: what brakes the rotor at its
     interfaces [N.m]. From

@@ -35,13 +35,13 @@ class Fit(NamedTuple):
 
 @jit
 def unfitted():
-    """The scheme as it is."""
+    """Return the scheme as it is."""
     return Fit(1.0, 1.0)
 
 
 @jit
 def fitted(scheme, w):
-    """`Fit` with which the scheme takes a whirl of w = Omega h [rad] over a step as it is."""
+    """Return the `Fit` with which the scheme reproduces a whirl of w = Omega h [rad] exactly."""
     am, af, beta, gamma = scheme
     if abs(w) < SLOWEST:
         return Fit(1.0, 1.0)
@@ -55,9 +55,9 @@ def fitted(scheme, w):
 
 @jit
 def characteristic_frequency_after(structure, omega, h, measures, before):
-    """Square of the angular frequency of the motion [rad2/s2], at most that of the rotation or of
-    the machine's slowest motion, whichever is faster, after a step of length h [s]; measures: of
-    the step (`error_control.measure`); before: after the last step.
+    """Return the square of the angular frequency of the motion [rad2/s2], at most that of the
+    rotation or of the machine's slowest motion, whichever is faster, after a step of length h [s];
+    measures: of the step (`error_control.measure`); before: after the last step.
 
     Of q ~ exp(i p t), and of a swing along a line as well, p^2 = (|jerk|^2 + p^2 |a|^2) over
     (|a|^2 + p^2 |v|^2), weighted with the masses; of a free fall p is 0.

@@ -1,4 +1,4 @@
-"""The small nonlinear problem that is left of a step: the forces of all interfaces at once.
+"""The small nonlinear problem that remains of a step: the forces of all interfaces at once.
 
     w = w_free + W F(d, d'),   d = d0 + b_d w,   d' = d0' + b_v w
 
@@ -38,7 +38,7 @@ TOLERANCE = 1e-8
 class InterfaceProblem(NamedTuple):
     """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N],
     its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, internal_state:
-    states of the laws, predicted and found; flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
+    states of the laws, predicted and solved; flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
     pairs; scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
@@ -89,7 +89,7 @@ def solve_dense(a, x):
 
 @jit
 def _linearize(problem, laws, interfaces, spin, weights):
-    """Forces and tangents at problem.w, Newton's correction of w; False if its matrix is
+    """Return the forces and tangents at problem.w, Newton's correction of w; False if its matrix is
     singular."""
     m, b_d, b_v = len(interfaces), weights.displacement, weights.velocity
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
@@ -137,7 +137,7 @@ def _linearize(problem, laws, interfaces, spin, weights):
 
 @jit
 def _start(problem, laws, interfaces, place, b_d):
-    """Where Newton starts: from the expected displacements, from no forces, from the walls."""
+    """Set Newton's starting point: the expected displacements, no forces, or the walls."""
     for j in range(len(interfaces)):
         w = problem.w_free[j]
         if place == EXPECTED:

@@ -51,17 +51,17 @@ add_losses = dispatcher([_dissipating(law) for law in LAWS])
 
 @jit
 def relative(interface, z):
-    """Of a node relative to its housing or to ground, z of shape (size,)."""
+    """Return z of a node relative to its housing or to ground, z of shape (size,)."""
     return z[interface.dof] - z[interface.end]
 
 
 @jit
 def kinematics(interface, spin, q, v):
-    """`Kinematics` of an interface, q, v of shape (size,)."""
+    """Return the `Kinematics` of an interface, q, v of shape (size,)."""
     return Kinematics(relative(interface, q), relative(interface, v), spin.omega, spin.sliding)
 
 
 @jit
 def at_rest(displacement, speed):
-    """`Kinematics` of an interface whose node rests and whose surfaces do not slide."""
+    """Return the `Kinematics` of an interface whose node rests and whose surfaces do not slide."""
     return Kinematics(displacement, 0.0j, speed, 0.0)

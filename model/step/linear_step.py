@@ -1,4 +1,4 @@
-"""What one generalized-alpha step has in common for every structure with local contacts.
+"""The part of a generalized-alpha step that is the same for every structure with local contacts.
 
 Written in accelerations, with v_dot = M^-1 (f - C v - K q) of the equation of motion, the scheme
 (`schemes`) is (1 - alpha_m) a1 + alpha_m a0 = (1 - alpha_f) v_dot1 + alpha_f v_dot0. With the
@@ -7,8 +7,8 @@ from `weights`, the unknowns a1 follow from
 
     S a1 = (1 - alpha_f) (f1 - C v - K q) + M (alpha_f v_dot0 - alpha_m a0) + B F
 
-which leaves a small problem in the contacts' motion, with the flexibility S^-1 B. How F
-follows from that motion, a penalty law with friction or a hard stop, is the closure's affair.
+which leaves a small problem in the contacts' motion, with the flexibility S^-1 B. How F follows
+from that motion, a penalty law with friction or a hard stop, is left to the closure.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ..kernels.jit import jit
 
 @jit
 def weights(scheme, h):
-    """Weights (m, c, k) of mass, damping and stiffness in the step matrix; h [s]."""
+    """Return the weights (m, c, k) of mass, damping and stiffness in the step matrix; h [s]."""
     am, af, beta, gamma = scheme
     return 1.0 - am, (1.0 - af) * gamma * h, (1.0 - af) * beta * h * h
 

@@ -60,7 +60,7 @@ class Workspace(NamedTuple):
 
 @jit
 def by_axis(x_factor, y_factor, z):
-    """Different factors on the x and the y part of z."""
+    """Multiply the x and the y part of z by different factors."""
     return complex(x_factor * z.real, y_factor * z.imag)
 
 
@@ -87,7 +87,8 @@ def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
 
 @jit
 def _housing_forces(housing, g, q, v):
-    """Springs, dampers and weight of a housing [N]; g: see `free_fall_acceleration` [m/s2]."""
+    """Return the force of springs, dampers and weight on a housing [N]; g: see
+    `free_fall_acceleration` [m/s2]."""
     spring = by_axis(housing.kx, housing.ky, q)
     damper = by_axis(housing.cx, housing.cy, v)
     return spring + damper - by_axis(*masses(housing), g)
@@ -248,13 +249,13 @@ def _predict_internal_state(scheme, h, old, free):
 
 @jit
 def _is_sane(x, bound):
-    """Whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
+    """Return whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
 
 @jit
 def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
-    """One step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
+    """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
 
     Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces or `NOT_FINITE` or past the bound,

@@ -23,7 +23,13 @@ def _each_once(entries: Sequence[Output]) -> tuple[Output, ...]:
 
 
 MACHINE_STORES = (
-    Output("kinetic", "J", "kinetic energy, rotation included", nominal=100.0, reached_by=SPEED),
+    Output(
+        "kinetic",
+        "J",
+        "kinetic energy, including that of rotation",
+        nominal=100.0,
+        reached_by=SPEED,
+    ),
     Output("elastic", "J", "elastic energy of shaft and housing springs", nominal=0.01),
     Output("gravity", "J", "potential energy of gravity", nominal=0.01),
 )

@@ -15,6 +15,7 @@ from ..step.laws import MOST_LOSSES
 from ..step.step import Motion, Workspace
 from ..structure.ledger import FLOWS, STORES
 from ..structure.structure import Structure, sizes_of
+from ..warnings import RUN_WARNINGS
 from .control import Control
 from .memory import Memory
 from .recorder import Recorder
@@ -34,14 +35,14 @@ class Integrator(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """What can be read, in the order of `observe.observed`."""
+    """The observed quantities, in the order of `observe.observed`."""
 
     observed: Annotated[np.ndarray, float, "outputs"]
 
 
 class RunData(NamedTuple):
-    """All of a run. `motion` and `memory` are its state; what stands before them belongs to the
-    machine, what stands behind is made anew by every call."""
+    """All arrays of a run. `motion` and `memory` are its state; the arrays before them belong to
+    the machine, those behind are scratch that every call fills anew."""
 
     structure: Structure
     method: Integrator
@@ -105,7 +106,7 @@ LAYOUT = Layout(
 def new_block(
     structure: Structure, outputs: int, channels: int = 0, recorder_rows: int = 0
 ) -> np.ndarray:
-    """A block for runs of a machine, its structure copied in; outputs: how many can be read;
+    """Return a block for runs of a machine, its structure copied in; outputs: how many can be read;
     channels and an even number of rows: of the recorder."""
     basis, mass = coarse_shaft(structure)
     sizes = sizes_of(structure) | {
@@ -130,9 +131,8 @@ def new_block(
         run.motion.internal_state[
             interface.internal_state : interface.internal_state + len(starts)
         ] = starts
-    run.memory.record[0].trapped_at = np.nan
-    for instant in ("overdamped_at", "slow_at", "coarse_at", "blind_at"):
-        run.memory.record[0][instant] = np.nan
+    for warning in RUN_WARNINGS:
+        run.memory.record[0][warning.since] = np.nan
     for name, value in Control._field_defaults.items():
         run.memory.record[0][name] = value
     run.survey.basis[:], run.survey.mass[:] = basis, mass

@@ -1,5 +1,4 @@
-"""How the step length is chosen: the numbers of the three modes, and the one place that switches
-between them."""
+"""Step-length control: the numbers of the three modes, and the switch between them."""
 
 from __future__ import annotations
 
@@ -19,11 +18,11 @@ class Control(NamedTuple):
     mode: FIXED, ADAPTIVE (`paper_control`) or CONTROLLED (`error_control`); h_min, h_max [s];
     eps_min, eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or
     LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
-    MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of
-    h^2 (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to
-    the motion (`fitting`); h_in_contact, h_in_the_open: longest of CONTROLLED while a
-    journal touches, and while none does [s];
-    overdamping: what the integrator may take of the energy of a rub, over what the dampers do [1].
+    MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2
+    (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to the
+    motion (`fitting`); h_in_contact, h_in_the_open: longest of CONTROLLED while a journal touches,
+    and while none does [s]; overdamping: limit of the energy that the integrator may dissipate in a
+    rub, relative to that of the dampers [1].
     """
 
     mode: int
@@ -46,8 +45,8 @@ class Control(NamedTuple):
 
 @jit
 def step_error(structure, control, local, h, is_first, old, new):
-    """Error of a step in the terms of the mode [1]; above control.eps_max it is repeated. local:
-    its `local_error` [1]."""
+    """Return the error of a step in the terms of the mode [1]; above control.eps_max it is
+    repeated. local: its `local_error` [1]."""
     if control.mode == ADAPTIVE:
         return error_indicator(control, h, is_first, old, new)
     if control.mode == CONTROLLED:
@@ -57,7 +56,8 @@ def step_error(structure, control, local, h, is_first, old, new):
 
 @jit
 def retry_step(structure, control, h, error, is_solved, old, new):
-    """Length to repeat a step with [s]; is_solved: whether it is its error that was too large."""
+    """Return the length to repeat a step with [s]; is_solved: whether it is its error that was too
+    large."""
     if not is_solved:
         shorter = 0.5 * h
     elif control.mode == CONTROLLED:
@@ -69,8 +69,8 @@ def retry_step(structure, control, h, error, is_solved, old, new):
 
 @jit
 def propose_step(control, desired, h, error, error_before, was_rejected):
-    """Proposed length of the next step [s], after one of length h that a communication point may
-    have cut shorter than was proposed."""
+    """Return the proposed length of the next step [s], after one of length h that a communication
+    point may have cut shorter than was proposed."""
     if control.mode == ADAPTIVE:
         return next_step(control, desired, h, error)
     if control.mode == CONTROLLED:

@@ -1,8 +1,8 @@
-"""The energy ledger: what the machine holds, what flows in, what is dissipated [J, W].
+"""The energy ledger: energy stored in the machine, inflow and dissipation [J, W].
 
-Energy of the machine + dissipation = work of the drive and of external loads + residual; what
-remains is the integrator's own. Exact power balance of the equations in `assembly`, so the residual
-falls with the step length.
+Energy of the machine + dissipation = work of the drive and of external loads + residual; the
+residual is due to the integrator. Exact power balance of the equations in `assembly`, so the
+residual falls with the step length.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def powers(structure, spin, loads, motion, scratch, out):
 
 @jit
 def _momentum(structure, spin, v):
-    """Of all that the base carries [N.s]."""
+    """Return the momentum of everything that the base carries [N.s]."""
     n = structure.M.shape[0]
     total = 0.0j
     for i in range(n):
@@ -78,9 +78,9 @@ def _momentum(structure, spin, v):
 
 @jit
 def total_energy(structure, spin, motion, out):
-    """Energy of the machine [J]. Fills out, shape (stores,) [J], in the order of `ledger.STORES`:
-    kinetic (lateral, spin and what couples them), elastic (shaft, supports, housing springs),
-    gravity, and what the laws of the interfaces store."""
+    """Return the energy of the machine [J]. Fills out, shape (stores,) [J], in the order of
+    `ledger.STORES`: kinetic (lateral, spin and what couples them), elastic (shaft, supports,
+    housing springs), gravity, and what the laws of the interfaces store."""
     n = structure.M.shape[0]
     numbers = structure.numbers[0]
     rotor_q, rotor_v = motion.q[:n], motion.v[:n]

@@ -80,8 +80,8 @@ def start(block, speed, drive, rate):
 
 @jit
 def advance(block, t_end, drive, rate):
-    """`time_loop.advance` under the loads that are set, with their rates; returns its status. rate:
-    of `drive`, or NaN where a speed goes on as the last two say and a torque stays."""
+    """Call `time_loop.advance` under the loads that are set, with their rates; returns its status.
+    rate: of `drive`, or NaN where a speed goes on as the last two say and a torque stays."""
     run = _view(block)
     numbers = run.method.numbers[0]
     status = time_loop.advance(

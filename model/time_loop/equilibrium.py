@@ -68,7 +68,7 @@ def _take(motion, trial):
 
 @jit
 def is_beyond(structure, motion):
-    """Whether a deflection is larger than any machine's."""
+    """Return whether a deflection is larger than any machine's."""
     bound = structure.numbers[0].bound
     for i in range(len(structure.deflections)):
         if modulus(motion.q[structure.deflections[i, 0]]) > bound:
@@ -78,9 +78,9 @@ def is_beyond(structure, motion):
 
 @jit_not_inlined
 def _hump(structure, omega, motion, problem):
-    """How fast a journal that touches its wall would be driven away along it [1/s], at most, and
-    where to, towards the right if it may be [1]; 0 where none would be: only the wear of a bore
-    does that."""
+    """Return the largest rate at which a journal that touches its wall would be driven away along
+    it [1/s], and the direction, to the right if possible [1]; 0 if there is none: only the wear of
+    a bore does that."""
     steepest, where = 0.0, 0.0j
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -196,8 +196,8 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
 
 @jit_inlined
 def _settle(structure, spin, motion, trial, memory, work, problem):
-    """`find_equilibrium`, whether it is stable or not; MOVED where the last, short, steps lead away
-    from it."""
+    """Find an equilibrium, whether it is stable or not; MOVED where the last, short, steps lead
+    away from it."""
     scheme, fit = Scheme(0.0, 0.0, 1.0, 0.0), unfitted()
     lowest = structure.numbers[0].lowest_omega
     radians = _FIRST

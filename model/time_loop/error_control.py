@@ -46,14 +46,14 @@ NOTHING = Measures(0.0, 0.0, 0.0, 0.0)
 
 @jit
 def _product(x, y):
-    """Real part of x conj(y)."""
+    """Return the real part of x conj(y)."""
     return x.real * y.real + x.imag * y.imag
 
 
 @jit
 def measure(weights, turned, old, new):
-    """`Measures` of a step; turned: by what a whirl of the motion's characteristic frequency turns
-    in it, e^(i p h)."""
+    """Return the `Measures` of a step; turned: by what a whirl of the motion's characteristic
+    frequency turns in it, e^(i p h)."""
     change, beside, acceleration, velocity = 0.0, 0.0, 0.0, 0.0
     n, width = weights.shape
     for i in range(n):
@@ -120,8 +120,8 @@ def first_size(structure, omega, motion, memory):
 
 @jit
 def local_error(structure, control, size, frequency, h, measures):
-    """Error of a step of length h [s] over the one tolerated [1]; size: of the motion [m],
-    frequency: of the motion [rad/s].
+    """Return the error of a step of length h [s] over the one tolerated [1]; size: of the motion
+    [m], frequency: of the motion [rad/s].
 
     Displacements are weighted with their masses (root mean square), so that neither the turning
     point of a node matters nor a light journal that shakes in its clearance. Tolerated is a share
@@ -138,9 +138,9 @@ def local_error(structure, control, size, frequency, h, measures):
 
 @jit
 def whirl_error(structure, control, h, new):
-    """Error of a step of length h [s] that ends in contact and may be too long to see a whirl grow
-    there [1]: as long as its
-    amplitude is below the tolerance, no other error shows that it does not."""
+    """Return the error of a step of length h [s] that ends in contact and may be too long to see a
+    whirl grow there [1]: as long as its amplitude is below the tolerance, no other error shows that
+    it does not."""
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
             ratio = h / control.h_in_contact
@@ -150,8 +150,9 @@ def whirl_error(structure, control, h, new):
 
 @jit
 def next_length(proposed, h, error, error_before):
-    """Proposed length of the next step [s] after one of length h [s] with these last errors [1]; a
-    communication point may have cut h shorter than was proposed, which says nothing against it.
+    """Return the proposed length of the next step [s] after one of length h [s] with these last
+    errors [1]; a communication point may have cut h shorter than was proposed, which says nothing
+    against it.
 
     The factor is SAFETY error^-0.35 trend^0.2, of gains for an error per unit of time of order 2.
     """
@@ -166,7 +167,8 @@ def next_length(proposed, h, error, error_before):
 
 @jit
 def steady_length(structure, control, omega, proposed, h, error, memory):
-    """Proposed length of the next step of a machine that is unstable with its contacts open [s].
+    """Return the proposed length of the next step of a machine that is unstable with its contacts
+    open [s].
 
     Steps that lengthen and shorten with a beat of the motion feed it or damp it as a slow growth
     does. So they stay as they are, and lengthen where the errors of many turns allow it.
@@ -184,7 +186,7 @@ def steady_length(structure, control, omega, proposed, h, error, memory):
 
 @jit
 def repeated_length(structure, h, error, old, new):
-    """Length to repeat a step with whose error is too large [s].
+    """Return the length to repeat a step with whose error is too large [s].
 
     That of the error, or, if it is longer, up to where a contact opens or closes: the two parts of
     such a step are smooth each, and only their joint is not.

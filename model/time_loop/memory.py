@@ -1,4 +1,4 @@
-"""What a run remembers besides the motion: time and rotation, counters, the ledger, the peaks."""
+"""The state of a run besides the motion: time and rotation, counters, the ledger, the peaks."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from ..kernels.jit import jit
 from ..quantities import places
 from ..step.excitation import spin_of
+from ..warnings import RUN_WARNINGS
 
 RECORD = np.dtype(
     [
@@ -24,7 +25,7 @@ RECORD = np.dtype(
             "h",  # proposed step length [s]
             "h_last",
             "h_carried",  # to which the carried accelerations belong
-            "characteristic_frequency_squared",  # square of the motion's `pace_after` [rad2/s2]
+            "characteristic_frequency_squared",  # of the motion, see `fitting` [rad2/s2]
             "motion_size",  # see `error_control.update_size` [m]
             "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
@@ -43,11 +44,7 @@ RECORD = np.dtype(
             "drive_rate",
             "turn",  # angle at which the present revolution began [rad]
             "swept",  # of the present revolution, negative where the angle falls [rad]
-            "trapped_at",  # time at which the false state was first seen [s], or NaN
-            "overdamped_at",  # time from which the integrator damped the machine [s], or NaN
-            "slow_at",  # time from which a cycle took more than SLOW iterations [s], or NaN
-            "coarse_at",  # time of the first step at h_min that misses the tolerance [s], or NaN
-            "blind_at",  # time of the first too coarse step in which a contact closed [s], or NaN
+            *(warning.since for warning in RUN_WARNINGS),  # time of each [s], or NaN
             "cycle_end",  # when the work of a cycle is counted anew [s]
             "touched_at",  # time of the first touch in the window of the losses looked at, or NaN
             "window_end",  # when they are looked at next [s]
@@ -89,7 +86,7 @@ BOUNCE = places(("cosine", "sine", "steps", "score"))
 
 
 class Memory(NamedTuple):
-    """What a run remembers besides the motion; every array changes in place.
+    """The state of a run besides the motion; every array changes in place.
 
     record: of dtype `RECORD`; work, power: of `ledger.FLOWS` [J], [W]; peaks: largest |x|, |y| [m]
     and squared distance [m2] from rest of the probes in the present revolution, in the one before,
@@ -117,8 +114,9 @@ class Memory(NamedTuple):
 
 @jit
 def spin_at(record, t, alpha):
-    """Rotation at time t [s]: the speed is linear in time, the angle its integral. A free rotor's
-    rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal rule."""
+    """Return the rotation at time t [s]: the speed is linear in time, the angle its integral. A
+    free rotor's rate is `alpha` [rad/s2] then; its speed and angle follow by the trapezoidal
+    rule."""
     r = record[0]
     if r.is_free == 1:
         h = t - r.t
@@ -164,6 +162,6 @@ def move_loads(memory, t):
 
 @jit
 def spin_now(record):
-    """Rotation at the time reached."""
+    """Return the rotation at the time reached."""
     r = record[0]
     return spin_of(r.omega, r.alpha, r.theta)

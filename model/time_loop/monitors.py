@@ -1,6 +1,6 @@
-"""What is looked at after every step: the probes' amplitudes and 1x components, the false
-wall-to-wall state, whether the integrator damps the machine more than the machine itself, and the
-work that a cycle takes."""
+"""The monitors, which run after every step: the probes' amplitudes and 1x components, the false
+wall-to-wall state, damping by the integrator that exceeds the machine's own, and the iterations of
+a cycle."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from ..kernels.jit import jit
 from ..step.excitation import at_place
 from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
+from ..warnings import SLOW
 from .control import CONTROLLED
 from .energy import total_energy
 from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
@@ -29,9 +30,6 @@ WINDOW_CYCLES = 10.0
 LEAST_LOSS = 3e-4
 MEMORY = 0.8  # of a window's sums in the next
 COARSE = 0.5
-# Iterations in a cycle of the rotation or of the lowest mode, whichever is faster: with steps by
-# tolerance some hundreds; a run that takes more than SLOW says so.
-SLOW = 300_000
 # What error control with a tolerance of 0.1 keeps to: the error of a step, and about the root mean
 # square of all. A coarser step in which a contact closes, or a coarser revolution with a touch, may
 # put a run on another branch of solutions without any other sign.
@@ -41,6 +39,14 @@ TURN = 2.0 * math.pi
 STANDSTILL = TURN / 1000.0
 _FRICTION = FLOWS.index("friction")
 _LOSSES = len(INFLOWS)
+
+
+@jit
+def monitor_step(structure, control, spin, motion, memory, work):
+    """Run the monitors that look at an accepted step alone."""
+    monitor_revolution(structure, spin, motion, memory)
+    monitor_bounces(structure, motion, memory)
+    monitor_losses(structure, control, motion, memory, work)
 
 
 @jit
@@ -94,8 +100,9 @@ def monitor_revolution(structure, spin, motion, memory):
 
 @jit
 def monitor_errors(structure, control, local, spin, old, new, memory):
-    """Keep the local errors of the last revolution, after a step from `old` to `new` whose own is
-    `local`, in tolerances; see whether a contact closed in a step too coarse to tell what follows.
+    """Record the local errors of the last revolution, after a step from `old` to `new` whose own is
+    `local`, in tolerances; check whether a contact closed in a step too coarse to resolve what
+    follows.
     """
     r = memory.record[0]
     by_step = abs(spin.theta - r.theta)
@@ -150,7 +157,8 @@ def monitor_bounces(structure, motion, memory):
 
 @jit
 def monitor_work(structure, memory):
-    """Count the iterations of the present cycle, and remember when they became too many."""
+    """Count the iterations of the present cycle, and record the time at which they became too
+    many."""
     r = memory.record[0]
     if r.t >= r.cycle_end:
         fastest = max(abs(r.omega), structure.numbers[0].lowest_omega)
@@ -172,11 +180,11 @@ def open_window(structure, memory):
 
 @jit
 def monitor_losses(structure, control, motion, memory, work):
-    """Compare what the integrator took of the energy of a machine that touched, once in a window,
-    with what the machine's dampers did.
+    """Compare, once in a window, the energy that the integrator dissipated in a machine that
+    touched with that of the machine's dampers.
 
-    Not of error control: its steps resolve what the survey knows to grow, and what they take of
-    anything else is within the tolerance.
+    Not of error control: its steps resolve every growth that the survey has seen, and their other
+    errors are within the tolerance.
     """
     if control.mode == CONTROLLED:
         return

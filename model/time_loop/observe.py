@@ -1,4 +1,5 @@
-"""What can be read of a run, as one flat array: the names, and the kernel that fills it."""
+"""The observed quantities of a run, as one flat array: their names, and the kernel that fills
+it."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ from .memory import AXIS, ONCE, PEAK, SENSE, spin_now
 
 SHAFT = (
     Output("phi", "rad", "angle of rotation, integral of the speed", True, 100.0),
-    Output("w", "rad/s", "speed of rotation reached", nominal=100.0, reached_by=SPEED),
+    Output("w", "rad/s", "speed of rotation", nominal=100.0, reached_by=SPEED),
     Output("a", "rad/s2", "rate of the speed", nominal=10.0, reached_by=ALL),
     Output(
         "tau",
@@ -40,8 +41,8 @@ SHAFT = (
     Output(
         "tau_load",
         "N.m",
-        "what friction, whirl and unbalance take of it, tau - J a: the load of a partner that "
-        "integrates the speed with the rotor's inertia J",
+        "share of tau due to friction, whirl and unbalance, tau - J a: the load of a partner that "
+        "integrates the speed with the rotor's moment of inertia J",
         True,
         0.1,
         reached_by=ALL,
@@ -49,7 +50,7 @@ SHAFT = (
     Output(
         "J",
         "kg.m2",
-        "moment of inertia about the axis of rotation, eccentric masses included",
+        "moment of inertia about the axis of rotation, including eccentric masses",
         nominal=0.01,
     ),
 )
@@ -61,14 +62,14 @@ SOLVER = (
     Output(
         "error",
         "1",
-        "largest local error of a step over the last revolution, over the one tolerated",
+        "largest local error of a step over the last revolution, relative to the tolerance",
         nominal=1.0,
     ),
     Output(
         "error_rms",
         "1",
-        "root mean square of the steps' local errors over the last revolution, over the one "
-        "tolerated",
+        "root mean square of the steps' local errors over the last revolution, relative to the "
+        "tolerance",
         nominal=0.1,
     ),
     Output("h_min_used", "s", "shortest step length chosen", nominal=1e-3),
@@ -76,7 +77,7 @@ SOLVER = (
     Output(
         "trapped",
         "1",
-        "steps in the false state, a journal jumping from wall to wall by the integrator's doing",
+        "steps in the false state, in which the integrator makes a journal jump from wall to wall",
         kind="Integer",
     ),
     Output(
@@ -85,26 +86,26 @@ SOLVER = (
     Output(
         "overdamped_at",
         "s",
-        "time from which the integrator damped a rub so much that it may hide an instability; "
+        "time since which the integrator damps a rub so much that it may hide an instability; "
         "-1: never",
         nominal=1.0,
     ),
 )
 _RESIDUAL = Output(
-    "residual", "J", "energy that the integrator made (or, negative, lost)", nominal=0.1
+    "residual", "J", "energy error of the integrator: gained, or, negative, lost", nominal=0.1
 )
 
 
 class Observed(NamedTuple):
-    """A quantity that can be read: its name, and what it is."""
+    """An observed quantity: its name and its declaration."""
 
     name: Name
     output: Output
 
 
 def observed(rotor: Rotor) -> tuple[Observed, ...]:
-    """All that can be read of a machine's run, in the order of the array that `observe` fills:
-    shaft, parts, solver, energies."""
+    """Return all observed quantities of a machine's run, in the order of the array that `observe`
+    fills: shaft, parts, solver, energies."""
     table = [Observed(Name("", 0, output.name), output) for output in SHAFT]
     table += _of_parts(rotor)
     table += [Observed(Name("solver", 0, output.name), output) for output in SOLVER]
@@ -112,7 +113,7 @@ def observed(rotor: Rotor) -> tuple[Observed, ...]:
 
 
 def observed_names(rotor: Rotor) -> tuple[str, ...]:
-    """The names of `observed`."""
+    """Return the names of `observed`."""
     return tuple(str(entry.name) for entry in observed(rotor))
 
 
@@ -143,7 +144,7 @@ _VELOCITY, _MOUNT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS)
 
 @jit_inlined
 def energies_at(structure, out):
-    """Place in `out` where the energies begin."""
+    """Return the place in `out` where the energies begin."""
     return len(out) - (
         _MACHINE_STORES + len(structure.stores) + _MACHINE_FLOWS + len(structure.losses) + 1
     )
@@ -184,7 +185,8 @@ def _observe_solver(r, out):
 
 @jit
 def _largest(peaks, axis, i):
-    """Of a probe, over the revolutions and since the last communication point."""
+    """Return a probe's largest displacement over the revolutions and since the last communication
+    point."""
     return max(
         peaks[PEAK.this_revolution, axis, i],
         peaks[PEAK.last_revolution, axis, i],

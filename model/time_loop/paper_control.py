@@ -14,7 +14,7 @@ SAFETY = 0.9
 
 @jit
 def error_indicator(control, h, is_first, old, new):
-    """Relative local error of the displacements after one step [1]; fills new.jerk.
+    """Return the relative local error of the displacements after one step [1]; fills new.jerk.
 
     Zienkiewicz and Xie 1991 (paper A, eq. 13): (beta - 1/6) h^2 |a1 - a0|, 1/6 exactly.
     Li, Zeng and Wiberg 1993 (eqs 11, 12): h^3 / 12 |(6 beta - 1/2) j1 - (3/2 - 6 beta) j0| with
@@ -45,7 +45,8 @@ def error_indicator(control, h, is_first, old, new):
 
 @jit
 def shorter_step(control, h, error):
-    """Length to repeat a rejected step with [s] (eq. 15, the cube root over the whole ratio).
+    """Return the length to repeat a rejected step with [s] (eq. 15, the cube root over the whole
+    ratio).
 
     Times 0.9: with the error taken relative to the increment, itself O(h), a rejected step would
     otherwise creep towards eps_max and never pass.
@@ -55,8 +56,8 @@ def shorter_step(control, h, error):
 
 @jit
 def next_step(control, proposed, h, error):
-    """Proposed length of the next step [s] (eq. 15) after a step of length h <= proposed: a step
-    that a communication point cut short does not lower it."""
+    """Return the proposed length of the next step [s] (eq. 15) after a step of length h <=
+    proposed: a step that a communication point cut short does not lower it."""
     if error >= control.eps_min:
         return proposed
     if error == 0.0:

@@ -1,8 +1,9 @@
-"""The recorder: what a run was at its own steps, written by the kernel into memory of a fixed size.
+"""The recorder: signals of a run at the solver's own steps, written by the kernel into memory of a
+fixed size.
 
 The outputs of an FMU are those of its communication points, which may be many revolutions apart;
-between them the steps go by unseen. A recorder keeps the chosen ones of what can be read, a row a
-step, no closer than a least angle. Where it is full every second row goes and the angle doubles.
+between them the steps go by unseen. A recorder stores selected observed quantities, one row a step,
+no closer than a least angle. When it is full, every second row is dropped and the angle doubles.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ ROWS = 4096
 
 
 class Recorder(NamedTuple):
-    """What is recorded: head, of dtype `RECORDER`; channels: places in `recordable`; rows: time [s]
-    and the channels. Without rows nothing is."""
+    """The recorder's arrays: head, of dtype `RECORDER`; channels: places in `recordable`; rows:
+    time [s] and the channels. Without rows nothing is recorded."""
 
     head: Annotated[np.recarray, RECORDER, "1"]
     channels: Annotated[np.ndarray, np.int64, "channels"]
@@ -44,8 +45,8 @@ class Recorder(NamedTuple):
 
 
 def recordable(rotor: Rotor) -> tuple[Observed, ...]:
-    """All that a recorder can hold: what `observed` has, and then the velocities `vx`, `vy` [m/s]
-    of the probes."""
+    """Return all signals that can be recorded: those of `observed`, and then the velocities `vx`,
+    `vy` [m/s] of the probes."""
     probes = [
         Name(*key, output.name)
         for key, part in rotor.indexed_parts()
@@ -59,8 +60,8 @@ def recordable(rotor: Rotor) -> tuple[Observed, ...]:
 
 
 class Record(NamedTuple):
-    """What to keep of a run at its own steps: names of `recordable`; the least angle of rotation
-    between two rows [rad], 0 for every step; the most rows held until they are taken."""
+    """What to record of a run at the solver's own steps: names of `recordable`; the least angle of
+    rotation between two rows [rad], 0 for every step; the most rows held until they are taken."""
 
     names: Sequence[str]
     angle: float = ANGLE
@@ -68,7 +69,8 @@ class Record(NamedTuple):
 
 
 def channels_of(rotor: Rotor, record: Record) -> list[int]:
-    """Places of what is to be recorded in `recordable`; `ValueError` where it cannot be."""
+    """Return the places in `recordable` of the signals to record; `ValueError` for an unknown
+    one."""
     if not 0.0 <= record.angle < math.inf:
         raise ValueError(f"record: angle = {record.angle} rad: must be >= 0 and finite")
     if record.rows < 2 or record.rows % 2:
@@ -83,8 +85,8 @@ def channels_of(rotor: Rotor, record: Record) -> list[int]:
 
 @jit
 def is_due(structure, record, head):
-    """Whether the step just taken is to be recorded. The angle counted is that of the rotation, or
-    of the lowest mode where this is faster: a rotor at rest still vibrates."""
+    """Return whether the step just taken is to be recorded. The angle counted is that of the
+    rotation, or of the lowest mode where this is faster: a rotor at rest still vibrates."""
     fastest = max(abs(record[0].omega), structure.numbers[0].lowest_omega)
     passed = fastest * record[0].h_last
     head[0].since += passed

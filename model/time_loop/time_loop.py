@@ -1,8 +1,8 @@
 """The loop over steps from one communication point to the next, compiled.
 
-Chooses each step's length, repeats what is rejected, and keeps what has to be kept at every step:
-the energy ledger, the amplitudes, and the monitors for the false wall-to-wall state and for damping
-that is the integrator's.
+Chooses each step's length, repeats rejected steps, and updates after every step the energy
+ledger, the amplitudes, and the monitors for the false wall-to-wall state and for damping by the
+integrator.
 """
 
 from __future__ import annotations
@@ -18,10 +18,8 @@ from .energy import FLOW, powers, total_energy
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
 from .memory import PEAK, move_loads, spin_at, spin_now, take_loads
 from .monitors import (
-    monitor_bounces,
     monitor_errors,
-    monitor_losses,
-    monitor_revolution,
+    monitor_step,
     monitor_work,
     open_window,
 )
@@ -60,9 +58,7 @@ def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
     for i in range(len(memory.power)):
         memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
         memory.power[i] = work.powers[i]
-    monitor_revolution(structure, spin, motion, memory)
-    monitor_bounces(structure, motion, memory)
-    monitor_losses(structure, control, motion, memory, work)
+    monitor_step(structure, control, spin, motion, memory, work)
 
 
 @jit
@@ -112,16 +108,16 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
 
 @jit
 def _imbalance(structure, record, torque):
-    """By how much the rate of a free rotor must change [rad/s2] for its drive to be `torque`; of
-    another rotor not at all."""
+    """Return the change of a free rotor's rate [rad/s2] that makes its drive `torque`; of another
+    rotor not at all."""
     r = record[0]
     return (r.drive - torque) / structure.numbers[0].inertia if r.is_free == 1 else 0.0
 
 
 @jit_inlined
 def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, problem):
-    """A step to time t [s] with the rotation that goes with it: prescribed, or such that a free
-    rotor's torques balance at its end. Fills work.powers.
+    """Take a step to time t [s] with the rotation that goes with it: prescribed, or such that a
+    free rotor's torques balance at its end. Fills work.powers.
 
     Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and
     the drive's torque [N.m].
@@ -172,7 +168,7 @@ def _rescale(record, h, motion):
 def _time_loop(
     structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, recorder
 ):
-    """The loop over steps, cut to equal parts of what remains so that none is a sliver."""
+    """Return the loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
     loads = memory.loads
     memory.peaks[PEAK.since_communication, :, :] = 0.0
@@ -251,8 +247,8 @@ def _time_loop(
 
 @jit
 def continued_rate(record, drive):
-    """Rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between the last two
-    given, or 0 where it is held; 0 of a torque too."""
+    """Return the rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between
+    the last two given, or 0 where it is held; 0 of a torque too."""
     r = record[0]
     since = r.t - r.t_ref
     if r.is_free == 1 or r.continues == 0:

@@ -17,6 +17,7 @@ from rotor_fmu.model.schemes import family, spectral
 from rotor_fmu.model.schemes.family import Scheme, SchemeError
 from rotor_fmu.model.schemes.spectral import Method, Survey
 
+from rotor_fmu.cells import cell
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.files import unfinished
 from rotor_fmu.output_options import with_output_options
@@ -250,9 +251,7 @@ def _table(title: str, *columns: str) -> Table:
 
 
 def _cell(value: float | None) -> str:
-    if value is None or math.isnan(value):
-        return "-"
-    return "0" if abs(value) < _TINY else f"{value:.6g}"
+    return cell(0.0 if value is not None and abs(value) < _TINY else value, ".6g")
 
 
 def _record(row: Row, ratio: float | None) -> dict[str, Any]:

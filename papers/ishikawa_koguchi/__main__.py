@@ -115,7 +115,7 @@ def bearings(
     scheme: Schemes = None,
     dt: Steps = None,
     rotor: Annotated[
-        Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
+        Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
     ] = None,
     speed: Annotated[float, typer.Option(help="At the start, in rad/s.")] = 200.0,
     rate: Annotated[float, typer.Option(help="Of the speed, in rad/s2.")] = -10.0,

@@ -1,4 +1,4 @@
-"""A machine: what its file says, its picture, and the linear answers about it."""
+"""A machine: its file, its picture, and its linear analyses."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ class Machine:
         return {str(name): value for name, _, value in self.rotor.parameters()}
 
     def modes(self, speed: float = 0.0, **options: Any) -> Modes:
-        """Natural frequencies, damping and shapes at a speed.
+        """Return the natural frequencies, damping and shapes at a speed.
 
         Parameters
         ----------
@@ -124,7 +124,7 @@ class Machine:
         return modes(self.rotor, speed, **options)
 
     def campbell(self, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
-        """Frequencies over speeds, critical speeds and the threshold of stability.
+        """Return the frequencies over speeds, critical speeds and the threshold of stability.
 
         Parameters
         ----------

@@ -11,14 +11,14 @@ if TYPE_CHECKING:
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as a PNG."""
+    """Return a figure as a PNG."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
 
 
 def shown(figure: Figure) -> Figure:
-    """The same figure, which a notebook shows although pyplot has no part in it."""
+    """Return the same figure, which a notebook shows although pyplot has no part in it."""
     ipython = sys.modules.get("IPython")
     shell = ipython and ipython.get_ipython()
     if shell is not None:

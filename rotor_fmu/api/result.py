@@ -1,4 +1,4 @@
-"""A run that was made: its signals with their units, what is read of them, tables and pictures."""
+"""The result of a run: signals with units, evaluations, tables and pictures."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ class Peaks(tuple[Peak, ...]):
     why: str
 
     def __new__(cls, peaks: Iterable[Peak], why: str = "") -> Peaks:
-        """Peaks, or none and why."""
+        """Make the peaks, or none with the reason."""
         made = super().__new__(cls, peaks)
         made.why = why
         return made
@@ -284,7 +284,8 @@ class Result:
 
     @cached_property
     def peaks(self) -> Peaks:
-        """Peaks over the speed of every part whose amplitude is known, after the start-up of 2 s.
+        """Peaks over the speed of every part whose amplitude is recorded, after the start-up of 2
+        s.
 
         An amplitude that is largest at an edge of the run has no peak.
 
@@ -304,7 +305,7 @@ class Result:
         no peaks: the run ends within the start-up, 2 s
         """
         if self.points is None:
-            return Peaks((), "the run was read from its folder, where its amplitudes are not kept")
+            return Peaks((), "the run was read from its folder, which does not hold its amplitudes")
         t, c = self.points.t, self.points.columns
         amplitudes = [name for name in c if name.endswith((".x_amp", ".y_amp"))]
         result = []
@@ -315,11 +316,13 @@ class Result:
                 values = float(c[name][at]), float(c["w"][at]), float(t[at])
                 result.append(Peak(part, quantity[0], *values))
         if not amplitudes:
-            return Peaks((), "the machine has no disc, body or sensor, whose motion is told")
+            return Peaks(
+                (), "the machine has no disc, body or sensor, whose motion could have a peak"
+            )
         return Peaks(result, "" if result else why_no_peak(t, c["w"], PEAKS_AFTER))
 
     def orbit(self, place: str | None = None, speed: float | None = None, turns: int = 4) -> Orbit:
-        """Orbit of a part over turns on end.
+        """Return the orbit of a part over consecutive turns.
 
         Parameters
         ----------
@@ -348,7 +351,7 @@ class Result:
     def spectrum(
         self, place: str | None = None, speed: float | None = None, turns: int = 16
     ) -> FullSpectrum:
-        """Full spectrum of a part: amplitudes of its forward and backward orders.
+        """Return the full spectrum of a part: amplitudes of its forward and backward orders.
 
         Parameters
         ----------
@@ -378,7 +381,7 @@ class Result:
     def orders(
         self, place: str | None = None, orders: Sequence[float] = (0.5, 1.0, 2.0), turns: int = 4
     ) -> OrderTrack:
-        """Vectors of orders of a part through the run.
+        """Return the vectors of orders of a part through the run.
 
         Parameters
         ----------

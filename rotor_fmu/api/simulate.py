@@ -130,7 +130,7 @@ def plan(
     parameters: Mapping[str, float | str] | None,
     step: float | None,
 ) -> Job:
-    """The run that the arguments of `simulate` mean, checked."""
+    """Return the run that the arguments of `simulate` mean, checked."""
     table = interface(machine.rotor)
     signals = _signals(table, {"speed": speed, **(loads or {})}, stop)
     stop = float(signals.t[-1]) if stop is None else float(stop)
@@ -154,7 +154,7 @@ def plan(
 
 
 def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float | None) -> Signals:
-    """All inputs over the times of all that are given: each is linear between its own."""
+    """Return all inputs over the times of all that are given: each is linear between its own."""
     known = [v for v in table if v.causality == "input"]
     names = [v.name for v in known]
     for name in given:
@@ -174,7 +174,7 @@ def _signals(table: Sequence[Variable], given: Mapping[str, Signal], stop: float
 
 
 def _course(name: str, value: Signal) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] and values of an input."""
+    """Return the times [s] and values of an input."""
     if isinstance(value, (int, float, np.number)):
         t, values = np.zeros(1), np.array([float(value)])
     else:

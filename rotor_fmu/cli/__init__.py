@@ -67,7 +67,8 @@ class _Commands(TyperGroup):
 
 
 def _summary(place: str) -> str:
-    """What a command's docstring begins with, or a group's help; its module is only read."""
+    """Return the first sentence of a command's docstring, or a group's help, without importing its
+    module."""
     module, _, attribute = place.partition(":")
     tree = ast.parse(_PACKAGE.joinpath(*module.split(".")).with_suffix(".py").read_text("utf-8"))
     for node in tree.body:

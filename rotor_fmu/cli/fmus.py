@@ -19,22 +19,29 @@ from ..runs.job import load_rotor
 from .runs import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
-Platforms = Annotated[list[str] | None, typer.Option("--platform", help=f"{_ONE_OF}; default all.")]
+Platforms = Annotated[
+    list[str] | None, typer.Option("--platform", help=f"{_ONE_OF}; default: all.")
+]
 Carried = Annotated[
     list[str] | None,
     typer.Option(
         "--platform",
-        help=f"{_ONE_OF}. Default: with --native all; else those of {' and '.join(SYSTEMS)} whose "
-        "library is there.",
+        help=f"{_ONE_OF}. Default: all with --native, otherwise those of "
+        f"{' and '.join(SYSTEMS)} whose library exists.",
     ),
 ]
 Native = Annotated[
-    bool, typer.Option("--native", help="The FMU that needs no Python, RotorBearingNative.fmu.")
+    bool,
+    typer.Option("--native", help="Build the FMU that needs no Python, RotorBearingNative.fmu."),
 ]
-Fmi = Annotated[int, typer.Option("--fmi", help="With --native: the version of FMI, 2 or 3.")]
+Fmi = Annotated[int, typer.Option("--fmi", help="Version of FMI: 2, or, with --native, 3.")]
 Reduction = Annotated[
     int,
-    typer.Option("--reduction", min=0, help="solver.reduction, which a host cannot change."),
+    typer.Option(
+        "--reduction",
+        min=0,
+        help="Component modes of the shaft (solver.reduction, fixed in the FMU); 0: no reduction.",
+    ),
 ]
 
 
@@ -48,7 +55,7 @@ def build(
     reduction: Reduction = 0,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
-    """Build RotorBearing.fmu, RotorBearingFree.fmu, or one of both that needs no Python."""
+    """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
         raise InputError(f"--fmi {fmi}: must be 2 or 3")
@@ -68,9 +75,9 @@ def build(
 
 @with_output_options
 def core(platforms: Platforms = None) -> dict[str, Any]:
-    """Make the libraries of the solver, with which nothing has to be compiled to run or to build.
+    """Build the solver library of each platform ahead of runs and FMUs.
 
-    Where they are missing a run compiles the solver, and a build of an FMU makes them.
+    Without it every run compiles the solver first, and `build` makes the libraries that it needs.
     """
     names = _known(platforms, tuple(PLATFORMS)) or list(PLATFORMS)
     made = {name: library(PLATFORMS[name]) for name in names}

@@ -1,4 +1,4 @@
-"""`rotor-fmu modes`, `campbell`, `unbalance`, `static`, `show`: each a table and a picture."""
+"""`rotor-fmu modes`, `campbell`, `unbalance`, `static`, `show`: each with a table and a picture."""
 
 from __future__ import annotations
 
@@ -30,20 +30,27 @@ _UNIT = "|".join(_UNITS)
 _POINTS, _MOST_POINTS = 101, 100_000
 
 RotorFile = Annotated[
-    Path | None, typer.Option("--rotor", help="Machine as TOML; default: the paper's rig.")
+    Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
 Contacts = Annotated[
     str | None,
     typer.Option(
-        help="Clearance contacts open or pinned; default: open where the machine is held without."
+        help="State of clearance contacts: open or pinned; default: open if other supports hold it."
     ),
 ]
-One = Annotated[str, typer.Option("--speed", help="Speed: 300, 3000rpm, 50Hz; rad/s by itself.")]
+One = Annotated[
+    str,
+    typer.Option(
+        "--speed", help="Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s."
+    ),
+]
 Range = Annotated[
     str | None,
-    typer.Option("--speed", help="FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz behind."),
+    typer.Option(
+        "--speed", help="Speeds FROM:TO or FROM:TO:POINTS, in rad/s, or with rpm or Hz added."
+    ),
 ]
-Count = Annotated[int, typer.Option(help="How many modes.")]
+Count = Annotated[int, typer.Option(help="Number of modes.")]
 
 
 @with_output_options
@@ -54,7 +61,8 @@ def modes(
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
 ) -> dict[str, Any]:
-    """Natural frequencies, damping, logarithmic decrements, whirl and shapes at a speed."""
+    """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
+    speed."""
     at, (_, machine) = one_speed(speed), load_rotor(rotor)
     from ..linear import answers
 
@@ -69,10 +77,12 @@ def campbell(
     speed: Range = None,
     count: Count = 8,
     contacts: Contacts = None,
-    harmonic: Annotated[float, typer.Option(help="Multiple of the speed that excites.")] = 1.0,
+    harmonic: Annotated[
+        float, typer.Option(help="Multiple of the speed of rotation that excites.")
+    ] = 1.0,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
 ) -> dict[str, Any]:
-    """Modes over the speed, critical speeds, and where the machine loses its stability."""
+    """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
     speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
     from ..linear import answers
 
@@ -90,19 +100,19 @@ def unbalance(
     rotor: RotorFile = None,
     speed: Range = None,
     node: Annotated[
-        list[int] | None, typer.Option(help="Node (from 1) to be told, repeatable.")
+        list[int] | None, typer.Option(help="Node to show, counted from 1; repeatable.")
     ] = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
             "--unbalance",
-            help="NODE:AMOUNT[:DEGREES] in kg m, in the place of the machine's own; repeatable.",
+            help="NODE:AMOUNT[:DEGREES] in kg m, replaces the machine's unbalances; repeatable.",
         ),
     ] = None,
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
 ) -> dict[str, Any]:
-    """Steady response to unbalance: x, y, largest semi-axis and phase at any node."""
+    """Compute the steady response to unbalance: x, y, major semi-axis and phase at any node."""
     speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
     given = [_unbalance(text) for text in at] if at else None
     from ..linear import answers
@@ -124,7 +134,7 @@ def static(
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
 ) -> dict[str, Any]:
-    """Deflection under gravity, and what each bearing bears."""
+    """Compute the deflection under gravity and the load on each bearing."""
     at, (_, machine) = one_speed(speed), load_rotor(rotor)
     from ..linear import answers
 
@@ -137,7 +147,7 @@ def show(
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
 ) -> dict[str, Any]:
-    """A picture of the machine to scale, and what it is made of."""
+    """Draw the machine to scale and list its parts."""
     _, machine = load_rotor(rotor)
     from ..linear import answers
     from ..linear.inventory import inventory
@@ -148,10 +158,10 @@ def show(
 
 @with_output_options
 def import_ross(
-    file: Annotated[Path, typer.Argument(help="A rotor that ROSS saved, TOML or JSON.")],
+    file: Annotated[Path, typer.Argument(help="Rotor saved by ROSS, as TOML or JSON.")],
     out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
 ) -> dict[str, Any]:
-    """Turn a rotor that ROSS saved into a machine file."""
+    """Convert a rotor that ROSS saved into a machine file."""
     from ..machine_file.reading import import_ross as read
     from ..model.machine.writing import toml_text
 

@@ -1,4 +1,4 @@
-"""`rotor-fmu schema` and `rotor-fmu example`: what a machine file may say, and some that say it."""
+"""`rotor-fmu schema` and `rotor-fmu example`: the contents of machine files, and examples."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from ..errors import InputError, writable_folder
 
 
 def schema_command(
-    as_page: Annotated[bool, typer.Option("--page", help="as a page in Markdown")] = False,
+    as_page: Annotated[bool, typer.Option("--page", help="Print a page in Markdown.")] = False,
 ) -> None:
-    """Print what a machine file may say, as a JSON schema for editors or as a page."""
+    """Print all tables and keys of a machine file, as a JSON schema for editors or as a page."""
     from ..machine_file.page import page
     from ..machine_file.schema import schema
 
@@ -26,12 +26,14 @@ def schema_command(
 
 
 def example(
-    name: Annotated[str | None, typer.Argument(help="One of the list that none prints.")] = None,
+    name: Annotated[
+        str | None, typer.Argument(help="Name of an example; without it the command lists all.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option(help="Folder to copy all of the example into.")
+        Path | None, typer.Option(help="Folder to which the whole example is copied.")
     ] = None,
 ) -> None:
-    """List the examples, print the machine of one, or copy its folder."""
+    """List the examples, print the machine file of one, or copy its folder."""
     known = {
         folder.name: folder
         for folder in sorted(files("rotor_fmu.examples").iterdir(), key=str)

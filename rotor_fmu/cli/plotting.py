@@ -19,19 +19,24 @@ from ..runs import PLOTS
 
 @with_output_options
 def plot(
-    kind: Annotated[str, typer.Argument(help=f"One of {', '.join(PLOTS)}.")],
-    run: Annotated[Path, typer.Argument(help="Folder of a run, with its recording.npz.")],
+    kind: Annotated[str, typer.Argument(help=f"Kind of plot, one of {', '.join(PLOTS)}.")],
+    run: Annotated[Path, typer.Argument(help="Folder of a run, which holds its recording.npz.")],
     place: Annotated[
         str | None,
-        typer.Option(help="As disc[2] or bearing[1]; default: what moves, or is pressed, most."),
+        typer.Option(help="Part to plot, such as disc[2]; default: the largest motion or force."),
     ] = None,
     speed: Annotated[
-        float | None, typer.Option(help="For orbit and spectrum, in Hz; default: the 1x peak.")
+        float | None,
+        typer.Option(help="Speed of an orbit or a spectrum [Hz]; default: the 1x peak."),
     ] = None,
-    pp: Annotated[bool, typer.Option("--pp", help="Peak-to-peak, instead of 0-p.")] = False,
-    out: Annotated[Path | None, typer.Option(help="Folder; default: the run's.")] = None,
+    pp: Annotated[
+        bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the picture; default: the run's.")
+    ] = None,
 ) -> dict[str, Any]:
-    """Draw a recorded run as vibration engineers do."""
+    """Draw a recorded run in one of the usual plots of vibration engineering."""
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
@@ -61,12 +66,12 @@ def report(
         list[Path],
         typer.Argument(
             metavar="RUN_OR_STUDY [RUN]",
-            help="Folders of one or two runs, with their recording.npz, or of a study.",
+            help="Folder of a run, or of two runs to compare, or of a study.",
         ),
     ],
-    out: Annotated[Path, typer.Option(help="The page.")] = Path("report.html"),
+    out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
 ) -> dict[str, Any]:
-    """Write the page of a run, of two runs laid over each other, or of a study."""
+    """Write the report page of a run, of two runs compared with each other, or of a study."""
     from ..plotting.reading import (
         is_study,
         read_run,

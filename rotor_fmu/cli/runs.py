@@ -34,39 +34,53 @@ from ..runs.summary import summary
 from ..runs.verification import finer_job
 
 RotorFile = Annotated[
-    Path | None, typer.Option("--rotor", help="Rotor as TOML; default: the paper's rig.")
+    Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
 Free = Annotated[
-    bool, typer.Option("--free", help="The FMU that a torque drives, RotorBearingFree.fmu.")
+    bool,
+    typer.Option("--free", help="Use the FMU that is driven by a torque, RotorBearingFree.fmu."),
 ]
 Sets = Annotated[
     list[str] | None,
-    typer.Option("--set", help="NAME=VALUE of a parameter, or of an input held constant."),
+    typer.Option(
+        "--set", help="Set a parameter, or an input that stays constant: NAME=VALUE; repeatable."
+    ),
 ]
 
 
 @with_output_options
 def run_down(
-    preset: Annotated[str | None, typer.Option(help=f"One of {', '.join(PRESETS)}.")] = None,
+    preset: Annotated[
+        str | None, typer.Option(help=f"Preset of the solver, one of {', '.join(PRESETS)}.")
+    ] = None,
     sets: Sets = None,
     signals: Annotated[
-        Path | None, typer.Option("--input", help="CSV: time and inputs, SI units.")
+        Path | None,
+        typer.Option(
+            "--input",
+            help="CSV file with a column for the time and one for each input, in SI units.",
+        ),
     ] = None,
     stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
     step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
-    direct: Annotated[bool, typer.Option("--direct", help="Without an FMU.")] = False,
+    direct: Annotated[
+        bool, typer.Option("--direct", help="Run the model directly, without an FMU.")
+    ] = False,
     verify: Annotated[
         bool,
-        typer.Option("--verify", help="Run again with a tenth of the tolerance or half the step."),
+        typer.Option(
+            "--verify",
+            help="Repeat the run with a tenth of the tolerance or half the step, and compare.",
+        ),
     ] = False,
     rotor: RotorFile = None,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
 ) -> dict[str, Any]:
-    """Drive the built FMU over the paper's run-down and write figures and pictures.
+    """Run down the built FMU as in paper A, and write a summary, a CSV file and pictures.
 
-    The same run is recorded at the solver's own steps, without the FMU, for the pictures. With
-    --verify it is held against the same run, solved more finely: peaks and final state side by
-    side, and what follows.
+    The pictures are drawn from the same run without the FMU, recorded at the solver's own steps.
+    With --verify the run is compared with the same run, solved more finely: the command shows peaks
+    and final state of both, and its conclusion.
     """
     job = prepare(rotor, preset, sets or [], signals, stop, step)
     if verify:

@@ -1,4 +1,4 @@
-"""`rotor-fmu study`: many runs of a machine, their rows, and what they say."""
+"""`rotor-fmu study`: many runs of a machine, their rows, and the evaluation."""
 
 from __future__ import annotations
 
@@ -14,12 +14,11 @@ from typing import Annotated, Any
 
 import typer
 from rich.console import Console
-from rich.progress import Progress as Bar
-from rich.progress import TextColumn
-from rich.table import Table
 
+from ..cells import cell
 from ..errors import InputError, optional, writable_folder
 from ..output_options import with_output_options
+from ..screen import progress_of, text_table
 from ..status import FAILED
 from ..studies.executors import ExecutorConfig, engine
 from ..studies.machine.runs import MachineRuns
@@ -27,36 +26,42 @@ from ..studies.reading import read_study
 from ..studies.runner import Progress, run_study
 from ..studies.study import Study
 
-_LINE_EVERY = 10.0  # lines of progress where there is no terminal [s]
 _errors = Console(stderr=True)
 
 
 @with_output_options
 def study(
-    file: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="What to run and keep.")],
-    out: Annotated[Path, typer.Option(help="Folder of the study; one that is begun goes on.")],
+    file: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="File of the study.")],
+    out: Annotated[
+        Path, typer.Option(help="Folder of the study; a study begun there is continued.")
+    ],
     jobs: Annotated[
-        int | None, typer.Option(help="Processes. [default: one a processor]", min=1)
+        int | None, typer.Option(help="Number of processes; default: one per processor.", min=1)
     ] = None,
     scheduler: Annotated[
-        str, typer.Option(help="Address of a Dask scheduler that shares the work out.")
+        str, typer.Option(help="Address of a Dask scheduler that distributes the runs.")
     ] = "",
     cluster: Annotated[
-        str, typer.Option(help="local:N, a Dask cluster of N workers on this machine.")
+        str, typer.Option(help="local:N starts a Dask cluster of N workers on this machine.")
     ] = "",
     is_quick: Annotated[
-        bool, typer.Option("--quick", help="With the study's table [quick]: a small one.")
+        bool,
+        typer.Option(
+            "--quick", help="Run the small version that the study's table 'quick' describes."
+        ),
     ] = False,
     is_analysed: Annotated[
-        bool, typer.Option("--analyse", help="Quantiles, limits, Sobol or Morris indices.")
+        bool,
+        typer.Option("--analyse", help="Compute quantiles, limits, and Sobol or Morris indices."),
     ] = False,
     select: Annotated[
-        str, typer.Option(help="Run one again with all its signals: its id, or its number.")
+        str, typer.Option(help="Repeat the run of this id or number and record all its signals.")
     ] = "",
 ) -> dict[str, Any]:
-    """Make many runs of a machine, one row each, and say what they show.
+    """Make many runs of a machine, store one row for each, and evaluate them.
 
-    A call that was stopped, however, goes on where it was; rows that are there are not made again.
+    A call that was stopped, for whatever reason, continues where it was; finished runs are not
+    repeated.
     """
     _need_extra()
     definition = read_study(file, is_quick=is_quick)
@@ -67,7 +72,7 @@ def study(
         try:
             progress = run_study(definition, out, partial(engine, where), report)
         except KeyboardInterrupt:
-            say = f"{definition.name}: its rows are kept; the same call goes on from there"
+            say = f"{definition.name}: its rows are saved; the same call continues from there"
             print(say, file=sys.stderr, flush=True)
             raise
     figures = _say_result(definition, out, progress)
@@ -99,7 +104,7 @@ class _RunRate:
         self._begun, self._first = math.nan, 0
 
     def sentence(self, progress: Progress) -> str:
-        """How far a study is, with rate and time left."""
+        """Return how far a study is, with rate and time left."""
         now = time.perf_counter()
         if progress.now and math.isnan(self._begun):
             self._begun, self._first = now, progress.now
@@ -117,29 +122,16 @@ class _RunRate:
 
 @contextmanager
 def _progress_bar(definition: Study) -> Iterator[Callable[[Progress], None]]:
-    """Progress with rate and time left: a bar on a terminal, a line now and then elsewhere."""
-    rate, last = _RunRate(), -math.inf
-    if _errors.is_terminal:
-        columns = (*Bar.get_default_columns()[:-1], TextColumn("{task.fields[speed]}"))
-        with Bar(*columns, console=_errors, transient=True) as bar:
-            task = bar.add_task(definition.name, total=len(definition.design), speed="")
+    """Show progress with rate and time left."""
+    rate = _RunRate()
+    with progress_of(definition.name, len(definition.design), _errors, first=0.0) as update:
 
-            def update(progress: Progress) -> None:
-                done = progress.before + progress.now
-                bar.update(task, completed=done, speed=rate.sentence(progress))
+        def report(progress: Progress) -> None:
+            done = progress.before + progress.now
+            sentence = rate.sentence(progress)
+            update(done, lambda: sentence, done == progress.runs)
 
-            yield update
-        return
-
-    def line(progress: Progress) -> None:
-        nonlocal last
-        now, sentence = time.perf_counter(), rate.sentence(progress)
-        is_end = progress.before + progress.now == progress.runs
-        if now - last >= _LINE_EVERY or is_end:
-            last = now
-            print(f"{definition.name}: {sentence}", file=sys.stderr, flush=True)
-
-    yield line
+        yield report
 
 
 def _duration(seconds: float) -> str:
@@ -184,12 +176,8 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
 def _print_table(rows: list[dict[str, Any]]) -> None:
     if not rows:
         return
-    table = Table(box=None)
-    for key in rows[0]:
-        table.add_column(key, overflow="fold", no_wrap=key != "status")
-    for row in rows:
-        cells = (f"{v:.4g}" if isinstance(v, float) else str(v) for v in row.values())
-        table.add_row(*cells)
+    cells = [[cell(v, ".4g" if isinstance(v, float) else "") for v in row.values()] for row in rows]
+    table = text_table("", list(rows[0]), cells, folds=["status"])
     Console(width=max(Console().width, 120), highlight=False).print(table)
 
 
@@ -222,7 +210,7 @@ def _analyse(out: Path) -> dict[str, Any]:
 
 
 def _counted(result: dict[str, Any]) -> str:
-    """How many runs pass a limit, and the share."""
+    """Return how many runs pass a limit, and the share."""
     counted = f"{result['above']} of {result['count']} runs"
     if result["failed"]:
         counted += f" and {result['failed']} that failed"

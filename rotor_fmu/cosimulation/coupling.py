@@ -1,4 +1,4 @@
-"""Another FMU, the partner, coupled with the rotor's: its source says what the two exchange."""
+"""Another FMU, the partner, coupled with the rotor's: its source lists the exchanged variables."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class Coupling:
         of_rotor: Sequence[str],
         progress: Callable[[float], None] = lambda t: None,
     ) -> CoupledRun:
-        """Run both FMUs with a Jacobi master and return what was recorded.
+        """Run both FMUs with a Jacobi master and return the recorded variables.
 
         Args:
             partner_fmu: See `open`, as all that is not named here.
@@ -169,7 +169,7 @@ class Coupling:
             return CoupledRun(*march(*sides, stop, step, progress))
 
     def _connections(self, side: str) -> tuple[Connection, ...]:
-        """Outputs of one side, each with the input of the other that gets it."""
+        """Return the outputs of one side, each with the input of the other that gets it."""
         start = f"{side}."
         return tuple(
             (output.removeprefix(start), variable.partition(".")[2])
@@ -179,5 +179,6 @@ class Coupling:
 
 
 def example_coupling(name: str) -> Coupling:
-    """The coupling of an installed example: the source with the example's name in its folder."""
+    """Return the coupling of an installed example: the source with the example's name in its
+    folder."""
     return Coupling(example_folder(name) / f"{name}.py")

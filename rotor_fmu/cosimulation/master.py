@@ -17,7 +17,7 @@ Connection = tuple[str, str]
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two FMUs: what it gives to the other, and what is recorded of it besides."""
+    """One of the two FMUs: its outputs to the other, and its further recorded variables."""
 
     member: Member
     connections: Sequence[Connection]
@@ -25,7 +25,7 @@ class Side:
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of all that is read of it at a communication point."""
+        """Names of all variables read from it at a communication point."""
         return (*(output for output, _ in self.connections), *self.recorded)
 
 
@@ -83,8 +83,8 @@ def march(
 def columns(
     seen: Sequence[Point], one: Side, other: Side
 ) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Communication points as times, shape (n,) [s], and as what was read of either FMU, by name,
-    shape (n,)."""
+    """Return the communication points as times, shape (n,) [s], and as what was read of either FMU,
+    by name, shape (n,)."""
     recorded = [
         dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
         for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))

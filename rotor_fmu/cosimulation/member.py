@@ -55,7 +55,7 @@ class Member:
             shutil.rmtree(self._folder, ignore_errors=True)
 
     def references(self, *names: str) -> list[int]:
-        """Value references of variables."""
+        """Return the value references of variables."""
         return [self._variables[name].valueReference for name in names]
 
     def begin(self) -> None:
@@ -63,11 +63,11 @@ class Member:
         self._call(self._fmu.exitInitializationMode)
 
     def get(self, references: list[int]) -> list[float]:
-        """Values of Reals."""
+        """Return the values of Reals."""
         return self._call(self._fmu.getReal, references)
 
     def read(self, name: str) -> float:
-        """Value of a variable, whatever its type."""
+        """Return the value of a variable, whatever its type."""
         getter = getattr(self._fmu, f"get{self._variables[name].type}")
         return float(self._call(getter, self.references(name))[0])
 

@@ -18,13 +18,13 @@ from . import slave
 
 
 def example_folder(name: str = "") -> Path:
-    """Folder of an installed example; without a name that of all examples."""
+    """Return the folder of an installed example; without a name that of all examples."""
     return Path(str(files("rotor_fmu.examples") / name))
 
 
 def lay_out(folder: Path, out: Path) -> None:
-    """Copy into the folder `out` what other masters need to run the system of an example's folder:
-    its system files and the scripts that run them."""
+    """Copy into the folder `out` the files that other masters need to run an example's system: its
+    system files and the scripts that run them."""
     systems = [
         file for file in folder.iterdir() if file.suffix in (".xml", ".ssd", ".json", ".toml")
     ]
@@ -33,7 +33,7 @@ def lay_out(folder: Path, out: Path) -> None:
 
 
 def listed_variables(table: Sequence[slave.Listed]) -> tuple[Variable, ...]:
-    """Variables of a partner's FMU from its table `VARIABLES`."""
+    """Return the variables of a partner's FMU from its table `VARIABLES`."""
     return tuple(
         Variable(name, "Real", causality, text, unit, start, low=low)
         for name, causality, unit, start, low, text in table

@@ -1,4 +1,4 @@
-"""What partners' FMUs share: a slave whose variables are all Real and stand in one table.
+"""The common slave of partners' FMUs: all its variables are Real and listed in one table.
 
 It lies beside the partner's script in its FMU. Standard library and pythonfmu only.
 """
@@ -24,15 +24,15 @@ BEGUN: Listed = ("begun", "local", "1", None, None, "1 once the initialization h
 
 
 class Refused(ValueError):
-    """An input, a parameter or a call that cannot be; names it and says what is allowed."""
+    """An invalid input, parameter or call; the message names it and says what is allowed."""
 
     def __repr__(self) -> str:
-        """The sentence alone, which pythonfmu's wrapper logs."""
+        """Return the sentence alone, which pythonfmu's wrapper logs."""
         return str(self)
 
 
 def described(call: Callable[..., Any]) -> Callable[..., Any]:
-    """A call from the host, of which a refusal leaves the slave alive: the wrapper drops its
+    """Wrap a call from the host so that an error leaves the slave alive: the wrapper drops its
     references to it on any exception."""
 
     @functools.wraps(call)
@@ -78,7 +78,7 @@ class TableSlave(Fmi2Slave):
 
     @described
     def get_real(self, references: Sequence[int]) -> list[float]:
-        """Values of Reals."""
+        """Return the values of Reals."""
         return [getattr(self, self._entry("getReal", reference)[0]) for reference in references]
 
     @described
@@ -129,11 +129,11 @@ class TableSlave(Fmi2Slave):
 
     @abstractmethod
     def begin(self) -> None:
-        """What a slave does where its initialization ends."""
+        """Carry out the slave's actions at the end of the initialization."""
 
     @abstractmethod
     def step(self, t: float, h: float) -> None:
-        """What a slave does in a step from t over h [s]."""
+        """Carry out the slave's step from t over h [s]."""
 
     def _check(self, causalities: tuple[str, ...]) -> None:
         for name, causality, unit, _, low, _ in self.VARIABLES:

@@ -1,4 +1,4 @@
-"""Values of the FMU's variables -> a `Simulation`: what the slave and the command line share."""
+"""Values of the FMU's variables -> a `Simulation`: shared by the slave and the command line."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ from .variables import Variable
 
 
 def load_names(rotor: Rotor) -> tuple[tuple[str, str], ...]:
-    """Names of the inputs (x, y) of the external forces and of the base's acceleration, in the
-    order of `Structure.load_dof`."""
+    """Return the names of the inputs (x, y) of the external forces and of the base's acceleration,
+    in the order of `Structure.load_dof`."""
     kinds = ((name, "a" if port.node == BASE else "f") for name, port in ports(rotor))
     return tuple((f"{name}.{of}x", f"{name}.{of}y") for name, of in kinds)
 
 
 def changed_rotor(rotor: Rotor, table: Sequence[Variable], values: Mapping[str, float]) -> Rotor:
-    """The rotor with those of its parameters that differ from their start values, all at once."""
+    """Return the rotor with those of its parameters that differ from their start values, all at
+    once."""
     starts = {variable.name: variable.start for variable in table}
     names = [str(name) for name, _, _ in rotor.parameters()]
     return rotor.with_values({n: values[n] for n in names if values[n] != starts[n]})
@@ -38,11 +39,12 @@ def build_simulation(
     tolerance: float | None = None,
     record: Record | Sequence[str] = (),
 ) -> Simulation:
-    """The simulation that an FMU with these values of its inputs and parameters stands for, at rest
-    under the loads among them; its time is counted from the start.
+    """Return the simulation that an FMU with these values of its inputs and parameters stands for,
+    at rest under the loads among them; its time is counted from the start.
 
-    tolerance: the experiment's [1], which a value of the FMU's own overrides; record: what to keep
-    of every step (`Simulation`). Raises `QuantityError`, `SettingsError` and `EquilibriumError`.
+    tolerance: the experiment's [1], which a value of the FMU's own overrides; record: signals to
+    record at every step (`Simulation`). Raises `QuantityError`, `SettingsError` and
+    `EquilibriumError`.
     """
     loads = np.array([complex(values[x], values[y]) for x, y in load_names(rotor)])
     changed = changed_rotor(rotor, table, values)

@@ -42,7 +42,7 @@ _ORDER = (
 
 @dataclass(frozen=True)
 class Described:
-    """What a description says of an FMU beside its variables.
+    """The contents of a description besides the variables.
 
     rotor: the machine; identifier: the model identifier, which the FMU's libraries are named after;
     guid: see `guid`; tool: what generated it; needs_python: whether it runs in the Python of its
@@ -69,7 +69,8 @@ _PERIODS, _POINTS = 60.0, 1000
 
 
 def default_experiment(rotor: Rotor) -> Experiment:
-    """Some sixty periods of the machine's lowest mode, by when it has settled, at 1000 points."""
+    """Return about sixty periods of the machine's lowest mode, after which it has settled, at 1000
+    points."""
     lowest = float(assemble(rotor).numbers[0].lowest_omega)
     wanted = _PERIODS * 2 * math.pi / lowest
     decade = 10.0 ** math.floor(math.log10(wanted))
@@ -78,7 +79,7 @@ def default_experiment(rotor: Rotor) -> Experiment:
 
 
 def summary(rotor: Rotor, is_free: bool) -> str:
-    """A machine in a sentence: its name, its parts, what drives it."""
+    """Return a machine in a sentence: its name, its parts, what drives it."""
     counted = Counter(
         key[0]
         for key, part in rotor.indexed_parts()
@@ -98,12 +99,12 @@ def _counted(noun: str, count: int) -> str:
 
 
 def guid(table: Sequence[Variable], content: str) -> str:
-    """Identifier that follows the interface and the code behind it, and nothing else."""
+    """Return the identifier that follows the interface and the code behind it, and nothing else."""
     return str(uuid.uuid5(uuid.NAMESPACE_URL, f"rotor-fmu {content} {table!r}"))
 
 
 def description(of: Described, table: Sequence[Variable], fmi: int) -> Element:
-    """The description of an FMU; fmi: 2 or 3."""
+    """Return the description of an FMU; fmi: 2 or 3."""
     return _fmi3(of, table) if fmi == 3 else _fmi2(of, table)
 
 
@@ -128,7 +129,7 @@ def _is_free(table: Sequence[Variable]) -> bool:
 
 
 def _abilities(of: Described, **others: bool) -> dict[str, str]:
-    """What both versions say that an FMU can do, and `others`."""
+    """Return the capability flags of both versions, and `others`."""
     attributes = {
         "needsExecutionTool": of.needs_python,
         "canHandleVariableCommunicationStepSize": True,
@@ -155,7 +156,7 @@ def _common(root: Element, rotor: Rotor) -> None:
 
 
 def _attributes(variable: Variable, reference: int) -> dict[str, str]:
-    """What both versions say of a variable, in FMI 2.0's order."""
+    """Return the attributes of a variable that both versions have, in FMI 2.0's order."""
     is_parameter = variable.causality == "parameter"
     variability = "continuous" if variable.kind == "Real" else "discrete"
     attributes = {
@@ -180,7 +181,8 @@ def _start(variable: Variable) -> dict[str, str]:
 
 
 def _limits(variable: Variable) -> dict[str, str]:
-    """Units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the variable."""
+    """Return units and limits, which FMI 2.0 has beside the start value and FMI 3.0 on the
+    variable."""
     attributes = {}
     if variable.kind == "Real":
         shown = unit(variable.unit)
@@ -233,7 +235,7 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
 
 
 def unit_definitions(table: Sequence[Variable]) -> Element:
-    """The units that variables have."""
+    """Return the units that variables have."""
     definitions = Element("UnitDefinitions")
     for used in map(unit, dict.fromkeys(v.unit for v in table if v.kind == "Real")):
         node = SubElement(definitions, "Unit", name=used.name)
@@ -245,7 +247,7 @@ def unit_definitions(table: Sequence[Variable]) -> Element:
 
 
 def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
-    """Places in the table of the inputs that reach a variable within an instant.
+    """Return the places in the table of the inputs that reach a variable within an instant.
 
     At an instant the motion is a state, and so is the speed of a rotor that a torque drives.
     """
@@ -256,7 +258,8 @@ def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
 
 
 def _model_structure(table: Sequence[Variable]) -> Element:
-    """Outputs with what they depend on within an instant, and the initial unknowns."""
+    """Return the outputs with the variables that they depend on at once, and the initial
+    unknowns."""
     structure = Element("ModelStructure")
     outputs = SubElement(structure, "Outputs")
     for index, variable in enumerate(table, 1):
@@ -272,8 +275,8 @@ def _model_structure(table: Sequence[Variable]) -> Element:
 
 
 def given_at_start(table: Sequence[Variable]) -> list[int]:
-    """Places in the table of what outputs depend on at the start: inputs and parameters, under
-    which the machine comes to rest."""
+    """Return the places in the table of what outputs depend on at the start: inputs and parameters,
+    under which the machine comes to rest."""
     return [i for i, variable in enumerate(table) if not variable.is_observed]
 
 

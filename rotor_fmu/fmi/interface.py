@@ -15,8 +15,8 @@ _DIRECTIONS = (("x", "to the right (+x)"), ("y", "upwards (+y)"))
 
 
 def interface(rotor: Rotor, is_free: bool = False) -> tuple[Variable, ...]:
-    """All variables of a rotor's FMU: inputs, parameters, then what the model computes in the order
-    of `observe.observed`.
+    """Return all variables of a rotor's FMU: inputs, parameters, then what the model computes in
+    the order of `observe.observed`.
 
     is_free: a torque drives the rotor, and its speed is a state; otherwise the speed is prescribed.
     """
@@ -48,7 +48,8 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
 
 
 def ports(rotor: Rotor) -> list[tuple[str, Port]]:
-    """Where external forces act, with their parts' names, in the order of `Structure.load_dof`."""
+    """Return where external forces act, with their parts' names, in the order of
+    `Structure.load_dof`."""
     density = rotor.material.density
     return [
         (where, element)
@@ -59,7 +60,8 @@ def ports(rotor: Rotor) -> list[tuple[str, Port]]:
 
 
 def _loads(rotor: Rotor, name: str, port: Port) -> list[Variable]:
-    """External forces on a port along both axes [N], or the acceleration of the base [m/s2]."""
+    """Return the external forces on a port along both axes [N], or the acceleration of the base
+    [m/s2]."""
     if port.node == BASE:
         return [
             Variable(

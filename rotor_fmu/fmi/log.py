@@ -1,4 +1,4 @@
-"""Messages of an FMU's log: a sentence and, in brackets, the code that a machine reads."""
+"""Messages of an FMU's log: a sentence and, in brackets, its machine-readable code."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ _CODE = re.compile(r" \[([a-z-]+)\]")
 
 
 def with_code(text: str, code: str) -> str:
-    """A sentence as an FMU says it."""
+    """Return a sentence as an FMU logs it."""
     return f"{text} [{code}]" if code else text
 
 
 def read_message(text: bytes) -> Message:
-    """A message as an FMU's logger gets it; its code is empty where it has none."""
+    """Return the message that an FMU's logger received; its code is empty if it has none."""
     # the wrapper puts a line of its own before the message of an exception
     line = text.decode("utf-8", "replace").splitlines()[-1] if text else ""
     code = _CODE.search(line)

@@ -1,6 +1,6 @@
-"""The table of a machine that the instance in C reads (`c/instance.h`): the variables and what they
-are to the run, limits and sentences, and the block of memory itself as it is before the parameters
-are set.
+"""The table of a machine that the instance in C reads (`c/instance.h`): the variables and their
+places in the run, limits and messages, and the initial block of memory, before the parameters are
+set.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ _SPAN = struct.Struct("<q2d")
 
 
 class FmuInterface(NamedTuple):
-    """What an FMU is made of: the machine, and its variables in the order of their references."""
+    """The interface of an FMU: the machine, and its variables in the order of their references."""
 
     rotor: Rotor
     table: Sequence[Variable]
@@ -81,7 +81,8 @@ class _Texts:
 
 
 def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
-    """The file's content; core: of the library that reads it, 16 characters; guid: the FMU's.
+    """Return the file's content; core: of the library that reads it, 16 characters; guid: the
+    FMU's.
 
     Raises `QuantityError` for a machine with a parameter that changes a matrix.
     """
@@ -151,7 +152,7 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
 
 
 def checksum(content: bytes, but: int) -> int:
-    """Of all but the 8 bytes at the place `but`, as `checksum` in c/table.c."""
+    """Return the checksum of all but the 8 bytes at the place `but`, as `checksum` in c/table.c."""
     total = 0xCBF29CE484222325
     for at, (word,) in enumerate(struct.iter_unpack("<Q", content)):
         if 8 * at != but:
@@ -161,7 +162,7 @@ def checksum(content: bytes, but: int) -> int:
 
 
 def _field(record: np.dtype, name: str) -> tuple[np.dtype, int]:
-    """Type and offset of a field of a record."""
+    """Return the type and the offset of a field of a record."""
     assert record.fields is not None
     kind, at = record.fields[name][:2]
     return kind, at
@@ -172,7 +173,7 @@ def _padded(data: bytes) -> bytes:
 
 
 def _offset(block: np.ndarray, i: int) -> int:
-    """Where an array of the layout begins in a block [bytes]."""
+    """Return where an array of the layout begins in a block [bytes]."""
     header = block[: 8 * LAYOUT.header_length].view(np.int64)
     return int(header[1 + len(LAYOUT.size_names) + i])
 
@@ -219,7 +220,7 @@ def _row(
 
 
 def _writes(rotor: Rotor, index: dict[str, int], where: dict[str, int]) -> list[bytes]:
-    """Each parameter of the machine with its places in the block."""
+    """Return each parameter of the machine with its places in the block."""
     fields = {field.path: field.dtype for field in LAYOUT.fields}
     rows = []
     for name, of in parameter_locations(rotor).items():

@@ -32,7 +32,7 @@ REDUCTION = Variable(
     f"{PREFIX}reduction",
     "Integer",
     "parameter",
-    "Craig-Bampton modes kept of the shaft beside the deflections of bearings, discs and coupling; "
+    "Craig-Bampton modes of the shaft besides the deflections of bearings, discs and coupling; "
     "0: all of the shaft; chosen when an FMU is built",
     start=0,
     low=0,
@@ -73,13 +73,13 @@ GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
 
 
 def solver_parameters() -> list[Variable]:
-    """The FMU's variables that choose the integration."""
+    """Return the FMU's variables that choose the integration."""
     return [*GIVEN, REDUCTION]
 
 
 def meaning(variable: Variable) -> tuple[float, float]:
-    """Of one of `GIVEN`: the value that leaves it to the preset, NaN where none does, and what is
-    to be taken from any other."""
+    """Return, for one of `GIVEN`, the value that leaves it to the preset, NaN if there is none, and
+    the number to subtract from any other."""
     unset = float(variable.start or 0.0) if variable.is_unset_at_start else math.nan
     return unset, 1.0 if variable.is_unset_at_start and variable.choices else 0.0
 
@@ -89,7 +89,7 @@ def settings_of(
     tolerance: float | None = None,
     warn: Callable[[Message], None] = lambda message: None,
 ) -> Settings:
-    """The settings that values of the solver's parameters, by name, stand for.
+    """Return the settings that values of the solver's parameters, by name, stand for.
 
     tolerance: the experiment's [1], which a value of the FMU's own overrides. A value that changes
     nothing in the mode chosen goes to `warn`. Raises `SettingsError` for an impossible value, by

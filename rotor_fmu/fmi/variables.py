@@ -1,4 +1,4 @@
-"""What a variable of the FMU is, and the units that it may have."""
+"""The variables of the FMU, and their units."""
 
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ _SHOWN = {
 
 @cache
 def unit(name: str) -> Unit:
-    """The unit that is spelled so: SI units with exponents, `.` between factors, one `/` before
-    those that divide: `N.m.s/rad`, `kg/m3`. Raises `KeyError` for another name."""
+    """Return the unit that is spelled so: SI units with exponents, `.` between factors, one `/`
+    before those that divide: `N.m.s/rad`, `kg/m3`. Raises `KeyError` for another name."""
     known = _BASE | _DERIVED
     base: dict[str, int] = {}
     for side, factors in zip((1, -1), name.split("/"), strict=False):

@@ -1,5 +1,5 @@
 """The solver library for each platform: kernels -> LLVM IR -> objects -> linked with the FMU's
-instance in C. Made once for a version of the sources.
+instance in C. Built once for each version of the sources.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _FLAGS = ("-std=c17", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-
 
 
 class CoreError(RunFailed):
-    """A library that cannot be made; says what is missing or what the linker says."""
+    """A library that cannot be built; the message names what is missing or is the linker's."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Platform:
 
     @property
     def name(self) -> str:
-        """What a user calls it: FMI 2.0's name."""
+        """Its name for users, that of FMI 2.0."""
         return self.fmi2
 
 
@@ -125,7 +125,8 @@ _TOOLS = {"kernels": "numba", "build": "ziglang"}
 
 
 def _emitted() -> str:
-    """Sixteen characters that follow what the kernels' IR is made of, and by which compilers."""
+    """Return the digest, sixteen characters, of the sources of the kernels' IR and of the
+    compilers."""
     from importlib.metadata import version  # which takes as long as a first step
 
     return syntax_digest(_emitted_sources(), f"{version('numba')} {version('llvmlite')}")
@@ -137,7 +138,7 @@ def _emitted_sources() -> list[Path]:
 
 @cache
 def core_digest() -> str:
-    """Sixteen characters that follow the sources of the library."""
+    """Return the digest of the library's sources, sixteen characters."""
     digest = hashlib.sha256()
     for file in sorted(C_SOURCES.glob("*.[ch]")):
         digest.update(
@@ -147,8 +148,8 @@ def core_digest() -> str:
 
 
 def library(platform: Platform) -> Path:
-    """The library for a platform, made if there is none; a minute or two, which is said on standard
-    error.
+    """Return the library for a platform, made if there is none; which takes a minute or two and is
+    reported on standard error.
 
     It stands beside the kernels in a source tree, for all whatever their cache, and for what is
     built of the tree; else in the user's cache. Raises `CoreError`.
@@ -173,8 +174,9 @@ def library(platform: Platform) -> Path:
 
 
 def missing_extra(platform: Platform) -> str:
-    """The extra that making the library of a platform takes and that is not installed, "" for none:
-    nothing where there is such a library, for this machine no linker where it has a C compiler."""
+    """Return the extra that making the library of a platform takes and that is not installed, ""
+    for none: nothing where there is such a library, for this machine no linker where it has a C
+    compiler."""
     if find(platform.name, core_digest()):
         return ""
     links = platform.name == here() and _has_cc()
@@ -187,7 +189,7 @@ def missing_extra(platform: Platform) -> str:
 
 
 def missing_here() -> str:
-    """`missing_extra` of this machine's platform; "" where there can be no library."""
+    """Return `missing_extra` of this machine's platform; "" where there can be no library."""
     name = here()
     return missing_extra(PLATFORMS[name]) if name else ""
 
@@ -216,7 +218,7 @@ def _put(folder: Path, platform: Platform, content: bytes) -> Path:
 
 
 def kernels() -> Path:
-    """The folder with the kernels' LLVM IR, which no platform is in yet."""
+    """Return the folder with the kernels' LLVM IR, which no platform is in yet."""
     versions = made_here()
     folder = versions / f"kernels-{_emitted()}"
     if folder.is_dir():
@@ -260,7 +262,7 @@ def _forget_old(versions: Path) -> None:
 
 
 def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
-    """The kernels for a platform as object files."""
+    """Return the kernels for a platform as object files."""
     import llvmlite.binding as llvm
 
     llvm.initialize_all_targets()
@@ -301,13 +303,14 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
 
 
 def _has_cc() -> bool:
-    """Whether this machine is a Linux with a C compiler; a Mac has a `cc` that asks to install
-    one."""
+    """Return whether this machine is a Linux with a C compiler; a Mac has a `cc` that asks to
+    install one."""
     return sys.platform == "linux" and shutil.which("cc") is not None
 
 
 def runs_on_old_linux(library: bytes) -> bool:
-    """Whether a library takes functions of the GNU C library alone, and none newer than 2.17's."""
+    """Return whether a library takes functions of the GNU C library alone, and none newer than
+    2.17's."""
     versions = re.findall(rb"\0GLIBC_(\d+)\.(\d+)[.\d]*(?=\0)", library)
     return bool(versions) and max((int(a), int(b)) for a, b in versions) <= _GLIBC
 

@@ -1,8 +1,8 @@
 """The library's functions as LLVM IR: `python -m rotor_fmu.library.emit FOLDER FUNCTION ...`.
 
-Run in a process of its own, since numba is told the processor before it is imported, and is kept
-from what no process will use: wrappers for callers in Python and in C, and machine code of its own.
-That takes numba's insides; `emit` checks that what is left is whole.
+Run in a process of its own, since numba's target processor is set before it is imported, and since
+numba is prevented from making what is not needed here: wrappers for callers in Python and in C, and
+machine code. That uses numba's internals; `emit` checks that the result is complete.
 """
 
 from __future__ import annotations
@@ -70,14 +70,14 @@ def _make_no_machine_code() -> None:
 
 
 def _finalized(context: Any, library: Any, description: Any, environment: Any) -> Any:
-    """In the place of `CPUContext.get_executable`, on whose way a library is optimised and linked:
-    something that can be called and never is."""
+    """Replace `CPUContext.get_executable`, which would optimise and link a library: return a
+    callable that is never called."""
     library._ensure_finalized()
     return [].append
 
 
 def alone(text: str, function: str, name: str) -> str:
-    """The module with one visible function, called `name`.
+    """Return the module with one visible function, called `name`.
 
     Raises `RuntimeError` if what it calls of the project's is missing.
     """

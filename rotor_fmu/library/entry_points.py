@@ -1,8 +1,8 @@
 """The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
-those of a run (`model.time_loop.entries`) a status, the others the code of a sentence (`messages`).
+those of a run (`model.time_loop.entries`) a status, the others the code of a message (`messages`).
 
 block: of a run (`model.time_loop.block`); given, own: the solver's settings (`settings.resolver`);
-arguments: the numbers of the sentence, `TOLD` at most.
+arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from numba import types
+from numba import literal_unroll, types
 
 from ..model import messages, outcomes
 from ..model.kernels.jit import jit
@@ -26,7 +26,7 @@ _view = LAYOUT.view
 
 
 def rotor_resolve_settings(block, given, arguments):
-    """Take up the solver's settings; `given` then holds what was chosen."""
+    """Resolve the solver's settings; `given` then holds the resolved values."""
     run = _view(block)
     code = resolver.resolve(given, run.method.numbers[0], arguments)
     if code == messages.GOOD:
@@ -35,67 +35,64 @@ def rotor_resolve_settings(block, given, arguments):
 
 
 def rotor_settings_warning(block, given, own, arguments, slot):
-    """What makes a run with one of them doubtful, or, behind the last, with all of them."""
+    """Return the warning about one of the settings, or, behind the last, about all of them."""
     return resolver.warning(given, own, _view(block).method.numbers[0], arguments, slot)
 
 
 def rotor_survey(block, speed, is_start):
-    """`entries.survey`."""
+    """Call `entries.survey`."""
     entries.survey(block, speed, is_start)
     return messages.GOOD
 
 
 def rotor_refresh_outputs(block):
-    """`entries.refresh_outputs`."""
+    """Call `entries.refresh_outputs`."""
     entries.refresh_outputs(block)
     return messages.GOOD
 
 
 def rotor_no_rest(block, status, arguments):
-    """Why `rotor_start` found no equilibrium."""
+    """Return why `rotor_start` has no equilibrium."""
     return outcomes.no_rest(_view(block), status, arguments)
 
 
-assert [warning.since for warning in RUN_WARNINGS] == [
-    "trapped_at",
-    "overdamped_at",
-    "slow_at",
-    "coarse_at",
-    "blind_at",
-]
+# the fields of a run's record
+_SINCE = tuple(warning.since for warning in RUN_WARNINGS)
 
 
 @jit
 def _last_run_warning(r, arguments):
-    """The code of the one of `RUN_WARNINGS` that began last, 0 of none: whoever tells each once has
-    told the others when they began."""
+    """Return the code of the one of `RUN_WARNINGS` that began last, 0 if there is none: a caller
+    that shows each once has shown the earlier ones when they began."""
     code = messages.GOOD
     arguments[0] = -math.inf
-    for i, since in enumerate((r.trapped_at, r.overdamped_at, r.slow_at, r.coarse_at, r.blind_at)):
-        if since >= arguments[0]:
-            arguments[0] = since
+    i = 0
+    for name in literal_unroll(_SINCE):
+        if r[name] >= arguments[0]:
+            arguments[0] = r[name]
             code = -(messages.FIRST_RUN_WARNING + i)
+        i += 1  # noqa: SIM113 (numba unrolls the names alone)
     return code
 
 
 def rotor_growth(block, arguments):
-    """What `rotor_survey` found to grow at rest."""
+    """Return the message about the growth at rest of the last `rotor_survey`."""
     return outcomes.growth_at_rest(_view(block).survey.rest[0], arguments)
 
 
 def rotor_unstable(block, arguments):
-    """Which of the whirls that `rotor_survey` found is the machine's own."""
+    """Return the message about a whirl of the last `rotor_survey` that is the machine's own."""
     return outcomes.unstable(_view(block), arguments)
 
 
 def rotor_hidden(block, arguments):
-    """Which of the whirls that `rotor_survey` found the steps hide."""
+    """Return the message about a whirl of the last `rotor_survey` that the steps hide."""
     return outcomes.hidden(_view(block), arguments)
 
 
 def rotor_outcome(block, status, arguments):
-    """What `rotor_advance` came to; a negative code is a warning about a run that goes on. Where it
-    diverged, `rotor_survey` has to have been asked anew."""
+    """Return the outcome of `rotor_advance`; a negative code is a warning about a run that goes on.
+    If it diverged, `rotor_survey` must have been called again before."""
     run = _view(block)
     if status == time_loop.DONE:
         return _last_run_warning(run.memory.record[0], arguments)
@@ -103,7 +100,7 @@ def rotor_outcome(block, status, arguments):
 
 
 def _source(kernel: Any) -> Callable[..., Any]:
-    """The function that a kernel is made of: compiled once, as the library's own."""
+    """Return the function that a kernel is made of: compiled once, as the library's own."""
     function: Callable[..., Any] = kernel.py_func
     return function
 

@@ -10,7 +10,7 @@ _X86_64, _ARM64 = (0x01000007, 3, 14), (0x0100000C, 0, 14)
 
 
 def universal(x86_64: bytes, arm64: bytes) -> bytes:
-    """The file that holds both libraries (Mach-O's `fat_header`, big-endian)."""
+    """Return the file that holds both libraries (Mach-O's `fat_header`, big-endian)."""
     parts = ((_X86_64, x86_64), (_ARM64, arm64))
     head = struct.pack(">II", _MAGIC, len(parts))
     body = b""

@@ -1,1 +1,1 @@
-"""Linear answers for a person: `answers` for Python and notebooks, `command` for the shell."""
+"""Linear analyses for users: objects for Python and notebooks, tables and pictures."""

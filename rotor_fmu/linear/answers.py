@@ -1,4 +1,4 @@
-"""Linear answers about a machine, for Python: the objects of `model.linear`, which a notebook shows
+"""Linear analyses of a machine, for Python: the objects of `model.linear`, which a notebook shows
 as a table and a picture.
 
     from rotor_fmu.linear.answers import campbell, modes
@@ -34,11 +34,11 @@ class _Displayed(ABC):
 
     @abstractmethod
     def table(self) -> linear_tables.Table:
-        """Its numbers in a few columns."""
+        """Return the numbers in a few columns."""
 
     @abstractmethod
     def figure(self) -> Figure:
-        """Its picture."""
+        """Draw the result."""
 
     def _repr_html_(self) -> str:
         return self.table().html()
@@ -101,7 +101,7 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
-        """Nodes with the largest orbits.
+        """Return the nodes with the largest orbits.
 
         Returns
         -------
@@ -167,35 +167,35 @@ class Static(linear.Static, _Displayed):
 
 
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
-    """`model.linear.modes` of a machine."""
+    """Return `model.linear.modes` of a machine."""
     return _displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
 
 
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
-    """`model.linear.campbell` of a machine."""
+    """Return `model.linear.campbell` of a machine."""
     return _displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
 
 
 def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
-    """`model.linear.unbalance_response` of a machine."""
+    """Return `model.linear.unbalance_response` of a machine."""
     result = linear.unbalance_response(rotor_of(machine), speeds, **options)
     return _displayed(UnbalanceResponse, result)
 
 
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
-    """`model.linear.static` of a machine."""
+    """Return `model.linear.static` of a machine."""
     return _displayed(Static, linear.static(rotor_of(machine), speed, **options))
 
 
 def show(machine: Machine) -> Figure:
-    """The picture of a machine."""
+    """Return the picture of a machine."""
     return machine_figure(rotor_of(machine))
 
 
 def rotor_of(machine: Machine) -> Rotor:
-    """The machine, read if need be; raises `InputError`."""
+    """Return the machine, read if need be; raises `InputError`."""
     return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
 
 

@@ -1,4 +1,4 @@
-"""What a machine is made of, as a list: beside its picture."""
+"""The list of a machine's parts, shown with its picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Inventory:
     parts: tuple[tuple[str, str, int, float], ...]
 
     def table(self) -> Table:
-        """A row a part."""
+        """Return a table with one row for each part."""
         title = (
             f"{self.name}: {len(self.nodes)} nodes, {self.length * 1e3:.5g} mm, "
             f"{self.mass:.5g} kg, {self.inertia:.4g} kg m2 about its axis"
@@ -34,7 +34,7 @@ class Inventory:
 
 
 def inventory(rotor: Rotor) -> Inventory:
-    """The list of a machine."""
+    """Return the list of a machine."""
     structure = assemble(rotor)
     parts = []
     for where, part in rotor.named_parts():

@@ -1,4 +1,4 @@
-"""Pictures of linear answers."""
+"""Pictures of linear analyses."""
 
 from __future__ import annotations
 
@@ -39,13 +39,13 @@ def _figure(width: float, height: float, rows: int, columns: int = 1, **options)
 
 
 def _curve(z: np.ndarray, w: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A line through the nodes with their slopes, as the shaft bends; z in mm."""
+    """Return the bent shaft as a line through the nodes with their slopes; z in mm."""
     fine = np.unique(np.concatenate([np.linspace(a, b, _FINE) for a, b in pairwise(z)]))
     return fine * 1e3, CubicHermiteSpline(z, w, slope)(fine)
 
 
 def modes_figure(result: Modes) -> Figure:
-    """Shapes of the lowest modes: each plane at the instant of its largest deflection."""
+    """Draw the shapes of the lowest modes: each plane at the instant of its largest deflection."""
     shown = min(_MOST_SHAPES, len(result.eigenvalues))
     columns = 2 if shown > 1 else 1
     rows = max(1, -(-shown // columns))
@@ -90,7 +90,7 @@ def modes_figure(result: Modes) -> Figure:
 
 
 def campbell_figure(result: Campbell) -> Figure:
-    """Frequencies, with the excitation and where they meet it, and logarithmic decrements."""
+    """Draw frequencies with the excitation and their intersections, and logarithmic decrements."""
     figure, grid = _figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
@@ -155,7 +155,7 @@ def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence
 
 
 def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
-    """Semi-axes and phases of nodes (from 1) over the speed."""
+    """Draw semi-axes and phases of nodes (from 1) over the speed."""
     figure, grid = _figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
@@ -198,7 +198,7 @@ def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
 
 
 def static_figure(result: Static) -> Figure:
-    """Deflection along the shaft and, beside its nodes' names, what the supports bear."""
+    """Draw the deflection along the shaft, with the loads on the supports beside their names."""
     figure, grid = _figure(6.8, 3.8, 1)
     axes = grid[0, 0]
     axes.axhline(0, color=GREY, lw=0.8)

@@ -1,4 +1,4 @@
-"""Tables of linear answers: as text, as HTML for notebooks, and as numbers for JSON."""
+"""Tables of linear analyses: as text, as HTML for notebooks, and as numbers for JSON."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..cells import cell
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
@@ -25,44 +26,38 @@ class Table(NamedTuple):
     rows: Sequence[Sequence[object]]
 
     def text(self) -> str:
-        """For a terminal, in columns."""
-        shown = [list(self.heads), *([_shown(cell) for cell in row] for row in self.rows)]
+        """Return the table as text in columns, for a terminal."""
+        shown = [list(self.heads), *([cell(value) for value in row] for row in self.rows)]
         widths = [max(map(len, column)) for column in zip(*shown, strict=True)]
         lines = [
-            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+            "  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True))
             for row in shown
         ]
         return "\n".join([self.title, *lines])
 
     def html(self) -> str:
-        """For a notebook."""
+        """Return the table as HTML, for a notebook."""
         heads = "".join(f"<th>{html.escape(head)}</th>" for head in self.heads)
         rows = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>"
+            "<tr>" + "".join(f"<td>{html.escape(cell(value))}</td>" for value in row) + "</tr>"
             for row in self.rows
         )
         title = f"<caption>{html.escape(self.title)}</caption>"
         return f"<table>{title}<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def _shown(cell: object) -> str:
-    if isinstance(cell, float):
-        return "-" if math.isnan(cell) else f"{cell:.5g}"
-    return str(cell)
-
-
 def hertz(omega: float) -> float:
-    """Of an angular frequency [rad/s]."""
+    """Return the frequency [Hz] of an angular frequency [rad/s]."""
     return float(omega) / (2 * math.pi)
 
 
 def turns(speed: float, contacts: str) -> str:
-    """The state of a machine in a heading."""
+    """Return the state of a machine in a heading."""
     return f"{speed:.5g} rad/s ({hertz(speed) * 60:.5g} rev/min), contacts {contacts}"
 
 
 def modes_table(result: Modes) -> Table:
-    """A row a mode."""
+    """Return a table with one row for each mode."""
     heads = ("mode", "f_d [Hz]", "f_n [Hz]", "omega_d [rad/s]", "damping", "log dec", "whirl")
     columns = zip(
         result.damped,
@@ -87,12 +82,13 @@ def modes_table(result: Modes) -> Table:
 
 
 def _clean(ratio: float) -> float:
-    """A damping without what is rounding."""
+    """Return a damping with rounding errors set to 0."""
     return 0.0 if abs(ratio) < 1e-10 else float(ratio)
 
 
 def campbell_table(result: Campbell) -> Table:
-    """A row a critical speed; the threshold of stability in the heading."""
+    """Return a table with one row for each critical speed; the threshold of stability in the
+    heading."""
     heads = ("mode", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
     rows = [
         (c.mode + 1, c.speed, hertz(c.speed), 60 * hertz(c.speed), _clean(c.log_dec), c.whirl)
@@ -110,7 +106,7 @@ def campbell_table(result: Campbell) -> Table:
 
 
 def static_table(result: Static) -> Table:
-    """A row a node, then a row for what each support bears."""
+    """Return a table with one row for each node, then a row for the load on each support."""
     heads = ("where", "z [mm]", "x [um]", "y [um]", "load x [N]", "load y [N]")
     nodes = [
         (f"node {i}", z * 1e3, x * 1e6, y * 1e6, "", "")
@@ -133,8 +129,8 @@ def _rounded(cell: object) -> object:
 
 
 def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
-    """Rows of speed and node (from 1): at every speed where they are few, else where the largest
-    semi-axis of a node peaks."""
+    """Return the rows of speed and node (from 1): at every speed where they are few, else where the
+    largest semi-axis of a node peaks."""
     heads = (
         *("node", "speed [rad/s]", "[Hz]", "x [um]", "y [um]", "major [um]", "minor [um]"),
         *("phase x [deg]", "phase y [deg]"),
@@ -163,7 +159,8 @@ def _json_values(major: np.ndarray) -> Sequence[int]:
 
 
 def numbers(result: Any) -> dict[str, object]:
-    """All that an answer says, in SI units, for JSON: complex numbers as [real, imaginary]."""
+    """Return all numbers of a linear analysis, in SI units, for JSON: complex numbers as [real,
+    imaginary]."""
     fields = {name: getattr(result, name) for name in result.__dataclass_fields__}
     for name in ("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"):
         if hasattr(result, name):

@@ -1,4 +1,4 @@
-"""What makes a machine doubtful before it is run, by its linear answers."""
+"""Warnings about a machine before a run, from its linear analyses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ _GROWING, _SLOW = 1e-5, 1e-3
 
 
 def machine_warnings(rotor: Rotor) -> list[str]:
-    """Sentences about a machine that nothing holds, and about one that is unstable at rest."""
+    """Return warnings about a machine that nothing holds, and about one that is unstable at
+    rest."""
     result = []
     machine = LinearMachine(rotor)
     if (
@@ -22,7 +23,7 @@ def machine_warnings(rotor: Rotor) -> list[str]:
         and not machine.is_held
         and not _is_released(rotor)
     ):
-        result.append(f"{machine.why_not_held()}, or a [start] in the air is told")
+        result.append(f"{machine.why_not_held()}, or give a [start] in the air")
     try:
         at_rest = modes(rotor, 0.0, contacts=OPEN)
     except LinearError:

@@ -1,2 +1,2 @@
-"""Machine files: reading a user's; what one may say, made from the quantities, as a page and as
-a schema for editors."""
+"""Machine files: reading a user's file; its tables and keys, made from the quantities, as a page
+and as a schema for editors."""

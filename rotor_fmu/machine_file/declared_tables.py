@@ -29,7 +29,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Table:
-    """A table: how it is headed, what it is, whether there may be several, its keys."""
+    """A table: how it is headed, its description, whether there may be several, its keys."""
 
     heading: str
     name: str

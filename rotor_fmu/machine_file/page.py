@@ -1,4 +1,4 @@
-"""docs/reference/machine.md: everything that a machine file may say."""
+"""docs/reference/machine.md: all tables and keys of a machine file."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ of a touchdown bearing is stuck to in the same way; its own drag stays smoothed 
 
 
 def page() -> str:
-    """The page in Markdown."""
+    """Return the page in Markdown."""
     lines = [_HEAD]
     for table in (*own_tables(), *part_tables()):
         lines += _section(table)

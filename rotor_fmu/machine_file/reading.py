@@ -22,7 +22,8 @@ _MOST = 8  # files that extend one another
 
 
 def machine_text(option: str, path: Path) -> str:
-    """The whole machine as TOML text; `InputError` for a file that cannot be read or merged."""
+    """Return the whole machine as TOML text; `InputError` for a file that cannot be read or
+    merged."""
     text = read_text(option, path)
     data = _content(path, text)
     if data is None or not (_EXTENDS in data or is_ross(data)):
@@ -31,7 +32,7 @@ def machine_text(option: str, path: Path) -> str:
 
 
 def import_ross(option: str, path: Path) -> Imported:
-    """A rotor from ROSS, checked to be a machine; `InputError` otherwise."""
+    """Return a rotor from ROSS, checked to be a machine; `InputError` otherwise."""
     text = read_text(option, path)
     try:
         result = parse_ross(text, path.stem, is_json=_is_json(path, text))
@@ -46,7 +47,8 @@ def _is_json(path: Path, text: str) -> bool:
 
 
 def _content(path: Path, text: str) -> dict[str, Any] | None:
-    """What stands in a file, None where it is neither TOML nor JSON: its reader says why."""
+    """Return the contents of a file, None if it is neither TOML nor JSON: its reader reports
+    why."""
     try:
         data = json.loads(text) if _is_json(path, text) else tomllib.loads(text)
     except (ValueError, RecursionError):
@@ -55,7 +57,7 @@ def _content(path: Path, text: str) -> dict[str, Any] | None:
 
 
 def _tables(path: Path, data: dict[str, Any], text: str, above: tuple[Path, ...]) -> dict[str, Any]:
-    """The tables of a file with those of what it extends."""
+    """Return the tables of a file with those of what it extends."""
     if is_ross(data):
         return import_ross("--rotor", path).tables
     base = data.get(_EXTENDS)

@@ -19,8 +19,8 @@ _WORDS: dict[str, dict[str, Any]] = {
 
 
 def schema() -> dict[str, Any]:
-    """The schema (JSON Schema 2020-12): which tables and keys there are, of which types, within
-    which limits. What one number says of another is left to the reader."""
+    """Return the schema (JSON Schema 2020-12): which tables and keys there are, of which types,
+    within which limits. Rules that relate one number to another are left to the reader."""
     (whole, *named) = own_tables()
     properties = _properties(whole)
     for table in (*named, *part_tables()):

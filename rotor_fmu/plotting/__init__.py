@@ -1,1 +1,1 @@
-"""Commands that look at what was run: pictures of a run, the page of runs or of a study."""
+"""Reading recorded runs and studies for pictures and reports."""

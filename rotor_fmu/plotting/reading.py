@@ -1,4 +1,4 @@
-"""What a path holds: a run, with its recording and its figures, or a study, with its rows."""
+"""Read what a path holds: a run, with its recording and its figures, or a study, with its rows."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ RUN, STUDY = "recording.npz", "study.json"
 
 
 def is_study(path: Path) -> bool:
-    """Whether a folder is a study's."""
+    """Return whether a folder is a study's."""
     return (path / STUDY).is_file()
 
 
 def read_run(path: Path) -> Recorded:
-    """The recording of a run's folder, or a recording's file."""
+    """Return the recording of a run's folder, or a recording's file."""
     file = path / RUN if path.is_dir() else path
     if not file.exists():
         what = f"holds no {RUN}" if path.is_dir() else "is not there"
@@ -36,7 +36,7 @@ def read_run(path: Path) -> Recorded:
 
 
 def read_summary(path: Path) -> dict[str, Any]:
-    """The figures beside a run's recording, none where there are none."""
+    """Return the figures beside a run's recording, none where there are none."""
     file = (path if path.is_dir() else path.parent) / "summary.json"
     try:
         return json.loads(file.read_text(encoding="utf-8"))
@@ -47,7 +47,8 @@ def read_summary(path: Path) -> dict[str, Any]:
 
 
 def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
-    """What a study's folder says of it, and its rows, each once, in the order of the runs."""
+    """Return what a study's folder says of it, and its rows, each once, in the order of the
+    runs."""
     arrow_error = optional("pyarrow", "study", str(path)).ArrowException
     from ..studies.dataset import about_of
     from ..studies.store import read_rows
@@ -59,7 +60,7 @@ def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
 
 
 def rows_of_quantiles(about: dict[str, Any], rows: pyarrow.Table) -> np.ndarray:
-    """Of a study's rows those whose quantiles say something of what was varied."""
+    """Return the rows of a study whose quantiles are meaningful for the varied parameters."""
     from ..studies.analysis import design_of, drawn_rows, is_estimate
 
     design = design_of(about["design"])
@@ -69,7 +70,7 @@ def rows_of_quantiles(about: dict[str, Any], rows: pyarrow.Table) -> np.ndarray:
 
 
 def told_apart(runs: Sequence[Recorded], paths: Sequence[Path]) -> None:
-    """Names that differ, longer where folders are called alike."""
+    """Return names that differ, longer where folders have the same name."""
     if len({run.name for run in runs}) < len(runs):
         for run, path in zip(runs, paths, strict=True):
             run.name = "/".join(path.resolve().parts[-2:])

@@ -12,8 +12,8 @@ from .reading import RUN, read_run, read_summary
 
 
 def pages_of_runs(study: Path, beside: Path) -> dict[str, str]:
-    """Addresses of their pages by id, from the folder `beside`; a page older than its recording, or
-    not there, is written."""
+    """Return the addresses of their pages by id, relative to the folder `beside`; a page older than
+    its recording, or not there, is written."""
     result = {}
     for recording in sorted(study.glob(f"runs/*/{RUN}")):
         folder = recording.parent

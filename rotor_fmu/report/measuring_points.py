@@ -1,4 +1,4 @@
-"""What of a recording can be looked at: places that move, contacts, sinks of energy."""
+"""The measuring points of a recording: places that move, contacts, sinks of energy."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from ..vibration import Synchronous, synchronous
 
 
 class Recording(Protocol):
-    """What was recorded of a run, as `runs.recording` has it: t, shape (n,) [s], columns by name,
-    shape (n,), SI units, and what was run."""
+    """The recording of a run, as `runs.recording` has it: t, shape (n,) [s], columns by name, shape
+    (n,), SI units, and what was run."""
 
     @property
     def t(self) -> np.ndarray:
@@ -73,13 +73,15 @@ class Touch:
 class Recorded:
     """A recording as a person looks at it.
 
-    name: what the run is called; about: what was run.
+    name: of the run; about: its description.
     """
 
     def __init__(self, recording: Recording, name: str) -> None:
         for needed in ("phi", "w"):
             if needed not in recording.columns:
-                raise InputError(f"{name}: its recording has no {needed}, by which turns are told")
+                raise InputError(
+                    f"{name}: its recording has no {needed}, which is needed to count turns"
+                )
         self.name, self.columns = name, recording.columns
         self.t = recording.t
         self.phi, self.w = recording.columns["phi"], recording.columns["w"]
@@ -88,7 +90,7 @@ class Recorded:
 
     @cached_property
     def rotor(self) -> Rotor | None:
-        """The machine, where the recording tells it."""
+        """The machine, if the recording holds it."""
         try:
             return parse_rotor(str(self.about["toml"]))
         except (KeyError, QuantityError):
@@ -133,7 +135,7 @@ class Recorded:
         return str(self.about.get("status", "ok"))
 
     def place(self, name: str | None = None) -> MeasuringPoint:
-        """A place by its name; None: the disc, or else the place, that moves most."""
+        """Return a place by its name; None: the disc, or else the place, that moves most."""
         if name is not None:
             return _named(name, self.places, "place")
         discs = [p for p in self.places if p.name.startswith("disc")]
@@ -142,7 +144,7 @@ class Recorded:
         return max(discs or self.places, key=lambda place: place.motion)
 
     def touch(self, name: str | None = None) -> Touch:
-        """A contact by its name; None: the one that is pressed most."""
+        """Return a contact by its name; None: the one that is pressed most."""
         if name is not None:
             return _named(name, self.touches, "contact")
         if not self.touches:
@@ -150,7 +152,7 @@ class Recorded:
         return max(self.touches, key=lambda touch: float(np.nan_to_num(touch.fn).sum()))
 
     def resampled(self, place: MeasuringPoint) -> Synchronous:
-        """A place's motion over whole turns, x + i y in µm; raises `TooFewTurns`."""
+        """Return a place's motion over whole turns, x + i y in µm; raises `TooFewTurns`."""
         if place.name not in self._resampled:
             self._resampled[place.name] = synchronous(self.t, self.phi, place.z * 1e6, turns=4)
         return self._resampled[place.name]
@@ -165,12 +167,12 @@ class Recorded:
 
 
 def spoken(name: str) -> str:
-    """`disc[3].x` as `disc 3 x`."""
+    """Return `disc[3].x` as `disc 3 x`."""
     return name.replace("[", " ").replace("]", "").replace(".", " ")
 
 
 def hertz(speed: Any) -> Any:
-    """Of rad/s."""
+    """Return Hz of rad/s."""
     return speed / (2 * math.pi)
 
 

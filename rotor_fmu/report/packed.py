@@ -19,7 +19,7 @@ _SAMPLE = 20_000  # values by which the number of differences is chosen
 
 
 def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
-    """Real values of any shape, flattened, within half a step of (max - min) / (2^bits - 2).
+    """Pack real values of any shape, flattened, within half a step of (max - min) / (2^bits - 2).
 
     What is not finite comes back as NaN. Keys: n, bits, low and step of the counts, how often
     differences were taken, data in base64.
@@ -52,7 +52,7 @@ def packed(values: np.ndarray, bits: int = FINE) -> dict[str, Any]:
 
 
 def unpacked(pack: dict[str, Any]) -> np.ndarray:
-    """The values again, as the browser reads them."""
+    """Return the values again, as the browser reads them."""
     bits, n = pack["bits"], pack["n"]
     raw = zlib.decompress(base64.b64decode(pack["data"]))
     planes = np.frombuffer(raw, np.uint8).reshape(bits // 8, n).astype(np.uint32)

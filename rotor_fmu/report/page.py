@@ -38,7 +38,7 @@ def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -
 
 
 def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
-    """The page of one or two runs as HTML."""
+    """Return the page of one or two runs as HTML."""
     data = [run_data(run) for run in runs]
     body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
@@ -61,7 +61,7 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
 def page(
     *, title: str, about: str, body: str, data: object, signals: object, scripts: Sequence[str]
 ) -> str:
-    """A whole page; title and about are text, body is HTML."""
+    """Return a whole page; title and about are text, body is HTML."""
     resources = optional("bokeh.resources", "report", "a page of a run")
     # the third is what Bokeh's own Python pages set up
     library = resources.Resources(mode="inline", components=["bokeh", "bokeh-api"]).js_raw[:2]
@@ -79,7 +79,7 @@ def page(
 
 
 def template(name: str) -> Template:
-    """A file of the folder `template`."""
+    """Return a file of the folder `template`."""
     return Template(files(__package__).joinpath("template", name).read_text(encoding="utf-8"))
 
 
@@ -90,7 +90,7 @@ def _json(data: object) -> str:
 
 
 def _machine(run: Recorded) -> str:
-    """The machine's picture, where the recording tells the machine."""
+    """Return the machine's picture, if the recording holds it."""
     if run.rotor is None:
         return ""
     import matplotlib

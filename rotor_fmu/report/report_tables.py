@@ -1,4 +1,4 @@
-"""What the page says in words and tables, which need no script."""
+"""The text and the tables of the page, which need no script."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ _SUMMARY = {
 
 
 def notices(run: Recorded, why: str | None) -> str:
-    """What a reader has to know first: how far a failed run came, why, what makes it doubtful."""
+    """Return the notices at the head of the page: how far a failed run came, why, and its
+    warnings."""
     said = []
     if run.status.startswith(FAILED):
         reason = run.status.removeprefix(FAILED)
@@ -55,7 +56,7 @@ def _speed(run: Recorded, at: int) -> str:
 
 
 def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
-    """Tables of a run: responses of its places, contacts, sinks, what the solver did."""
+    """Return the tables of a run: responses of its places, contacts, sinks, the solver's work."""
     of = f"{run.name}: " if runs > 1 else ""
     made = [_ran(run, summary, of), _verification(run, of)]
     with suppress(TooFewTurns):
@@ -107,7 +108,7 @@ def _places(run: Recorded, of: str) -> str:
 
 
 def _amplification(track: vibration.OrderTrack) -> float | str:
-    """The factor of the highest resonance, marked where the run passed it too quickly."""
+    """Return the factor of the highest resonance, marked where the run passed it too quickly."""
     if not _passes(track.speed):
         return math.nan
     result = vibration.resonances(track.speed, track.major(), t=track.t)
@@ -117,7 +118,8 @@ def _amplification(track: vibration.OrderTrack) -> float | str:
 
 
 def _passes(speed: np.ndarray) -> bool:
-    """Whether a run goes one way through speeds wide apart, as a resonance is told by."""
+    """Return whether a run goes one way through speeds wide apart, as the detection of a resonance
+    requires."""
     ways = np.sign(np.diff(speed[:: max(len(speed) // 50, 1)]))
     span = np.abs(speed)
     return bool(abs(ways.sum()) == len(ways) and span.max() > 1.3 * span.min())
@@ -145,7 +147,7 @@ def _sinks(run: Recorded, of: str) -> str:
 
 
 def table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """A table as HTML; heads that are all empty are left out."""
+    """Return a table as HTML; heads that are all empty are left out."""
     head = "".join(f'<th scope="col">{escape(text)}</th>' for text in heads)
     lines = ["".join(f"<td>{escape(_cell(value))}</td>" for value in row) for row in rows]
     body = "".join(f"<tr>{line}</tr>" for line in lines)

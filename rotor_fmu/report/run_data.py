@@ -1,4 +1,4 @@
-"""What the page of a run shows, computed here once, so that the browser only draws."""
+"""The data of the page of a run, computed here once, so that the browser only draws."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _ONE_SPEED = 0.005  # share by which one speed may vary
 
 
 def run_data(run: Recorded) -> dict[str, Any]:
-    """Everything but the signals over time, as JSON can say it; lengths in µm, speeds in Hz.
+    """Return everything but the signals over time, as JSON values; lengths in µm, speeds in Hz.
 
     A run of too few turns has no places, and `why` says so.
     """
@@ -72,7 +72,7 @@ def _turns(run: Recorded) -> dict[str, Any]:
 
 
 def _shared(signal: Synchronous) -> dict[str, Any]:
-    """What all places have in common: the turns' times and speeds, and the stations."""
+    """Return the data common to all places: the turns' times and speeds, and the stations."""
     track, cascade = _tracked(signal)
     rows = _thin(len(track.t))
     speed = hertz(cascade.speed)
@@ -132,12 +132,12 @@ def _place(place: MeasuringPoint, signal: Synchronous) -> dict[str, Any]:
 
 
 def is_constant(speed: np.ndarray) -> bool:
-    """Whether a run is at one speed, so that time is what goes across its pictures."""
+    """Return whether a run is at one speed, so that time is what goes across its pictures."""
     return bool(np.ptp(speed) <= _ONE_SPEED * np.abs(speed).max(initial=0.0))
 
 
 def _block(signal: Synchronous) -> int:
-    """Turns of a spectrum, less where the run has less."""
+    """Return the number of turns of a spectrum, fewer if the run has fewer."""
     return min(_BLOCK, signal.longest)
 
 
@@ -147,5 +147,5 @@ def _tracked(signal: Synchronous) -> tuple[vibration.OrderTrack, vibration.Casca
 
 
 def _thin(n: int) -> np.ndarray:
-    """Rows that are shown of n."""
+    """Return the rows that are shown of n."""
     return np.unique(np.linspace(0, n - 1, min(n, _ROWS)).round().astype(int))

@@ -23,7 +23,7 @@ _PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", 
 
 
 def bode(view: View) -> Figure:
-    """1x amplitude and phase of x and y over speed, with 2x and 0.5x beside."""
+    """Draw the 1x amplitude and phase of x and y over speed, with 2x and 0.5x."""
     figure, (above, below) = two()
     place = view.run.place(view.name)
     track = vibration.order_track(*view.signal)
@@ -53,7 +53,7 @@ def bode(view: View) -> Figure:
 
 
 def polar(view: View) -> Figure:
-    """1x vector of x over speed, from the keyphasor mark; lag clockwise."""
+    """Draw the 1x vector of x over speed, from the keyphasor mark; lag clockwise."""
     figure = PlainFigure(figsize=(5.8, 5.4), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot(projection="polar")
@@ -87,7 +87,7 @@ def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> 
 
 
 def orbit(view: View) -> Figure:
-    """The orbit at a speed, its keyphasor marks, and the clearance."""
+    """Draw the orbit at a speed, its keyphasor marks, and the clearance."""
     figure, axes = new_figure(5.4, 5.2)
     place = view.run.place(view.name)
     result = vibration.orbit(*view.signal, view.speed)
@@ -116,7 +116,7 @@ def orbit(view: View) -> Figure:
 
 
 def spectrum(view: View) -> Figure:
-    """Full spectrum at a speed."""
+    """Draw the full spectrum at a speed."""
     figure, axes = new_figure()
     result = vibration.full_spectrum(*view.signal, view.speed)
     frequency = hertz(result.frequency)
@@ -141,7 +141,7 @@ def spectrum(view: View) -> Figure:
 
 
 def _lines(amplitude: np.ndarray) -> list[int]:
-    """The largest lines of a spectrum, without what the window puts beside each."""
+    """Return the largest lines of a spectrum, without what the window puts beside each."""
     inner = amplitude[1:-1]
     tops = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
     tops = tops[amplitude[tops] > 0.02 * np.nanmax(amplitude, initial=0)]
@@ -149,7 +149,7 @@ def _lines(amplitude: np.ndarray) -> list[int]:
 
 
 def cascade(view: View) -> Figure:
-    """Full spectra over speed, or over time where the speed does not go one way."""
+    """Draw full spectra over speed, or over time where the speed does not go one way."""
     figure, axes = new_figure(6.8, 5.0)
     result = vibration.cascade(*view.signal)
     ways = np.diff(result.speed)
@@ -205,7 +205,7 @@ def cascade(view: View) -> Figure:
 
 
 def poincare(view: View) -> Figure:
-    """Points of the Poincare section, coloured by the speed, with the clearance."""
+    """Draw the points of the Poincare section, coloured by the speed, with the clearance."""
     figure, axes = new_figure(6.0, 5.2)
     place = view.run.place(view.name)
     result = vibration.poincare(*view.signal)
@@ -224,7 +224,7 @@ def poincare(view: View) -> Figure:
 
 
 def whirl(view: View) -> Figure:
-    """Sense and order of the whirl."""
+    """Draw the sense and the order of the whirl."""
     figure, (above, below) = two()
     result = vibration.whirl(*view.signal)
     n = hertz(result.speed)
@@ -242,7 +242,7 @@ def whirl(view: View) -> Figure:
 
 
 def contact_angle(view: View) -> Figure:
-    """Where a contact touches, over speed."""
+    """Draw the contact angle over speed."""
     figure, axes = new_figure()
     touch = view.run.touch(view.name)
     touches = touch.fn > 0
@@ -269,7 +269,7 @@ def contact_angle(view: View) -> Figure:
 
 
 def contact_force(view: View) -> Figure:
-    """Normal force of a contact and the share of the time that it touches, over speed."""
+    """Draw the normal force of a contact and the share of the time that it touches, over speed."""
     figure, (above, below) = two()
     touch = view.run.touch(view.name)
     result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
@@ -289,7 +289,7 @@ def contact_force(view: View) -> Figure:
 
 
 def energy(view: View) -> Figure:
-    """Power that every sink took, over speed, and the energy since the start."""
+    """Draw the power of every sink over speed, and the energy since the start."""
     figure, (above, below) = two(even=True)
     run = view.run
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)

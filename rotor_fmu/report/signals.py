@@ -15,7 +15,7 @@ _MOST = 40  # signals
 
 
 def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
-    """Displacements, contact forces and the drive torque of a run over its time.
+    """Return displacements, contact forces and the drive torque of a run over its time.
 
     Keys: t, packed [s], None where no signal is there in full; signals, each with name, label,
     unit, v, and t of its own where it is thinned, every says by how many steps.
@@ -41,7 +41,8 @@ def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
 
 
 def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
-    """Places of the least and the largest value of even stretches of a signal, in their order."""
+    """Return the places of the least and the largest value of even stretches of a signal, in their
+    order."""
     n = len(values)
     edges = np.linspace(0, n, min(stretches, n) + 1).astype(int)
     width = int(np.diff(edges).max())
@@ -52,7 +53,7 @@ def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
 
 
 def _entries(run: Recorded) -> list[tuple[str, str, np.ndarray]]:
-    """Names, units and values, what moves most first."""
+    """Return the names, units and values, what moves most first."""
     result: list[tuple[str, str, np.ndarray]] = []
     moving = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
     for place in moving:

@@ -28,10 +28,10 @@ def study_page(
     pages: Mapping[str, str] | None = None,
     drawn: np.ndarray | None = None,
 ) -> str:
-    """The page of a study as HTML.
+    """Return the page of a study as HTML.
 
     about: what its folder says of it (name, runs, design with its axes, columns); rows: a run each,
-    with run, id, status, what was varied, and the columns kept, a number or a list; pages: of runs
+    with run, id, status, what was varied, and the metrics, each a number or a list; pages: of runs
     that were made again with their signals, addresses by id; drawn: the rows whose quantiles say
     something, none where the points were placed to be compared.
     """
@@ -72,7 +72,7 @@ def study_page(
 
 
 def _shown_in(unit: str) -> tuple[float, str]:
-    """What a number in a unit is multiplied by to be read, and in which unit that is."""
+    """Return the factor by which a number in a unit is shown, and the unit shown."""
     shown = {"m": (1e6, "µm"), "rad/s": (0.5 / np.pi, "Hz"), "1": (1.0, "-")}
     return shown.get(unit, (1.0, unit))
 
@@ -89,7 +89,7 @@ def _numbers(rows: pyarrow.Table, name: str) -> np.ndarray:
 def _curves(
     columns: Sequence[Mapping[str, Any]], rows: pyarrow.Table, shown: np.ndarray
 ) -> list[dict[str, Any]]:
-    """Lists along a coordinate that is the same for all runs, as long as there is room."""
+    """Return lists along a coordinate that is the same for all runs, as long as there is room."""
     result, room = [], _MOST_OF_CURVES
     for column in columns:
         width = len(column["coordinate"])
@@ -121,7 +121,7 @@ def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str
     for text, count in reasons.most_common(_MOST_REASONS):
         said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")
     if len(reasons) > _MOST_REASONS:
-        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map tells each.")
+        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map shows each.")
     return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
 
 

@@ -1,4 +1,4 @@
-"""What holding a run against a finer one came to, in words and tables."""
+"""The comparison of a run with a finer one, in words and tables."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 
 
 def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]:
-    """Of `runs.verification.Verification.figures`: quantity, this run and the finer one [um], and
-    their difference [%]."""
+    """Return rows of quantity, this run and the finer one [um], and their difference [%]; figures:
+    `runs.verification.Verification.figures`."""
     return [
         (f"{c['name']}, {title}", 1e6 * c["value"], 1e6 * c["finer"], 100 * c["difference"])
         for title, compared in (("largest", figures["peaks"]), ("at the end", figures["final"]))
@@ -17,13 +17,14 @@ def rows_of(figures: Mapping[str, Any]) -> list[tuple[str, float, float, float]]
 
 
 def headline_of(figures: Mapping[str, Any]) -> str:
-    """Of `runs.verification.Verification.figures`: what follows, and from which run."""
+    """Return the conclusion and the finer run it is based on; figures:
+    `runs.verification.Verification.figures`."""
     changed = ", ".join(f"{name} = {value:g}" for name, value in figures["finer"].items())
     return f"{figures['conclusion']}, by the same run with {changed}: {figures['finer_status']}"
 
 
 def text_of(figures: Mapping[str, Any]) -> str:
-    """`runs.verification.Verification.figures` as a table of plain text."""
+    """Return `runs.verification.Verification.figures` as a table of plain text."""
     lines = [f"{'verification':20s} {headline_of(figures)}"]
     lines.append(f"  {'':26s} {'this run':>12s} {'finer':>12s} {'difference':>12s}")
     lines += [

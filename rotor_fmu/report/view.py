@@ -1,4 +1,4 @@
-"""What a picture is asked to show, and what all pictures of signals have in common."""
+"""The view that a picture shows, and the common parts of all pictures of signals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .measuring_points import Recorded
 
 
 class View:
-    """What a picture is asked to show: a run, the name of a place or contact (None: the one that
+    """The view that a picture shows: a run, the name of a place or contact (None: the one that
     moves, or is pressed, most), a speed [rad/s] (None: that of the largest 1x), and whether
     amplitudes are peak-to-peak."""
 
@@ -34,7 +34,7 @@ class View:
 
     @property
     def speed(self) -> float:
-        """Where orbit and spectrum are taken [rad/s]."""
+        """Speed at which orbit and spectrum are taken [rad/s]."""
         if self._speed is not None:
             return self._speed
         track = vibration.order_track(*self.signal, (1.0,))
@@ -42,12 +42,12 @@ class View:
 
     @property
     def scale(self) -> float:
-        """From m 0-p to what the axis says."""
+        """Factor from m 0-p to the unit of the axis."""
         return 2e6 if self.is_pp else 1e6
 
     @property
     def unit(self) -> str:
-        """What the axis says."""
+        """Unit of the axis."""
         return "µm pp" if self.is_pp else "µm 0-p"
 
     def title(self, axes: Axes, text: str) -> None:
@@ -57,12 +57,12 @@ class View:
 
 
 def parted(speed: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """A curve over the speed that is not drawn across a reversal."""
+    """Return a curve over the speed that is not drawn across a reversal."""
     return np.where(np.concatenate([[False], speed[1:] * speed[:-1] < 0]), np.nan, values)
 
 
 def two(even: bool = False) -> tuple[Figure, tuple[Axes, Axes]]:
-    """A picture of two parts over one axis; even: of equal heights."""
+    """Return a picture of two parts over one axis; even: of equal heights."""
     figure = PlainFigure(figsize=(6.8, 5.4), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1) if even else (2, 1))

@@ -1,4 +1,4 @@
-"""What a host that is not a Python program needs in its environment, on this machine."""
+"""The environment that a host that is not a Python program needs on this machine."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..errors import InputError
 
 
 def host_environment() -> dict[str, str]:
-    """Environment variables for a plain program that loads the FMU into itself, by name.
+    """Return the environment variables for a plain program that loads the FMU into itself, by name.
 
     The wrapper does not link Python's library, so it must be loaded before; and Python finds the
     packages of this environment by the `python` that is first in PATH. Raises `InputError` where

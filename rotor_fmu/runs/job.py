@@ -1,4 +1,4 @@
-"""A run as a user asks for it: checked before anything is written, then carried out."""
+"""A run as the user specified it: checked before anything is written, then carried out."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ _MOST_ROWS = 2e6
 
 
 def load_rotor(path: Path | None) -> tuple[str, Rotor]:
-    """TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible one."""
+    """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
+    one."""
     text = rig_toml() if path is None else machine_text("--rotor", path)
     try:
         return text, parse_rotor(text)
@@ -48,7 +49,7 @@ def load_rotor(path: Path | None) -> tuple[str, Rotor]:
 
 
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
-    """Values by name from `NAME=VALUE` texts; choices may be given by number or by name.
+    """Return the values by name from `NAME=VALUE` texts; choices may be given by number or by name.
 
     Raises `InputError` for an unknown name and for a value that the variable cannot have.
     """
@@ -158,8 +159,9 @@ def make_job(
     stop: float,
     step: float | None,
 ) -> Job:
-    """A run of a machine, its parameters and inputs checked together; step: communication step [s],
-    None for one that suits the solver. Raises `InputError`, `QuantityError`, `SettingsError`."""
+    """Return a run of a machine, its parameters and inputs checked together; step: communication
+    step [s], None for one that suits the solver. Raises `InputError`, `QuantityError`,
+    `SettingsError`."""
     table = interface(rotor)
     parameters = {"speed_rate": signals.first_rate} | dict(parameters)
     everything = {v.name: v.start for v in table if v.start is not None} | parameters
@@ -184,8 +186,8 @@ def _check_rows(stop: float, step: float | None, columns: int) -> None:
 
 
 def _step_of(settings: Settings) -> float:
-    """Communication step of a run-down [s]: fine enough for pictures, but no finer than the steps
-    that an adaptive mode is to choose by itself."""
+    """Return the communication step of a run-down [s]: fine enough for pictures, but no finer than
+    the steps that an adaptive mode is to choose by itself."""
     return {"adaptive": 0.04, "controlled": 0.004}.get(settings.mode, max(settings.h, 0.002))
 
 
@@ -196,15 +198,17 @@ def execute(job: Job, fmu: Path | None, label: str) -> Run:
 
 
 def execute_recorded(job: Job, label: str, is_silent: bool = False) -> tuple[Run, Recording]:
-    """Carry out a run directly, with a progress bar, and record what is usual of its steps."""
+    """Carry out a run directly, with a progress bar, and record the default signals at its
+    steps."""
     with shown(label, job.stop, job.step, job.settings) as progress:
         about = {"toml": job.toml}
         return run_recorded(job.rotor, job, progress=progress, about=about, is_silent=is_silent)
 
 
 def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:
-    """A run that is held against the same run, finer: with what came of it in the recording, and
-    doubtful where it is not confirmed. Raises `InputError` where there is no finer run."""
+    """Make a run and compare it with the same run, solved more finely; the comparison is added to
+    the recording, and the run is doubtful if it is not confirmed. Raises `InputError` if there is
+    no finer run."""
     from .verification import NOT_CONFIRMED, NOT_CONFIRMED_CODE, compare, finer_job
 
     if run.status.startswith(FAILED):
@@ -221,7 +225,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
 
 
 def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
-    """Take away what an earlier run left in its folder, its own files alone; results: patterns of
+    """Remove what an earlier run left in its folder, its own files alone; results: patterns of
     their names. Pictures are of the recording that lies beside them."""
     if (out / "recording.npz").exists():
         results = (*results, *(f"{kind}.png" for kind in PLOTS))
@@ -231,8 +235,8 @@ def clear(out: Path, results: Sequence[str] = RESULTS) -> None:
 
 
 def difference(one: Run, other: Run) -> float:
-    """By how much two runs end apart, of the scale of each of their columns [1]; infinite where one
-    ends before the other."""
+    """Return the largest difference of two runs at their ends, relative to the scale of each column
+    [1]; infinite if one ends before the other."""
     if len(one.t) != len(other.t):
         return math.inf
     apart = [
@@ -244,7 +248,7 @@ def difference(one: Run, other: Run) -> float:
 
 
 def fmu_in(out: Path, toml: str, reduction: int = 0) -> Path:
-    """The FMU of this rotor in the folder `out`, built if it is not there or not up to date;
+    """Return the FMU of this rotor in the folder `out`, built if it is not there or not up to date;
     reduction: component modes kept of the shaft."""
     fmu = out / FMU_NAME
     if is_current(fmu, toml, reduction=reduction):

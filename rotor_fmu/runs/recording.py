@@ -1,4 +1,4 @@
-"""What was recorded of a run at the solver's own steps, in memory and as a file."""
+"""The recording of a run at the solver's own steps, in memory and as a file."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Recording:
     """Quantities of a run at the solver's own steps.
 
     t, shape (n,) [s], growing; columns: by the names of `observed_names`, the angle of rotation
-    `phi` [rad] and the speed `w` [rad/s] among them, shape (n,); units: by name; about: what was
-    run, as JSON can say it (machine, toml, parameters, status, messages).
+    `phi` [rad] and the speed `w` [rad/s] among them, shape (n,); units: by name; about: description
+    of the run, as JSON values (machine, toml, parameters, status, messages).
     """
 
     t: np.ndarray

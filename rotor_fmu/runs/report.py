@@ -7,13 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
+from ..cells import cell
 from ..files import unfinished, write_text
-
-_FIRST = 20  # characters that the first column keeps on a narrow screen
+from ..screen import text_table
 
 
 @dataclass(frozen=True)
@@ -28,7 +26,7 @@ class Column:
 
 
 class Report:
-    """Rows of values by column name; what a row does not have is shown as a dash."""
+    """Rows of values by column name; a missing value is shown as a dash."""
 
     def __init__(
         self, columns: Sequence[Column], rows: Sequence[Mapping[str, object]], title: str = ""
@@ -36,23 +34,10 @@ class Report:
         self._columns, self.rows, self._title = columns, rows, title
 
     def print(self, console: Console) -> None:
-        """To the screen."""
-        table = Table(
-            title=self._title,
-            title_justify="left",
-            title_style="bold",
-            box=box.SIMPLE_HEAD,
-            padding=0,
-            pad_edge=False,
-        )
+        """Print the table to the screen."""
         shown = [column for column in self._columns if column.on_screen]
-        for k, column in enumerate(shown):
-            if k == 0:
-                table.add_column(column.head, overflow="fold", min_width=_FIRST)
-            else:
-                table.add_column(column.head, justify="right", no_wrap=True)
-        for row in self.rows:
-            table.add_row(*self._cells(row, shown))
+        cells = [self._cells(row, shown) for row in self.rows]
+        table = text_table(self._title, [column.head for column in shown], cells)
         console.print(table, soft_wrap=False)
 
     def write(self, csv_path: Path, markdown_path: Path) -> None:
@@ -73,10 +58,4 @@ class Report:
 
     @staticmethod
     def _cells(row: Mapping[str, object], columns: Sequence[Column]) -> list[str]:
-        return [_formatted(row.get(column.name), column.spec) for column in columns]
-
-
-def _formatted(value: object, spec: str) -> str:
-    if value is None or value != value:
-        return "-"
-    return value if isinstance(value, str) else format(value, spec)
+        return [cell(row.get(column.name), column.spec) for column in columns]

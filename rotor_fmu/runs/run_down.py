@@ -36,8 +36,8 @@ _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run is to be: the FMU's variables, values of its parameters by name, its inputs, its
-    end [s] and its communication step [s]."""
+    """The plan of a run: the FMU's variables, values of its parameters by name, its inputs, its end
+    [s] and its communication step [s]."""
 
     table: Sequence[Variable]
     parameters: Mapping[str, float]
@@ -51,8 +51,8 @@ class Run:
     """A run at its communication points.
 
     t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: see
-    `status`; messages: of the solver; wall_s: from the end of the first communication step, by when
-    all code is compiled, to the run's [s].
+    `status`; messages: of the solver; wall_s: wall-clock time from the end of the first
+    communication step, when all code is compiled, to the end of the run [s].
     """
 
     t: np.ndarray
@@ -134,7 +134,8 @@ def run_fmu(fmu: Path, plan: Plan, progress: ReportProgress = silent) -> Run:
 
 @contextmanager
 def interrupts_noted() -> Iterator[list[int]]:
-    """Ctrl-C, kept for between two steps: raised inside the FMU, it would be one of its errors."""
+    """Defer Ctrl-C until between two steps: raised inside the FMU, it would be one of its
+    errors."""
     interrupts: list[int] = []
     if threading.current_thread() is not threading.main_thread():
         yield interrupts
@@ -161,8 +162,8 @@ def _instantiate(fmu: Path, folder: str, log: Callable[..., None]) -> Any:
 def run_direct(
     rotor: Rotor, plan: Plan, progress: ReportProgress = silent, is_silent: bool = False
 ) -> Run:
-    """The run without an FMU: same steps and numbers where the inputs are linear and the loads
-    constant; else exact, where an FMU holds its loads between two communication points."""
+    """Return the run without an FMU: same steps and numbers where the inputs are linear and the
+    loads constant; else exact, where an FMU holds its loads between two communication points."""
     return _time_loop(rotor, plan, (), progress, is_silent)[0]
 
 
@@ -174,12 +175,12 @@ def run_recorded(
     about: Mapping[str, Any] | None = None,
     is_silent: bool = False,
 ) -> tuple[Run, Recording]:
-    """`run_direct`, bit for bit, and what it was at its own steps.
+    """Make the run as `run_direct` does, bit for bit, and record it at the solver's own steps.
 
     record: names of `recordable`, or with the least angle between rows; by default `usual`. phi and
-    w are always recorded. about: said of the run in the recording besides machine, parameters,
-    stop and step [s], angle between rows [rad], status and messages. is_silent: warnings go to the
-    run's messages alone. Raises `ValueError` for what cannot be recorded.
+    w are always recorded. about: description of the run in the recording, besides machine,
+    parameters, stop and step [s], angle between rows [rad], status and messages. is_silent:
+    warnings go to the run's messages alone. Raises `ValueError` for what cannot be recorded.
     """
     given = usual(rotor) if record is None else record
     taped = given if isinstance(given, Record) else Record(given, rows=_RECORDER_ROWS)
@@ -206,8 +207,9 @@ def run_recorded(
 
 
 def usual(rotor: Rotor) -> tuple[str, ...]:
-    """What is worth recording of any machine: rotation and torque, displacement and velocity of
-    whatever has them, contact angles and forces, step lengths and their errors, losses."""
+    """Return the signals that are recorded by default of any machine: rotation and torque,
+    displacement and velocity of whatever has them, contact angles and forces, step lengths and
+    their errors, losses."""
     names = (entry.name for entry in recordable(rotor))
     return tuple(
         str(name)
@@ -225,7 +227,7 @@ def _time_loop(
     progress: ReportProgress,
     is_silent: bool = False,
 ) -> tuple[Run, np.ndarray]:
-    """A run and the rows of its tape."""
+    """Make a run and return it with its recorded rows."""
     signals, stop = plan.signals, plan.stop
     values = {v.name: v.start for v in plan.table if v.start is not None} | dict(plan.parameters)
     values |= {name: signals.at(name, 0.0) for name in signals.values}

@@ -43,7 +43,7 @@ _TURNS = 5  # of an orbit
 
 
 def spoken(part: str) -> str:
-    """`disc[3]` as `disc 3`."""
+    """Return `disc[3]` as `disc 3`."""
     return part.replace("[", " ").rstrip("]")
 
 
@@ -66,7 +66,7 @@ def amplitude(
     compared: tuple[Run, str] | None = None,
     label: str = "this run",
 ) -> Figure:
-    """Largest displacement of a disc over a revolution against speed, the start-up apart.
+    """Draw the largest displacement of a disc over a revolution against speed, the start-up apart.
 
     axis: `x` or `y`; compared: another run and what it is, thinner behind.
     """
@@ -95,8 +95,8 @@ def amplitude(
 
 
 def contact_angle(recording: Recording, caption: str) -> Figure:
-    """Where the journal lies in its bearing against speed: how much of the time, and once a turn;
-    where the steps are too long for that, each of them."""
+    """Draw the position of the journal in its bearing against speed: the share of the time, and a
+    point for each turn; if the steps are too long for that, a point for each step."""
     figure, axes = new_figure()
     part = contact_of(recording.columns)
     hz = recording.columns["w"] / TURN
@@ -132,7 +132,8 @@ def contact_angle(recording: Recording, caption: str) -> Figure:
 
 
 def _every_step(recording: Recording, per_turn: float) -> str:
-    """What points are that are the solver's steps, and what in them is the steps' own."""
+    """Return the caption for points that are the solver's steps, and for what in them is due to the
+    steps."""
     usual = float(np.median(np.diff(recording.t)))
     shortest, longest = (1e3 * float(f(np.diff(recording.t))) for f in (np.min, np.max))
     if longest > 1.01 * shortest:
@@ -145,7 +146,8 @@ def _every_step(recording: Recording, per_turn: float) -> str:
 
 
 def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
-    """Path of a disc's centre over the turns about a time [s], and where it was once a turn."""
+    """Draw the path of a disc's centre over the turns about a time [s], with a point for each
+    turn."""
     figure, axes = new_figure(5.4, 5.0)
     place = str(place_of(recording.columns))
     c = recording.columns
@@ -172,8 +174,8 @@ def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
 
 
 def motion(recording: Recording, caption: str) -> Figure:
-    """Both displacements of a disc over time: as curves, or where they are too dense the range that
-    each turn fills."""
+    """Draw both displacements of a disc over time: as curves, or where they are too dense the range
+    that each turn fills."""
     figure, first = new_figure()
     first.remove()
     place = str(place_of(recording.columns))
@@ -200,7 +202,8 @@ def motion(recording: Recording, caption: str) -> Figure:
 
 
 def spectra(recording: Recording, caption: str) -> Figure:
-    """Spectra of both displacements of a disc over the second half of a run at one speed."""
+    """Draw the spectra of both displacements of a disc over the second half of a run at one
+    speed."""
     figure, axes = new_figure()
     place = str(place_of(recording.columns))
     late = late_turns(recording)
@@ -223,7 +226,7 @@ def spectra(recording: Recording, caption: str) -> Figure:
 
 
 def step_length(recording: Recording, caption: str) -> Figure:
-    """Length of the solver's steps against speed."""
+    """Draw the length of the solver's steps against speed."""
     figure, axes = new_figure()
     hz = recording.columns["w"][1:] / TURN
     lengths = recording.columns["solver.h_last"][1:] * 1e3
@@ -236,7 +239,7 @@ def step_length(recording: Recording, caption: str) -> Figure:
 
 
 def error_indicator(recording: Recording, caption: str) -> Figure:
-    """Relative error of the solver's steps against speed."""
+    """Draw the relative error of the solver's steps against speed."""
     figure, axes = new_figure()
     hz = recording.columns["w"][1:] / TURN
     errors = recording.columns["solver.error"][1:]
@@ -255,8 +258,8 @@ def write_run_down(
     is_adaptive: bool,
     out: Path,
 ) -> list[Path]:
-    """The pictures of a run in the folder `out`: against its speed, or against time and frequency
-    where it has one speed; figures: its `summary`."""
+    """Return the pictures of a run in the folder `out`: against its speed, or against time and
+    frequency where it has one speed; figures: its `summary`."""
     if len(recording.t) < 3:
         return []
     pictures = {}

@@ -1,4 +1,4 @@
-"""What drives a run: input signals over time, from a law, from a CSV file, or held constant."""
+"""The inputs of a run over time: from a law, from a CSV file, or held constant."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ class Signals:
     values: Mapping[str, np.ndarray]
 
     def at(self, name: str, t: float) -> float:
-        """Value of one input at time t [s], by the interpolation that FMPy makes (bit for bit)."""
+        """Return the value of one input at time t [s], by the interpolation that FMPy makes (bit
+        for bit)."""
         index = int(np.searchsorted(self.t, t))
         column = self.values[name]
         if index == 0 or len(self.t) < 2:
@@ -45,7 +46,7 @@ class Signals:
         return float(weight * column[index - 1] + (1 - weight) * column[index])
 
     def as_structured(self) -> np.ndarray:
-        """The structured array that FMPy takes."""
+        """Return the structured array that FMPy takes."""
         columns = {"time": self.t, **self.values}
         table = np.zeros(len(self.t), dtype=[(name, float) for name in columns])
         for name, column in columns.items():
@@ -101,7 +102,7 @@ class Driver:
         self._segment = 0
 
     def advance(self, simulation: Simulation, start: float, to: float) -> None:
-        """March from `start` to `to` [s]. Raises `StepFailure`."""
+        """Advance from `start` to `to` [s]. Raises `StepFailure`."""
         sliver = _SLIVER * (to - start)
         bends = self._signals.bends
         inside = bends[(bends > start + sliver) & (bends < to - sliver)]
@@ -127,8 +128,8 @@ def make_signals(
     constants: Mapping[str, float],
     recorded: Signals | None = None,
 ) -> Signals:
-    """All inputs of a run to `stop` [s]: recorded signals, else constants, else the run-down of
-    paper A for the speed and the start value for what is left."""
+    """Return all inputs of a run to `stop` [s]: recorded signals, else constants, else the run-down
+    of paper A for the speed and the start value for what is left."""
     if recorded is None:
         end = max(stop, RUN_DOWN_STOP)
         t = np.array([0.0, RUN_DOWN_STOP, end][: 3 if end > RUN_DOWN_STOP else 2])
@@ -179,7 +180,7 @@ def read_signals(path: Path, table: Sequence[Variable]) -> Signals:
 
 
 def _rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Number and cells of every line that is neither empty nor a comment."""
+    """Return the number and cells of every line that is neither empty nor a comment."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -198,7 +199,7 @@ def _rows(path: Path) -> list[tuple[int, list[str]]]:
 
 
 def _column(path: Path, text: str, known: Mapping[str, str]) -> tuple[str, float]:
-    """Name of an input, and what its unit is in SI, of `speed` or `speed [rpm]`."""
+    """Return the name of an input, and what its unit is in SI, of `speed` or `speed [rpm]`."""
     name, unit = text, None
     if name not in known and name.endswith("]"):
         name, _, unit = (part.strip() for part in text[:-1].rpartition("["))

@@ -16,12 +16,12 @@ _NEAR_PEAK = 0.15  # [Hz]
 
 
 def summary(run: Run) -> dict[str, Any]:
-    """The figures of a run: peaks of the last disc for t > 2 s, the last bearing's psi there, and
-    what the solver did; None where there is no peak, an amplitude that is largest at an edge of
-    the run or a run at one speed having none (no_peak says why). x_largest_um, y_largest_um: the
-    largest for t > 2 s, peak or not.
+    """Return the figures of a run: peaks of the last disc for t > 2 s, the last bearing's psi
+    there, and what the solver did; None where there is no peak, an amplitude that is largest at an
+    edge of the run or a run at one speed having none (no_peak says why). x_largest_um,
+    y_largest_um: the largest for t > 2 s, peak or not.
 
-    energy_residual: energy that the integrator made, relative to all that was dissipated [1].
+    energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
     c = run.columns
     last = {name: float(column[-1]) if len(column) else 0.0 for name, column in c.items()}

@@ -1,4 +1,4 @@
-"""A run held against itself, solved more finely: what of it stands.
+"""Verification: a run compared with the same run, solved more finely.
 
 Where both agree in the amplitudes and in where the parts are at the end, the run is confirmed.
 Where the amplitudes alone agree it is sensitive: small errors change when things happen, as in
@@ -44,7 +44,7 @@ class Comparison(NamedTuple):
 
 @dataclass(frozen=True)
 class Verification:
-    """What holding a run against a finer one came to.
+    """The result of comparing a run with a finer one.
 
     changed: the finer run's settings that differ; status: of the finer run; peaks: the largest
     amplitudes 0-p of each part; final: the amplitudes over the last revolution and the
@@ -68,7 +68,7 @@ class Verification:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """All of it, as `summary.json` has it."""
+        """Return the comparison as it stands in `summary.json`."""
         return {
             "conclusion": self.conclusion,
             "finer": dict(self.changed),
@@ -80,7 +80,8 @@ class Verification:
 
 
 def finer(settings: Settings) -> dict[str, float]:
-    """The settings of a finer run that differ: a tenth of the tolerance, or half of the steps."""
+    """Return the settings of a finer run that differ: a tenth of the tolerance, or half of the
+    steps."""
     if settings.mode == "controlled":
         changed = {"tolerance": _FINER * settings.tolerance}
     elif settings.mode == "adaptive":
@@ -92,7 +93,7 @@ def finer(settings: Settings) -> dict[str, float]:
 
 
 def finer_job(job: Job) -> Job:
-    """The same run, finer. Raises `InputError` where there is none."""
+    """Return the same run, finer. Raises `InputError` where there is none."""
     parameters = {**job.parameters, **finer(job.settings)}
     values = {v.name: v.start for v in job.table if v.start is not None} | parameters
     try:
@@ -102,13 +103,13 @@ def finer_job(job: Job) -> Job:
 
 
 def allowed(settings: Settings) -> float:
-    """The largest relative difference of amplitudes that agree [1]."""
+    """Return the largest relative difference of amplitudes that agree [1]."""
     of_tolerance = AGREES_IN_TOLERANCES * settings.tolerance
     return max(AGREES, of_tolerance if settings.mode == "controlled" else 0.0)
 
 
 def compare(run: Run, other: Run, settings: Settings) -> Verification:
-    """Hold a run against a finer one, `other`; settings: of the run."""
+    """Compare a run with a finer one, `other`; settings: of the run."""
     peaks, final = [], []
     for part in (n.removesuffix(".x_amp") for n in run.columns if n.endswith(".x_amp")):
         names = [f"{part}.{axis}_amp" for axis in "xy"]

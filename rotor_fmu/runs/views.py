@@ -1,4 +1,4 @@
-"""What the pictures of a run draw, as arrays that do not depend on where the run was sampled."""
+"""The data of a run's pictures, as arrays that do not depend on where the run was sampled."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _PLACES = ("disc", "body", "")
 
 
 def place_of(names: Collection[str]) -> str | None:
-    """The part whose motion is drawn: the last disc, or else the last body, or whatever is
+    """Return the part whose motion is drawn: the last disc, or else the last body, or whatever is
     probed."""
     known = set(names)
     probed = [
@@ -32,18 +32,18 @@ def place_of(names: Collection[str]) -> str | None:
 
 
 def contact_of(names: Collection[str]) -> str | None:
-    """The last part that has a contact angle."""
+    """Return the last part that has a contact angle."""
     return next((n.removesuffix(".psi") for n in reversed([*names]) if n.endswith(".psi")), None)
 
 
 def is_constant(w: np.ndarray) -> bool:
-    """Whether a speed is one speed, so that nothing can be drawn against it."""
+    """Return whether a speed is one speed, so that nothing can be drawn against it."""
     return len(w) == 0 or float(np.ptp(w)) <= _CONSTANT * float(np.abs(w).max())
 
 
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float) -> int | None:
-    """Where an amplitude over the last turn, shape (n,), has a peak after a time [s]; None where it
-    is largest at an edge of the run, or at one speed: that is no peak."""
+    """Return the row at which an amplitude over the last turn, shape (n,), has a peak after a time
+    [s]; None where it is largest at an edge of the run, or at one speed: that is no peak."""
     late = np.flatnonzero(t > after)
     if not len(late) or is_constant(w):
         return None
@@ -55,7 +55,7 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float
 
 
 def why_no_peak(t: np.ndarray, w: np.ndarray, after: float) -> str:
-    """Why a run, in which `peak_index` finds none, has no peak."""
+    """Return why a run, in which `peak_index` finds none, has no peak."""
     if not len(t) or t[-1] <= after:
         return f"the run ends within the start-up, {after:g} s"
     if is_constant(w):
@@ -64,15 +64,15 @@ def why_no_peak(t: np.ndarray, w: np.ndarray, after: float) -> str:
 
 
 def rows_a_turn(recording: Recording, near: slice | np.ndarray = slice(None)) -> float:
-    """Median number of rows in a turn of the shaft; infinite where it does not turn."""
+    """Return the median number of rows in a turn of the shaft; infinite where it does not turn."""
     steps = np.abs(np.diff(recording.columns["phi"][near]))
     angle = float(np.median(steps)) if len(steps) else 0.0
     return TURN / angle if angle else math.inf
 
 
 def late_turns(recording: Recording) -> slice:
-    """The second half of a run, cut to whole turns where it holds any: orders then lie on lines of
-    a spectrum."""
+    """Return the second half of a run, cut to whole turns where it holds any: orders then lie on
+    lines of a spectrum."""
     t, turned = recording.t, np.abs(recording.columns["phi"] - recording.columns["phi"][-1])
     half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
     whole = TURN * math.floor(turned[half] / TURN)
@@ -92,7 +92,7 @@ class TimeShare:
 def time_share(
     recording: Recording, part: str, speeds: int = 240, angles: int = 120, between: int = 8
 ) -> TimeShare:
-    """How long a part's displacement pointed where, over the speed.
+    """Return how long a part's displacement pointed in each direction, over the speed.
 
     The path between two rows is a straight line, each of its `between` pieces counting for the time
     it took: a quick passage is a faint trace, not the few points that happened to be recorded.
@@ -116,7 +116,8 @@ def time_share(
 def envelope(
     at: np.ndarray, values: np.ndarray, most: int = 1200
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Middle, least and largest of values, shape (n,), in at most `most` bins over `at`."""
+    """Return the middle, least and largest of values, shape (n,), in at most `most` bins over
+    `at`."""
     edges = np.linspace(at.min(), at.max(), most + 1)
     place = np.clip(np.searchsorted(edges, at, "right") - 1, 0, most - 1)
     low, high = np.full(most, np.inf), np.full(most, -np.inf)
@@ -127,8 +128,8 @@ def envelope(
 
 
 def once_a_turn(recording: Recording, part: str) -> tuple[np.ndarray, np.ndarray]:
-    """Times [s] at which the shaft's mark points to the right, and where a part was then,
-    x + i y [m]: between two rows by a straight line."""
+    """Return the times [s] at which the shaft's mark points to the right, and where a part was
+    then, x + i y [m]: between two rows by a straight line."""
     turns = turns_of(recording.t, recording.columns["phi"])
     t = np.union1d(turns.begin, turns.end)
     x, y = (np.interp(t, recording.t, recording.columns[f"{part}.{axis}"]) for axis in "xy")
@@ -136,8 +137,8 @@ def once_a_turn(recording: Recording, part: str) -> tuple[np.ndarray, np.ndarray
 
 
 def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes 0-p of a signal, without its mean, and their frequencies [Hz], by Hann's window:
-    resampled at equal times, the median step apart."""
+    """Return the amplitudes 0-p of a signal, without its mean, and their frequencies [Hz], by
+    Hann's window: resampled at equal times, the median step apart."""
     count = 1 + round(float(t[-1] - t[0]) / float(np.median(np.diff(t))))
     even = np.linspace(t[0], t[-1], count)
     signal = np.interp(even, t, values)

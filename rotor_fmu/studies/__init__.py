@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def open(folder: Path | str) -> xarray.Dataset:
-    """The rows of a study's folder, finished or not, as one dataset along `run`; see
+    """Return the rows of a study's folder, finished or not, as one dataset along `run`; see
     `dataset.open_dataset`."""
     from .dataset import open_dataset
 

@@ -1,4 +1,4 @@
-"""What a study says: quantiles, how often a limit is passed, what each parameter does."""
+"""Evaluation of a study: quantiles, how often a limit is passed, sensitivity to each parameter."""
 
 from __future__ import annotations
 
@@ -25,14 +25,13 @@ _EVEN = ("latin-hypercube", "sobol", "saltelli")
 
 
 def analyse(folder: Path) -> dict[str, Any]:
-    """Figures of the rows there are, as JSON can say them.
+    """Return the figures of the rows there are, as JSON can say them.
 
-    columns: of every number that is kept, count, least and largest, and, unless the design is
-    morris, whose points are placed to be compared, mean, std and quantiles; limits: how many runs
-    pass each, and the share, in which a run that failed counts as one that passes; of runs drawn
-    independently with its interval of Clopper and Pearson; says: what has to be known to read
-    them; sensitivity: indices of Sobol or Morris with their confidence intervals, where the design
-    is one of theirs.
+    columns: of every metric, count, least and largest, and, unless the design is morris, whose
+    points are placed to be compared, mean, std and quantiles; limits: how many runs pass each, and
+    the share, in which a run that failed counts as one that passes; of runs drawn independently
+    with its interval of Clopper and Pearson; says: notes on how to read them; sensitivity: indices
+    of Sobol or Morris with their confidence intervals, where the design is one of theirs.
     """
     about, data = about_of(folder), open_dataset(folder)
     design = design_of(about["design"])
@@ -72,14 +71,14 @@ def analyse(folder: Path) -> dict[str, Any]:
 
 
 def is_estimate(design: Design) -> bool:
-    """Whether quantiles and shares of a design's points say something of what was varied: not of
-    those that morris places."""
+    """Return whether quantiles and shares of a design's points are meaningful for the varied
+    parameters: not of those that morris places."""
     return design.kind != "morris"
 
 
 def drawn_rows(design: Design, runs: np.ndarray) -> np.ndarray:
-    """Of rows of the runs that are given, shape (n,): those of points that were drawn, or listed,
-    independently, equal points as often as they were."""
+    """Return, of the rows of the given runs, shape (n,), those of points that were drawn, or
+    listed, independently, equal points as often as they were."""
     row = np.full(len(design), -1)
     row[runs] = np.arange(len(runs))
     result = row[design.runs[design.is_independent]]
@@ -91,7 +90,7 @@ def _without(result: dict[str, Any], *keys: str) -> dict[str, Any]:
 
 
 def _says(design: Design, failed: int, count: int) -> list[str]:
-    """What has to be known to read quantiles and shares."""
+    """Return notes on how to read quantiles and shares."""
     said = []
     if design.kind == "morris":
         said.append(
@@ -116,7 +115,7 @@ def _says(design: Design, failed: int, count: int) -> list[str]:
 
 
 def design_of(design: dict[str, Any]) -> Design:
-    """The design that a folder tells of."""
+    """Return the design that is recorded in a folder."""
     axes = tuple(
         Axis(
             axis["name"],
@@ -133,7 +132,7 @@ def design_of(design: dict[str, Any]) -> Design:
 
 
 def statistics(values: np.ndarray) -> dict[str, Any]:
-    """Count of finite values, mean, standard deviation, quantiles; shape (n,)."""
+    """Return the count of finite values, mean, standard deviation, quantiles; shape (n,)."""
     finite = values[np.isfinite(values)]
     if not len(finite):
         return {"count": 0}
@@ -149,8 +148,8 @@ def statistics(values: np.ndarray) -> dict[str, Any]:
 
 
 def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, Any]:
-    """How many of the finite values lie above a limit, and the share of these and of the runs that
-    failed, of which nobody knows that they stay below."""
+    """Return how many of the finite values lie above a limit, and the share of these together with
+    the failed runs, which may have passed it too."""
     from scipy.stats import binomtest
 
     finite = values[np.isfinite(values)]
@@ -164,7 +163,8 @@ def exceedance(values: np.ndarray, limit: float, failed: int = 0) -> dict[str, A
 
 
 def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, Any]:
-    """Indices of a column by the names of what is varied, each with its half width at 95 %.
+    """Return the indices of a column by the names of what is varied, each with its half width at 95
+    %.
 
     A sample with gaps is used up to its last whole block; `{}` where a run of it failed or none is
     whole.
@@ -207,7 +207,7 @@ def sensitivity(design: Design, data: xarray.Dataset, name: str) -> dict[str, An
 
 
 def worst(data: xarray.Dataset, name: str, count: int = 10) -> list[dict[str, Any]]:
-    """The runs with the largest absolute value of a column, those that failed first."""
+    """Return the runs with the largest absolute value of a column, those that failed first."""
     if name not in data or data[name].ndim != 1:
         raise InputError(f"{name}: is no number that the study keeps")
     values = np.abs(data[name].values)

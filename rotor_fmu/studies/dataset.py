@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 def open_dataset(folder: Path) -> xarray.Dataset:
-    """The rows of a study, finished or not, along the dimension `run` in the order of the runs.
+    """Return the rows of a study, finished or not, along the dimension `run` in the order of the
+    runs.
 
     Coordinates: `run`, the number; `id`; what is varied, each along `run`. Variables: `status`, and
     each column that is kept, lists along a dimension of their own; nan where a run failed.
@@ -56,7 +57,7 @@ def open_dataset(folder: Path) -> xarray.Dataset:
 
 
 def about_of(folder: Path) -> dict[str, Any]:
-    """What a folder says of its study; `InputError` where it is none's."""
+    """Return the description of a folder's study; `InputError` if it holds none."""
     try:
         about = read_about(folder)
     except (OSError, ValueError) as error:
@@ -67,7 +68,7 @@ def about_of(folder: Path) -> dict[str, Any]:
 
 
 def _matrix(column: pyarrow.ChunkedArray, coordinate: list[float]) -> np.ndarray:
-    """Lists as rows, shape (runs, longest); nan where a run failed."""
+    """Return lists as rows, shape (runs, longest); nan where a run failed."""
     lengths = np.array([0 if item is None else item for item in _lengths(column)])
     width = len(coordinate) or int(lengths.max(initial=0))
     matrix = np.full((len(column), width), np.nan)

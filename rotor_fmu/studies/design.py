@@ -1,4 +1,4 @@
-"""What is varied, and the list of runs: lists and grids in product, distributions sampled.
+"""The varied parameters and the list of runs: lists and grids in product, distributions sampled.
 
 A sample is drawn in the unit cube and mapped by the inverse of each distribution, so that every
 design serves every distribution. Run i takes the grid's point i mod g and the sample's i div g.
@@ -48,7 +48,7 @@ class Distribution:
             raise InputError(f"std = {p['std']:g}: must be > 0")
 
     def at(self, u: np.ndarray) -> np.ndarray:
-        """The inverse of the cumulative distribution at shares u, of their shape."""
+        """Return the inverse of the cumulative distribution at shares u, of their shape."""
         from scipy import stats
 
         p = self.parameters
@@ -75,7 +75,7 @@ class Axis:
 
     @property
     def decides(self) -> dict[str, Any]:
-        """What decides the values, as JSON can say it."""
+        """Return what decides the values, as JSON values."""
         about: dict[str, Any] = {"name": self.name, "targets": list(self.targets)}
         if self.distribution is None:
             return about | {"values": list(self.values)}
@@ -121,12 +121,12 @@ class Design:
 
     @property
     def listed(self) -> tuple[Axis, ...]:
-        """What takes its values from lists, in product."""
+        """The axes with listed values, in product."""
         return tuple(axis for axis in self.axes if axis.distribution is None)
 
     @property
     def drawn(self) -> tuple[Axis, ...]:
-        """What is distributed."""
+        """The axes with a distribution."""
         return tuple(axis for axis in self.axes if axis.distribution is not None)
 
     @property
@@ -168,7 +168,7 @@ class Design:
         return morris.sample(problem, n, num_levels=self.levels, seed=self.seed)
 
     def problem(self) -> dict[str, Any]:
-        """The unit cube as SALib describes it."""
+        """Return the unit cube as SALib describes it."""
         names = [axis.name for axis in self.drawn]
         return {"num_vars": len(names), "names": names, "bounds": [[0.0, 1.0]] * len(names)}
 
@@ -214,7 +214,7 @@ class Design:
         return np.ones(len(self.runs), bool)
 
     def point(self, run: int) -> dict[str, float]:
-        """Values of a run by the axes' names."""
+        """Return the values of a run by the axes' names."""
         drawn, at = divmod(run, math.prod(self.shape))
         values = {}
         for axis, i in zip(self.listed, np.unravel_index(at, self.shape), strict=True):
@@ -224,7 +224,7 @@ class Design:
         return {axis.name: values[axis.name] for axis in self.axes}
 
     def settings(self, point: Mapping[str, float]) -> dict[str, float]:
-        """The values of a point by the names of what they set."""
+        """Return the values of a point by the names of what they set."""
         return {target: point[axis.name] for axis in self.axes for target in axis.targets}
 
     @property
@@ -239,7 +239,7 @@ class Design:
 
     @property
     def description(self) -> dict[str, Any]:
-        """What it is, as JSON can say it."""
+        """Return its description, as JSON values."""
         axes = [axis.decides | {"unit": axis.unit} for axis in self.axes]
         return self._decides | {"axes": axes}
 
@@ -254,8 +254,8 @@ class Design:
 
 
 def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: str = "") -> Axis:
-    """What a table of [vary] describes: `values`, `grid` or `distribution`; unit: of what is set.
-    `InputError`."""
+    """Return the axis that a table of [vary] describes: `values`, `grid` or `distribution`; unit:
+    of what is set. `InputError`."""
     where = f"vary {name}"
     given = [key for key in ("values", "grid", "distribution") if key in table]
     if len(given) != 1:
@@ -322,14 +322,14 @@ def _numbers(where: str, key: str, values: object) -> tuple[float, ...]:
 
 
 def number(where: str, value: object) -> float:
-    """A finite number, or `InputError`."""
+    """Return a finite number, or `InputError`."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise InputError(f"{where} = {value!r}: must be a finite number")
     return float(value)
 
 
 def whole(where: str, value: object, least: int = 1) -> int:
-    """An integer, or `InputError`."""
+    """Return an integer, or `InputError`."""
     if isinstance(value, bool) or not isinstance(value, int) or value < least:
         raise InputError(f"{where} = {value!r}: must be an integer >= {least}")
     return value

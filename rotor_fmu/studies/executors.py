@@ -54,7 +54,8 @@ def run_chunk(model: Model, chunk: Chunk) -> Done:
 
 @dataclass(frozen=True)
 class ExecutorConfig:
-    """What a user chose: processes here, or the scheduler at an address, or a local cluster."""
+    """The user's choice: processes on this machine, the scheduler at an address, or a local
+    cluster."""
 
     jobs: int = 0
     scheduler: str = ""
@@ -65,7 +66,7 @@ class SerialExecutor(Executor):
     """An executor that runs in this process, at once."""
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future:
-        """Run now."""
+        """Run the function at once."""
         future: Future = Future()
         future.set_result(fn(*args, **kwargs))
         return future
@@ -80,7 +81,7 @@ class Engine(NamedTuple):
 
 
 def worker_errors() -> tuple[type[BaseException], ...]:
-    """What a chunk raises whose worker died."""
+    """Return the errors that a chunk raises whose worker died."""
     with contextlib.suppress(ImportError):
         from distributed.scheduler import KilledWorker
 

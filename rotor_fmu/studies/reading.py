@@ -25,8 +25,8 @@ ReadModel = Callable[[Tables, Path], tuple[Model, Mapping[str, str]]]
 def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: bool = False) -> Study:
     """Read a study's file; paths in it are relative to its folder. Raises `InputError` in one line.
 
-    read_model: what is run, in the place of a machine; is_quick: with what stands in the table
-    [quick] in the place of the same elsewhere.
+    read_model: reads another subject than a machine; is_quick: whether the entries of the table
+    [quick] replace the same ones elsewhere.
     """
     text = read_text("study", path)
     try:
@@ -60,7 +60,7 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
 
 
 def _merged(base: Tables, over: Tables) -> dict[str, Any]:
-    """Tables with some of their entries replaced, tables in them likewise."""
+    """Return tables with some of their entries replaced, tables in them likewise."""
     merged = dict(base)
     for key, value in over.items():
         before = merged.get(key)
@@ -92,7 +92,7 @@ def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
 
 
 def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
-    """The names that a pattern stands for, whose [*] is any number."""
+    """Return the names that a pattern stands for, whose [*] is any number."""
     if not isinstance(pattern, str):
         raise InputError(f"vary {where}: names = {pattern!r}: must be names")
     if "[*]" not in pattern:

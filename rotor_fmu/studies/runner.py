@@ -1,4 +1,5 @@
-"""A study from its list of runs to its rows, going on where an earlier call stopped."""
+"""Carry out a study, from its list of runs to its rows, continuing where an earlier call
+stopped."""
 
 from __future__ import annotations
 
@@ -47,19 +48,19 @@ class _Ahead:
         self.suspects: list[int] = []
 
     def learn(self, done: Done) -> None:
-        """Fit the chunks' length to what the last one took, at most twice as long at a time."""
+        """Adapt the chunks' length to the time of the last one, at most doubling it."""
         seconds = done.seconds / len(done.results)
         fitting = int(self._chunk_s / seconds) if seconds > 0 else _MOST
         self._size = max(1, min(fitting, 2 * self._size, _MOST))
 
     def next(self) -> Chunk:
-        """The next chunk, empty at the end."""
+        """Return the next chunk, empty at the end."""
         design = self._study.design
         numbers = [n for _, n in zip(range(self._size), self._left, strict=False)]
         return [(n, design.settings(design.point(n))) for n in numbers]
 
     def alone(self, number: int) -> Chunk:
-        """One run as a chunk of its own."""
+        """Return one run as a chunk of its own."""
         design = self._study.design
         return [(number, design.settings(design.point(number)))]
 
@@ -141,7 +142,8 @@ def _one_by_one(
 
 
 def _error_of(future: Future) -> BaseException | None:
-    """What a chunk raised, the death of its worker; `RunFailed` for what no run is to blame for."""
+    """Return the error of a chunk, or that of its worker; raises `RunFailed` for an error that no
+    run caused."""
     try:
         error = future.exception()
     except CancelledError:
@@ -168,6 +170,6 @@ def _write_rows(
 
 
 def row_of(study: Study, number: int, result: Result) -> Row:
-    """The row of a run."""
+    """Return the row of a run."""
     point = study.design.point(number)
     return Row(number, study.row_id(study.design.settings(point)), point, result)

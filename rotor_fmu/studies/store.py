@@ -30,7 +30,7 @@ _MOST_SMALL = 64
 
 @dataclass(frozen=True)
 class Row:
-    """One run: its number, its id, the values of what is varied, what came of it."""
+    """One run: its number, its id, the values of the varied parameters, its result."""
 
     run: int
     id: str
@@ -39,7 +39,7 @@ class Row:
 
 
 def parts(folder: Path) -> list[Path]:
-    """The parts that are there, in the order of their names."""
+    """Return the parts that are there, in the order of their names."""
     return sorted((folder / "rows").glob("*.parquet"))
 
 
@@ -98,7 +98,7 @@ class Store:
         )
 
     def done(self) -> np.ndarray:
-        """Whether each run has its row, shape (runs,)."""
+        """Return whether each run has its row, shape (runs,)."""
         import pyarrow.parquet as pq
 
         is_done = np.zeros(len(self._study.design), dtype=bool)
@@ -161,7 +161,7 @@ def _cells(row: Row) -> dict[str, Any]:
 
 
 def schema_of(study: Study) -> pyarrow.Schema:
-    """Columns of the parts; cells of a failed run are null."""
+    """Return the columns of the parts; cells of a failed run are null."""
     import pyarrow as pa
 
     fields = [pa.field("run", pa.int64()), pa.field("id", pa.string())]
@@ -174,7 +174,8 @@ def schema_of(study: Study) -> pyarrow.Schema:
 
 
 def read_rows(folder: Path, columns: list[str] | None = None) -> pyarrow.Table:
-    """All rows there are, each once, in the order of the runs; `InputError` without a study."""
+    """Return all rows there are, each once, in the order of the runs; `InputError` without a
+    study."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 

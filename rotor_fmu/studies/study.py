@@ -1,4 +1,4 @@
-"""What a study is: something that is run, what is varied, and what identifies each of its runs."""
+"""The definition of a study: its subject, the varied parameters, and the identity of each run."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Cell = float | list[float]
 
 @dataclass(frozen=True)
 class Column:
-    """What is kept of a run: a number, or a list along a dimension.
+    """A column of the rows: a number, or a list along a dimension.
 
     dimension: its name, empty of a number; coordinate: its values, empty where they only count.
     """
@@ -32,7 +32,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one run: its status (see `rotor_fmu.status`), and the cells by the names of the
+    """The result of one run: its status (see `rotor_fmu.status`), and the cells by the names of the
     columns, none of a failed run."""
 
     status: str
@@ -40,20 +40,20 @@ class Result:
 
 
 class Model(Protocol):
-    """What a study runs; it is sent to other processes, so it must be small and picklable."""
+    """The subject of a study; it is sent to other processes, so it must be small and picklable."""
 
     @property
     def identity(self) -> str:
-        """All that decides, beside the values, what a run gives."""
+        """Return everything besides the values that decides the result of a run."""
         ...
 
     @property
     def columns(self) -> tuple[Column, ...]:
-        """What is kept of each run."""
+        """Return the columns of each run."""
         ...
 
     def warm(self) -> None:
-        """Make ready in this process what all runs share."""
+        """Prepare in this process what all runs share."""
         ...
 
     def run(self, values: Mapping[str, float]) -> Result:
@@ -81,13 +81,13 @@ class Study:
         return sha256(identity.encode()).hexdigest()[:32]
 
     def row_id(self, values: Mapping[str, float]) -> str:
-        """Hash of one run: of model, seed and version, and of the values."""
+        """Return the hash of one run: of model, seed and version, and of the values."""
         identity = [__version__, self.model.identity, self.design.seed, sorted(values.items())]
         return sha256(json.dumps(identity).encode()).hexdigest()[:16]
 
     @property
     def about(self) -> dict[str, object]:
-        """What a folder says of its study."""
+        """Return the description of the study for its folder."""
         return {
             "name": self.name,
             "identity": self.identity,
@@ -101,7 +101,7 @@ class Study:
 
 
 def read_about(folder: Path) -> dict[str, object] | None:
-    """What a folder says of its study, None where it holds none."""
+    """Return the description of a folder's study, None if it holds none."""
     try:
         return json.loads((folder / "study.json").read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):

@@ -1,4 +1,4 @@
-"""Tables of a study's file: names that must be known, and what they may have meant."""
+"""Tables of a study's file: known names, and suggestions for misspelt ones."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ Tables = Mapping[str, Any]
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """What a misspelt name may have meant."""
+    """Return a suggestion for a misspelt name."""
     listed = sorted(set(known))
     near = difflib.get_close_matches(name, listed, 3, 0.5) or listed[:3]
     return f"did you mean {', '.join(near)}?" if near else "there is none"
 
 
 def known_name(where: str, name: str, known: Iterable[str]) -> str:
-    """The name itself if it is known, else `InputError` with the nearest; where: what it is of."""
+    """Return the name itself if it is known, else `InputError` with the nearest; where: what it is
+    of."""
     known = tuple(known)
     if name not in known:
         raise InputError(f"{where} {name}: unknown name; {nearest(name, known)}".strip())
@@ -27,7 +28,7 @@ def known_name(where: str, name: str, known: Iterable[str]) -> str:
 
 
 def table_of(tables: Tables, key: str) -> dict[str, Any]:
-    """A table by its key, empty where it is left out; `InputError` for anything else."""
+    """Return a table by its key, empty where it is left out; `InputError` for anything else."""
     table = tables.get(key, {})
     if not isinstance(table, dict):
         raise InputError(f"{key} = {table!r}: must be a table")

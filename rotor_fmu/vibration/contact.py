@@ -1,4 +1,4 @@
-"""What a contact does over a run: where it rubs, how hard, how long; where the energy goes."""
+"""A contact over a run: where it rubs, how hard, how long; and the power of each sink of energy."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Contact:
 
 
 def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> Contact:
-    """A contact's angle psi [rad] and normal force fn [N] over a run, by turns.
+    """Return a contact's angle psi [rad] and normal force fn [N] over a run, by turns.
 
     The samples are taken as they are, each for the interval about it: a force that comes and goes
     within a few steps is not interpolated. Raises `TooFewTurns` for less than a turn.
@@ -76,8 +76,8 @@ def contact(t: np.ndarray, phi: np.ndarray, psi: np.ndarray, fn: np.ndarray) -> 
 
 
 def _ranges(psi: np.ndarray, fn: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of each turn the range of angles at which there is a force, its low end and its width: all of
-    the circle but the widest gap between two of them."""
+    """Return, for each turn, the range of angles at which there is a force, its low end and its
+    width: all of the circle but the widest gap between two of them."""
     turn = np.repeat(np.arange(len(ends) // 2), np.diff(ends)[::2])
     row = np.concatenate([np.arange(a, b) for a, b in ends.reshape(-1, 2)])
     touches = fn[row] > 0
@@ -102,7 +102,7 @@ def _ranges(psi: np.ndarray, fn: np.ndarray, ends: np.ndarray) -> tuple[np.ndarr
 def power_by_sink(
     t: np.ndarray, phi: np.ndarray, losses: Mapping[str, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, dict[str, np.ndarray]]:
-    """Mean power of each turn that every sink took.
+    """Return the mean power of each turn that every sink took.
 
     losses: energy dissipated since the start by the sink's name, shape (n,) [J]. Returns the times
     of the turns' middles [s], their speeds [rad/s] and powers by name, shape (turns,) [W]. Raises

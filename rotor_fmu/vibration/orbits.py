@@ -88,7 +88,7 @@ def orbit(
     turns: int = 4,
     per_turn: int | None = None,
 ) -> Orbit:
-    """The orbit of the `turns` turns on end that are nearest to a speed [rad/s]. Raises
+    """Return the orbit of the `turns` consecutive turns that are nearest to a speed [rad/s]. Raises
     `TooFewTurns`, and `TooFewRows` for less than 3 rows a turn."""
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     first = signal.nearest(speed, turns)
@@ -105,8 +105,8 @@ def orbit(
 def poincare(
     t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, per_turn: int | None = None
 ) -> Poincare:
-    """The Poincare section of a run, a point a turn, NaN where less than 3 rows were recorded in
-    it. Raises `TooFewTurns`, and `TooFewRows` where there are no more in any turn."""
+    """Return the Poincare section of a run, a point a turn, NaN where less than 3 rows were
+    recorded in it. Raises `TooFewTurns`, and `TooFewRows` where there are no more in any turn."""
     signal = synchronous(t, phi, z, per_turn=per_turn)
     is_told = signal.enough_rows(np.arange(len(signal.mark)), 1)
     return Poincare(signal.begin, signal.speed, np.where(is_told, signal.values[:, 0], np.nan))
@@ -115,7 +115,7 @@ def poincare(
 def whirl(
     t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, turns: int = 16, per_turn: int | None = None
 ) -> Whirl:
-    """The sense of whirl in blocks of `turns` turns, one a turn, or of as many as there are.
+    """Return the sense of whirl in blocks of `turns` turns, one a turn, or of as many as there are.
 
     A block must hold whole cycles of what is slower than the shaft, or its mean is not what the
     place goes round: with 16 turns under Hann's window the mean is right within 0.6 % of a
@@ -127,7 +127,7 @@ def whirl(
 
 
 def whirl_of(signal: Synchronous, *, turns: int = 16) -> Whirl:
-    """`whirl` of a signal that is resampled already."""
+    """Return `whirl` of a signal that is already resampled."""
     first, turns = _blocks(signal, turns)
     values = signal.values - signal.values.mean()
     slope = _slope(signal, values)
@@ -153,14 +153,14 @@ def whirl_of(signal: Synchronous, *, turns: int = 16) -> Whirl:
 def displacement(
     t: np.ndarray, phi: np.ndarray, z: np.ndarray, *, turns: int = 16, per_turn: int | None = None
 ) -> Displacement:
-    """Peak-to-peak displacements and S_max (ISO 20816-1) of blocks of `turns` turns, one a turn, or
-    of as many as there are, so that they hold whole cycles of what is slower than the shaft. Raises
-    `TooFewTurns` for less than a turn."""
+    """Return the peak-to-peak displacements and S_max (ISO 20816-1) of blocks of `turns` turns, one
+    a turn, or of as many as there are, so that they hold whole cycles of what is slower than the
+    shaft. Raises `TooFewTurns` for less than a turn."""
     return displacement_of(synchronous(t, phi, z, per_turn=per_turn), turns=turns)
 
 
 def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
-    """`displacement` of a signal that is resampled already."""
+    """Return `displacement` of a signal that is already resampled."""
     first, turns = _blocks(signal, turns, 1)
     signal.enough_rows(first, turns)
     one = np.full((1, signal.per_turn), 1 / signal.per_turn)
@@ -186,15 +186,16 @@ def displacement_of(signal: Synchronous, *, turns: int = 16) -> Displacement:
 
 
 def _blocks(signal: Synchronous, turns: int, least: int = _FEWEST) -> tuple[np.ndarray, int]:
-    """First turns of blocks, and how many each has: `turns`, or as many as there are on end."""
+    """Return the first turns of blocks, and their length: `turns`, or as many consecutive ones as
+    there are."""
     signal.needs(least)
     turns = min(turns, signal.longest)
     return signal.blocks(turns), turns
 
 
 def _slope(signal: Synchronous, values: np.ndarray) -> np.ndarray:
-    """Derivatives by the angle turned [m/rad], of their shape, by central differences of fourth
-    order; each passage for itself."""
+    """Return the derivatives by the angle turned [m/rad], of their shape, by central differences of
+    fourth order; each passage for itself."""
     step = TURN / signal.per_turn
     result = np.empty_like(values)
     for number in np.unique(signal.passage):

@@ -1,4 +1,4 @@
-"""Orders over speed, for Bode and polar plots: what of a motion goes with 1x, 2x, 0.5x the shaft.
+"""Orders over speed, for Bode and polar plots: the components of a motion at 1x, 2x, 0.5x.
 
 Terms are those of API RP 684 (synchronous response, amplification factor) and ISO 21940-1
 (phase from a mark on the rotor).
@@ -89,7 +89,7 @@ class OrderTrack:
         return np.where(self.speed < 0, np.conj(vector), vector)
 
     def phase_x(self, order: float = 1.0) -> np.ndarray:
-        """Angle by which x leads the mark, unwrapped over the run.
+        """Return the angle by which x leads the mark, unwrapped over the run.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class OrderTrack:
         return _unwrapped(self.x(order))
 
     def phase_y(self, order: float = 1.0) -> np.ndarray:
-        """Angle by which y leads the mark, unwrapped over the run.
+        """Return the angle by which y leads the mark, unwrapped over the run.
 
         Parameters
         ----------
@@ -119,7 +119,7 @@ class OrderTrack:
         return _unwrapped(self.y(order))
 
     def major(self, order: float = 1.0) -> np.ndarray:
-        """Major semi-axis of the order's ellipse.
+        """Return the major semi-axis of the order's ellipse.
 
         Parameters
         ----------
@@ -134,7 +134,7 @@ class OrderTrack:
         return np.abs(self._of(self.forward, order)) + np.abs(self._of(self.backward, order))
 
     def minor(self, order: float = 1.0) -> np.ndarray:
-        """Minor semi-axis of the order's ellipse.
+        """Return the minor semi-axis of the order's ellipse.
 
         Parameters
         ----------
@@ -184,8 +184,8 @@ def order_track(
 
     z: x + i y [m], or any real signal, whose forward and backward halves are alike. With 4 turns
     the orders that are multiples of 0.5 do not leak into one another, nor does the mean. Raises
-    `TooFewTurns`, `TooFewRows` where 1x, or all that is asked for, cannot be told, and `ValueError`
-    for an order that the block cannot hold.
+    `TooFewTurns`, `TooFewRows` where 1x, or every order asked for, cannot be resolved, and
+    `ValueError` for an order that the block cannot hold.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     return order_track_of(signal, orders, turns=turns)
@@ -194,18 +194,18 @@ def order_track(
 def order_track_of(
     signal: Synchronous, orders: Sequence[float] = (0.5, 1.0, 2.0), *, turns: int = 4
 ) -> OrderTrack:
-    """`order_track` of a signal that is resampled already."""
+    """Return `order_track` of a signal that is already resampled."""
     signal.needs(turns)
     for order in orders:
         if not 0 < order < signal.per_turn / 2:
             raise ValueError(f"order {order:g}: must be > 0 and < {signal.per_turn / 2:g}")
         if abs(order * turns - round(order * turns)) > 1e-9 or order * turns < 2:
             raise ValueError(
-                f"order {order:g}: a block of {turns} turns tells multiples of {1 / turns:g} from "
-                f"{2 / turns:g} on apart"
+                f"order {order:g}: a block of {turns} turns resolves multiples of {1 / turns:g}, "
+                f"from {2 / turns:g} on"
             )
     first = signal.blocks(turns)
-    # 1x, or whatever else is asked for, must be told
+    # 1x, or whatever else is asked for, must be resolved
     signal.enough_rows(first, turns, max(min(orders), min(1.0, max(orders))))
     rows = signal.rows_of(first, turns)
     window = hann(turns, signal.per_turn)
@@ -233,10 +233,11 @@ def order_track_of(
 def resonances(
     speed: np.ndarray, amplitude: np.ndarray, least: float = 0.1, t: np.ndarray | None = None
 ) -> list[Resonance]:
-    """Peaks of an amplitude over speed, of a run that goes one way, the highest first.
+    """Return the peaks of an amplitude over speed, of a run that goes one way, the highest first.
 
     speed [rad/s], amplitude 0-p [m], t [s], all of shape (m,); least: share of the highest
-    amplitude below which a peak, and how far it stands out, is not told. What is NaN is left out.
+    amplitude that a peak, and its prominence, must reach to be reported. What is NaN is left
+    out.
     """
     time = np.full(len(speed), np.nan) if t is None else np.asarray(t)
     known = np.flatnonzero(np.isfinite(amplitude))
@@ -250,7 +251,7 @@ def resonances(
 
 
 def _prominence(a: np.ndarray, peak: int) -> float:
-    """How far one has to go down from a peak before a higher place is reached."""
+    """Return the prominence of a peak: how far the curve falls before it rises above the peak."""
     lowest = []
     for side in (a[:peak][::-1], a[peak + 1 :]):
         higher = np.flatnonzero(side > a[peak])
@@ -268,8 +269,8 @@ def _resonance(n: np.ndarray, a: np.ndarray, t: np.ndarray, peak: int) -> Resona
 
 
 def _half_power(n: np.ndarray, a: np.ndarray, t: np.ndarray) -> tuple[float, float]:
-    """Speed and time where an amplitude that begins at a peak has fallen to half of the power; NaN
-    where it does not, or rises again to another peak before."""
+    """Return the speed and time where an amplitude that begins at a peak has fallen to half of the
+    power; NaN where it does not, or rises again to another peak before."""
     edge = _HALF_POWER * a[0]
     below = np.flatnonzero(a < edge)
     if not len(below):

@@ -88,10 +88,11 @@ def full_spectrum(
     most_order: float = MOST_ORDER,
     per_turn: int | None = None,
 ) -> FullSpectrum:
-    """Full spectrum of the `turns` turns nearest to a speed [rad/s], under Hann's window.
+    """Return the full spectrum of the `turns` turns nearest to a speed [rad/s], under Hann's
+    window.
 
-    Orders that are multiples of 1 / turns are told with their amplitude; one between two lines
-    with up to 15 % less. Raises `TooFewTurns`.
+    Orders that are multiples of 1 / turns have their full amplitude; one between two lines has up
+    to 15 % less. Raises `TooFewTurns`.
     """
     signal = synchronous(t, phi, z, turns=turns, per_turn=per_turn)
     first = np.array([signal.nearest(speed, turns)])
@@ -109,7 +110,7 @@ def cascade(
     most_order: float = MOST_ORDER,
     per_turn: int | None = None,
 ) -> Cascade:
-    """Full spectra of up to `lines` blocks of turns, evenly through the turns of a run.
+    """Return the full spectra of up to `lines` blocks of turns, evenly through the turns of a run.
 
     Raises `TooFewTurns` for less turns than a block.
     """
@@ -120,7 +121,7 @@ def cascade(
 def cascade_of(
     signal: Synchronous, *, turns: int = 16, lines: int = 120, most_order: float = MOST_ORDER
 ) -> Cascade:
-    """`cascade` of a signal that is resampled already."""
+    """Return `cascade` of a signal that is already resampled."""
     signal.needs(turns)
     first = signal.blocks(turns)
     first = first[np.unique(np.linspace(0, len(first) - 1, lines).round().astype(int))]

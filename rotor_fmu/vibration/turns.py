@@ -32,11 +32,11 @@ LEAST_ROWS = 3
 
 
 class TooFewTurns(ValueError):
-    """A signal shorter than what is asked of it; says how many turns there are and are needed."""
+    """A signal that is too short; the message gives the number of turns it has and needs."""
 
 
 class TooFewRows(TooFewTurns):
-    """A signal recorded too coarsely for what is asked of it; says how many rows a turn it has."""
+    """A signal that was recorded too coarsely; the message gives its rows per turn."""
 
 
 @dataclass(frozen=True)
@@ -81,27 +81,27 @@ class Turns:
             )
 
     def blocks(self, turns: int) -> np.ndarray:
-        """The first turns of all blocks of `turns` turns within a passage."""
+        """Return the first turns of all blocks of `turns` turns within a passage."""
         last = len(self.passage) - turns + 1
         return np.flatnonzero(self.passage[: max(last, 0)] == self.passage[turns - 1 :])
 
     def middle_of(self, first: np.ndarray, turns: int) -> np.ndarray:
-        """Middles of blocks that begin with the turns `first` [s]."""
+        """Return the middles of blocks that begin with the turns `first` [s]."""
         return (self.begin[first] + self.end[first + turns - 1]) / 2
 
     def speed_of(self, first: np.ndarray, turns: int) -> np.ndarray:
-        """Mean speeds of blocks that begin with the turns `first` [rad/s]."""
+        """Return the mean speeds of blocks that begin with the turns `first` [rad/s]."""
         took = self.end[first + turns - 1] - self.begin[first]
         return self.sense[first] * turns * TURN / took
 
     def rows_of(self, first: np.ndarray, turns: int) -> np.ndarray:
-        """Recorded rows a turn in blocks that begin with the turns `first` [1]."""
+        """Return the recorded rows a turn in blocks that begin with the turns `first` [1]."""
         counted = np.concatenate([[0], np.cumsum(self.rows)])
         return (counted[first + turns] - counted[first]) / turns
 
     def enough_rows(self, first: np.ndarray, turns: int, order: float = 1.0) -> np.ndarray:
-        """Whether blocks that begin with the turns `first` have rows enough for an order; raises
-        `TooFewRows` where none has."""
+        """Return whether blocks that begin with the turns `first` have rows enough for an order;
+        raises `TooFewRows` where none has."""
         rows, least = self.rows_of(first, turns), LEAST_ROWS * order
         if rows.max() < least:
             raise TooFewRows(
@@ -111,7 +111,7 @@ class Turns:
         return rows >= least
 
     def nearest(self, speed: float, turns: int) -> int:
-        """The first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
+        """Return the first turn of the block whose mean speed is nearest to `speed` [rad/s]."""
         self.needs(turns)
         first = self.blocks(turns)
         return int(first[np.argmin(np.abs(self.speed_of(first, turns) - speed))])
@@ -137,8 +137,8 @@ class Synchronous(Turns):
 
 
 def turns_of(t: np.ndarray, phi: np.ndarray) -> Turns:
-    """The whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite and of
-    shape (n,); none is fine."""
+    """Return the whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite
+    and of shape (n,); none is fine."""
     return _joined([passage.turns for passage in _passages(t, phi)])
 
 
@@ -271,7 +271,7 @@ def _fine(steps: np.ndarray) -> int:
 
 
 def hann(turns: int, per_turn: int) -> np.ndarray:
-    """Hann's window over a block of whole turns, of sum 1, shape (turns, per_turn).
+    """Return Hann's window over a block of whole turns, of sum 1, shape (turns, per_turn).
 
     Its spectrum is zero at every multiple of 1 / turns orders but the first, so that of a block of
     n turns all orders that are multiples of 2 / n are told apart without leakage. Of an order d
@@ -282,7 +282,7 @@ def hann(turns: int, per_turn: int) -> np.ndarray:
 
 
 def summed(values: np.ndarray, weights: np.ndarray, first: np.ndarray) -> np.ndarray:
-    """Weighted sums over blocks of turns that begin with the turns `first`.
+    """Return the weighted sums over blocks of turns that begin with the turns `first`.
 
     values: shape (turns, per_turn); weights: shape (turns of a block, per_turn); result of the
     shape of first.

@@ -21,7 +21,7 @@ MACHINES = {
     ),
     "stiff": (
         STIFF + BEARING.format(1) + BEARING.format(61),
-        "rounding hides what holds it, 2e+06 N/m",
+        "rounding hides that of its supports, 2e+06 N/m",
     ),
 }
 

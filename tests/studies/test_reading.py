@@ -124,7 +124,7 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ),
         ("[limits]", '[design]\nkind = "sobol"\n[limits]', "design sobol: needs size"),
         ("[limits]", "[limits", "is not valid TOML"),
-        ('peak = "disc[3].x_amp"', 'poincare = "disc[3].x"', "at a constant speed in whole turns"),
+        ('peak = "disc[3].x_amp"', 'poincare = "disc[3].x"', "at constant speed in whole turns"),
         ('peak = "disc[3].x_amp"', 'value = "disc[3].x_amp"', "keep X: value needs speed"),
     ],
 )
@@ -193,7 +193,10 @@ def test_an_address_that_nobody_answers_at_is_said_after_its_time_out(
         ('{ order = 16, of = "disc[3].x" }', "order = 16: must be > 0 and below half of run.per_"),
         ('{ spectrum = "disc[3]", orders = 16 }', "orders = 16: must be > 0 and below half of"),
         ('{ peak = "disc[3].x", after = -1 }', "after = -1 s: must be >= 0"),
-        ('{ amplitude = "disc[3].x" , bins = { from = 1, to = 2, count = 1 } }', "speed goes on"),
+        (
+            '{ amplitude = "disc[3].x" , bins = { from = 1, to = 2, count = 1 } }',
+            "varies continuously",
+        ),
         ('{ spectrum = "disc[9]", orders = 2 }', "disc[9]: unknown name; did you mean disc[3]"),
     ],
 )

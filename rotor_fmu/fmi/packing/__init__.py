@@ -1,1 +1,1 @@
-"""Building FMUs: what goes into one, its documents and pages."""
+"""Building FMUs: their files, documents and pages."""

@@ -17,17 +17,17 @@ _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 def xml_bytes(root: Element) -> bytes:
-    """An XML file."""
+    """Return the contents of an XML file."""
     indent(root)
     text: bytes = tostring(root, encoding="utf-8")
     return b'<?xml version="1.0" encoding="UTF-8"?>\n' + text
 
 
 def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
-    """Let pythonfmu make the FMU `raw` of a script and of what lies beside it in the resources.
+    """Have pythonfmu make the FMU `raw` from a script and the files beside it in the resources.
 
     In a process of its own: an FMU that has run in this one has left its copy of pythonfmu here,
-    which makes FMUs without libraries. Raises `OSError` with what pythonfmu says if it fails.
+    which makes FMUs without libraries. Raises `OSError` with pythonfmu's message if it fails.
     """
     command: list[str | Path] = [sys.executable, "-m", "pythonfmu", "build", *_STATES]
     done = subprocess.run(
@@ -43,7 +43,7 @@ def wrap(script: Path, beside: Sequence[Path], raw: Path) -> None:
 
 
 def contents_of(raw: Path) -> dict[str, bytes]:
-    """What pythonfmu put into an FMU, by the path in it, without caches."""
+    """Return the files that pythonfmu put into an FMU, by their paths in it, without caches."""
     with zipfile.ZipFile(raw) as source:
         return {
             name: source.read(name)

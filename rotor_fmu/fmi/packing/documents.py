@@ -1,4 +1,4 @@
-"""What the FMU shows to people and tools beside the model: pages, picture, licences, terminals."""
+"""The FMU's documents for people and tools: pages, picture, licences, terminals."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _DRIVES = {
 def documents(
     rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int
 ) -> dict[str, bytes]:
-    """Files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
+    """Return the files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
     from .machine_picture import machine_picture  # with matplotlib, which no run needs
 
     picture = machine_picture(rotor)
@@ -104,7 +104,7 @@ def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: boo
 
 
 def _licence(of: str) -> bytes:
-    """The licence of an installed distribution."""
+    """Return the licence of an installed distribution."""
     from importlib.metadata import distribution
 
     result = next(
@@ -114,7 +114,7 @@ def _licence(of: str) -> bytes:
 
 
 def terminals(table: Sequence[Variable]) -> bytes:
-    """terminalsAndIcons.xml: the shaft as a rotational flange, and each body's forces and
+    """Return terminalsAndIcons.xml: the shaft as a rotational flange, and each body's forces and
     displacements. FMI 2.0 takes them as FMI 3.0 defines them."""
     names = {variable.name for variable in table}
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")

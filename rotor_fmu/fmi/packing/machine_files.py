@@ -1,4 +1,4 @@
-"""What every FMU of a machine holds, whatever runs it: description, table, documents."""
+"""The files that every FMU of a machine holds: description, table, documents."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ class Machine:
     is_free: bool
 
     def named(self, name: str, free_name: str) -> str:
-        """Of the two names of an FMU the one for what drives the machine."""
+        """Return the one of an FMU's two names that fits the drive of the machine."""
         return free_name if self.is_free else name
 
 
 def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:
-    """The machine of a TOML text, by default the paper's rig; reduction: component modes kept of
-    the shaft, 0 for all of it. Raises `QuantityError` for an impossible rotor."""
+    """Return the machine of a TOML text, by default the paper's rig; reduction: component modes
+    kept of the shaft, 0 for all of it. Raises `QuantityError` for an impossible rotor."""
     toml = rig_toml() if toml is None else toml
     rotor = parse_rotor(toml)
     table = tuple(
@@ -47,7 +47,8 @@ def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:
 
 
 def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]:
-    """The files by their path in an FMU of this version of FMI; the GUID of `of` is filled in."""
+    """Return the files by their path in an FMU of this version of FMI; the GUID of `of` is filled
+    in."""
     core = core_digest()
     content = f"{of.identifier} {fmi} {core} {machine.toml}"
     of = replace(of, guid=guid(machine.table, content))

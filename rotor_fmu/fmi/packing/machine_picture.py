@@ -1,4 +1,4 @@
-"""The machine to scale, as its parts say that they are drawn."""
+"""The picture of the machine to scale, from the outlines of its parts."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 
 def machine_picture(rotor: Rotor) -> bytes:
-    """The machine to scale as a PNG, for the importing tool's icon."""
+    """Return a picture of the machine to scale as a PNG, for the importing tool's icon."""
     figure = PlainFigure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -36,7 +36,7 @@ def machine_picture(rotor: Rotor) -> bytes:
 
 
 def machine_figure(rotor: Rotor) -> Figure:
-    """The machine to scale, in mm, its nodes numbered and its parts named."""
+    """Draw the machine to scale, in mm, its nodes numbered and its parts named."""
     figure = PlainFigure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -91,7 +91,7 @@ def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: in
 
 
 def _rows(labels: list[tuple[float, str]], width: float) -> list[tuple[float, str, int]]:
-    """Names with the lowest row in which they do not overlap; width: of a letter."""
+    """Return the names with the lowest row in which they do not overlap; width: of a letter."""
     ends: list[float] = []
     placed = []
     for z, name in sorted(labels, key=lambda label: label[0]):
@@ -103,8 +103,8 @@ def _rows(labels: list[tuple[float, str]], width: float) -> list[tuple[float, st
 
 
 def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
-    """Draw the shaft and, over it, what every part says of its outline; lengths in m. Returns the
-    lowest and the highest place that is drawn on."""
+    """Draw the shaft and, over it, the outline of every part; lengths in m. Returns the lowest and
+    the highest position drawn."""
     nodes = rotor.nodes
     for z, section in zip(nodes, rotor.sections, strict=False):
         right = z + section.length
@@ -139,7 +139,7 @@ def _tube(axes: Axes, z: tuple[float, float], diameters: tuple[float, float], co
 
 
 def _radius(rotor: Rotor, node: int) -> float:
-    """Of the shaft on either side of a node (from 1), the larger [m]."""
+    """Return the larger radius of the shaft on both sides of a node (from 1) [m]."""
     left, right = (
         rotor.sections[max(node - 2, 0)],
         rotor.sections[min(node, len(rotor.nodes) - 1) - 1],
@@ -188,7 +188,7 @@ def _ground(
     width: float,
     line: str | tuple[int, tuple[int, int]],
 ) -> None:
-    """Down to the ground: springs dashed."""
+    """Draw the connection to ground: springs dashed."""
     low = max(size, high + 0.1 * size)
     axes.plot([z, z], [-low, -high], color="black", lw=1.0, ls=line)
     axes.plot([z - width, z + width], [-low, -low], color="black", lw=2.0)

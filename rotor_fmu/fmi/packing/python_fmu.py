@@ -1,4 +1,5 @@
-"""Building the FMU that pythonfmu wraps: a skin of Python over the library that it carries."""
+"""Building the FMU that pythonfmu wraps: a thin layer of Python over the library that it
+carries."""
 
 from __future__ import annotations
 
@@ -60,10 +61,10 @@ def build(
 def is_current(
     fmu: Path, rotor_toml: str | None = None, is_free: bool = False, reduction: int = 0
 ) -> bool:
-    """Whether `fmu` is what `build` would make now.
+    """Return whether `fmu` is what `build` would make now.
 
-    Compares all that this project puts into it; what pythonfmu makes of that by its version alone.
-    Raises `QuantityError` for an impossible rotor, and `CoreError` as `build` does.
+    Compares all files of this project; those of pythonfmu are compared by its version only. Raises
+    `QuantityError` for an impossible rotor, and `CoreError` as `build` does.
     """
     if not fmu.is_file() or not zipfile.is_zipfile(fmu):
         return False
@@ -78,12 +79,13 @@ def is_current(
 
 
 def package_name() -> str:
-    """Name of the package that `build` would put into the FMU now; it follows the code."""
+    """Return the name of the package that `build` would put into the FMU now; it follows the
+    code."""
     return _package(_libraries(None))[0]
 
 
 def _libraries(platforms: Sequence[str] | None) -> dict[str, bytes]:
-    """The libraries of platforms, by the file's name in the FMU's package."""
+    """Return the libraries of platforms, by the file's name in the FMU's package."""
     if platforms is None:
         platforms = [name for name in SYSTEMS if find(name, core_digest())]
     if not platforms:
@@ -101,8 +103,8 @@ def _libraries(platforms: Sequence[str] | None) -> dict[str, bytes]:
 
 
 def _package(libraries: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
-    """Name of the FMU's package, which follows its content, and the files by their path among the
-    resources, the script beside it included."""
+    """Return the name of the FMU's package, which follows its content, and the files by their path
+    among the resources, the script beside it included."""
     sources = {name: (_SKIN / name).read_bytes() for name in ("entry.py", "slave.py", "wrapper.py")}
     digest = hashlib.sha256()
     for name, data in sorted((sources | libraries).items()):
@@ -115,7 +117,7 @@ def _package(libraries: dict[str, bytes]) -> tuple[str, dict[str, bytes]]:
 
 
 def _contents(machine: Machine, libraries: dict[str, bytes]) -> dict[str, bytes]:
-    """All of the FMU that is not pythonfmu's, by the path in it."""
+    """Return all of the FMU that is not pythonfmu's, by the path in it."""
     from importlib.metadata import version  # which no run needs
 
     tool = f"PythonFMU {version('pythonfmu')}"

@@ -15,7 +15,8 @@ from .related_files import stored
 
 
 def default_experiment(fmu: Path) -> bytes:
-    """CSV of the FMU's default experiment through FMPy: time [s] and every output in SI units."""
+    """Return the CSV of the FMU's default experiment through FMPy: time [s] and every output in SI
+    units."""
     result = fmpy.simulate_fmu(str(fmu))
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

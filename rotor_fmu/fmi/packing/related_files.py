@@ -23,8 +23,8 @@ a steady motion, so another processor gives the same within 1e-3 of each output'
 
 
 def related_files(rotor: Rotor, name: str) -> dict[str, bytes]:
-    """Files of the FMU called `name`, by their path in it; none for a rotor other than the paper's
-    rig, and none where no result is stored."""
+    """Return the files of the FMU called `name`, by their path in it; none for a rotor other than
+    the paper's rig, and none where no result is stored."""
     result = stored(name)
     if rotor != rig() or not result.is_file():
         return {}
@@ -38,7 +38,7 @@ def related_files(rotor: Rotor, name: str) -> dict[str, bytes]:
 
 
 def stored(name: str) -> Path:
-    """The file that goes into the FMU called `name`."""
+    """Return the file that goes into the FMU called `name`."""
     return Path(str(files(__package__).joinpath("pages", f"{name}_out.csv")))
 
 

@@ -11,7 +11,7 @@ _HEAD = ("variable", "causality", "unit", "start", "what it is")
 
 
 def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
-    """Head and rows; variables of parts that there are several of once, as `disc[i]`."""
+    """Return the head and rows; variables of parts that there are several of once, as `disc[i]`."""
     listed: list[tuple[str, ...]] = [_HEAD]
     for variable in table:
         name, text = variable.name, variable.text
@@ -28,7 +28,7 @@ def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
 
 
 def markdown(table: Sequence[Variable]) -> str:
-    """The table in Markdown."""
+    """Return the table in Markdown."""
     head, *body = rows(table)
     lines = [head, ("---",) * len(head), *((f"`{name}`", *rest) for name, *rest in body)]
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)

@@ -1,1 +1,1 @@
-"""What the FMU in Python carries: the skin that pythonfmu calls, and the script that imports it."""
+"""The FMU in Python: the slave that pythonfmu calls, and the script that imports it."""

@@ -1,5 +1,5 @@
-"""The FMI 2.0 slave: pythonfmu's class as a thin skin, each call of which is carried out by the
-function of FMI 2.0 in the library that lies beside this file.
+"""The FMI 2.0 slave: pythonfmu's class as a thin layer, each call of which is forwarded to the
+function of FMI 2.0 in the library beside this file.
 
 Standard library and pythonfmu only: a host needs nothing beside Python.
 """
@@ -30,10 +30,10 @@ _WARNING, _DISCARD = 1, 2  # of FMI's statuses
 
 
 class CallFailed(RuntimeError):
-    """What the host is told when a call cannot be carried out."""
+    """A call that failed; its message goes to the host."""
 
     def __repr__(self) -> str:
-        """The sentence alone: the wrapper logs the representation."""
+        """Return the sentence alone: the wrapper logs the representation."""
         return str(self)
 
 
@@ -43,7 +43,7 @@ def _hear(received: list[tuple[int, str]], status: int, message: bytes) -> None:
 
 
 def _loaded() -> Any:
-    """The library for this system, or why there is none."""
+    """Return the library for this system, or why there is none."""
     file = Path(__file__).with_name(_LIBRARIES.get(sys.platform, "none"))
     if not file.is_file():
         return (
@@ -81,8 +81,8 @@ _contents: dict[bytes, bytes] = {}
 
 
 def _table(resources: str) -> bytes | None:
-    """The machine's table of an FMU. It is remembered, since a reset makes the instance anew and
-    the folder may be gone by then; once, however many folders hold the same."""
+    """Return the machine's table of an FMU. It is remembered, since a reset makes the instance anew
+    and the folder may be gone by then; once, however many folders hold the same."""
     file = Path(resources, TABLE)
     if file.is_file():
         content = file.read_bytes()
@@ -91,7 +91,7 @@ def _table(resources: str) -> bytes | None:
 
 
 def _guarded(method: Callable[..., Any]) -> Callable[..., Any]:
-    """A call of the wrapper's that on failure tells the host why."""
+    """Wrap a call so that the host gets the reason of a failure."""
 
     @wraps(method)
     def call(self: RotorBearing, *arguments: object) -> object:
@@ -150,8 +150,8 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             self._log()
 
     def _log(self, worst: int = _WARNING) -> None:
-        """Hand over what the library told during a call; raises `CallFailed` if it failed, its
-        status being above `worst`."""
+        """Hand over the library's messages of a call; raises `CallFailed` if it failed, its status
+        being above `worst`."""
         received = self._heard[:]
         self._heard.clear()
         if not received or received[-1][0] > worst:
@@ -160,7 +160,7 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
             self.log(sentence, Fmi2Status(level))
 
     def _failed(self, error: BaseException) -> CallFailed:
-        """What is raised for an error: one plain sentence.
+        """Return the exception for an error, a single sentence.
 
         The wrapper hands queued messages to the host's logger, which may itself be Python, while
         the exception is pending: so the queue is emptied, and the exception is the message.
@@ -172,7 +172,8 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         return CallFailed(sentence)
 
     def _sentence(self, error: BaseException) -> str:
-        """What the host is told; it is printed here unless the library has done so."""
+        """Return the sentence for the host; it is printed here unless the library has printed
+        it."""
         if isinstance(error, CallFailed):
             return str(error)
         if isinstance(error, KeyboardInterrupt):
@@ -211,11 +212,12 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
         self._call(_LIBRARY.fmi2ExitInitializationMode)
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """March from current_time [s] over step_size [s]; False where the step has ended early.
+        """Advance from current_time [s] over step_size [s]; False where the step has ended early.
 
         What the wrapper makes of False is fmi2Discard, but with the time at which the step began,
-        and a wish to end, so that FMPy returns what it has as if it were all. So it is told to a
-        master that has kept the state and can repeat the step; to any other it is an error.
+        and a wish to end, so that FMPy returns what it has as if it were all. So False is returned
+        only to a master that has saved the state and can repeat the step; for any other it is an
+        error.
         """
         try:
             status = _LIBRARY.fmi2DoStep(self._instance, current_time, step_size, 0)
@@ -271,14 +273,14 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
     # --- values ------------------------------------------------------------------------------
 
     def _reals(self, vrs: list[int]) -> _Reals:
-        """The room for some Reals, made once: masters ask for the same at every point."""
+        """Return the room for some Reals, made once: masters ask for the same at every point."""
         if len(self._rooms) == _MOST_ROOMS:
             self._rooms.clear()
         room = self._rooms[tuple(vrs)] = _Reals(vrs)
         return room
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Values of Real variables."""
+        """Return the values of Real variables."""
         try:
             room = self._rooms.get(tuple(vrs)) or self._reals(vrs)
             if _LIBRARY.fmi2GetReal(self._instance, *room.place) or self._heard:
@@ -309,17 +311,17 @@ class RotorBearing(Fmi2Slave):  # type: ignore[misc]  # pythonfmu has no types
 
     @_guarded
     def get_integer(self, vrs: list[int]) -> list[int]:
-        """Values of Integer variables."""
+        """Return the values of Integer variables."""
         return self._exchange("fmi2GetInteger", "i", vrs)
 
     @_guarded
     def get_boolean(self, vrs: list[int]) -> list[int]:
-        """Values of Boolean variables."""
+        """Return the values of Boolean variables."""
         return self._exchange("fmi2GetBoolean", "i", vrs)
 
     @_guarded
     def get_string(self, vrs: list[int]) -> list[str]:
-        """Values of String variables, of which there are none."""
+        """Return the values of String variables, of which there are none."""
         return self._exchange("fmi2GetString", "q", vrs)
 
     @_guarded

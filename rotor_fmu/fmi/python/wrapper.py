@@ -1,4 +1,4 @@
-"""What pythonfmu's native wrapper (0.7.0) must be spared, so that it does not crash its host."""
+"""Workarounds for pythonfmu's native wrapper (0.7.0), without which it crashes its host."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class HeldFromLookUp:
         self._method = method
 
     def __get__(self, slave: Any, owner: type) -> object:
-        """The bound method; on the class this descriptor."""
+        """Return the bound method; on the class this descriptor."""
         if slave is None:
             return self
         held = slave, slave.log_queue, type(slave)

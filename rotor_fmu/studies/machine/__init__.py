@@ -1,1 +1,2 @@
-"""A machine as what a study runs: how it is driven, what is kept, and reading both."""
+"""A machine as the subject of a study: its excitation, the metrics of each run, and reading
+both."""

@@ -1,6 +1,6 @@
-"""The rotor's FMU, turned by that of the example `drive_train`, as what a study runs.
+"""The rotor's FMU, turned by that of the example `drive_train`, as the subject of a study.
 
-What is kept is seen at the communication points: of the rotor by its variables' names, of the drive
+Metrics are taken at the communication points: of the rotor by its variables' names, of the drive
 train as `drive.NAME`.
 """
 
@@ -55,7 +55,7 @@ _KEPT_MACHINES = 8  # whose FMUs are kept
 
 @lru_cache
 def drive_train() -> Coupling:
-    """The coupling of the example `drive_train`."""
+    """Return the coupling of the example `drive_train`."""
     from ...cosimulation.coupling import example_coupling
 
     return example_coupling("drive_train")
@@ -67,7 +67,7 @@ class CoupledRuns(MachineRuns):
 
     @property
     def units(self) -> dict[str, str]:
-        """What can be kept of a run, by name, and its unit: the Reals of both FMUs."""
+        """Return the quantities of a run by name, with their units: the Reals of both FMUs."""
         table = machine_of(self.toml, False).table
         rotor = {v.name: v.unit for v in table if v.is_observed and v.kind == "Real"}
         outputs = [v for v in drive_train().variables if v.causality == "output"]
@@ -85,7 +85,7 @@ class CoupledRuns(MachineRuns):
             next(rows)
 
     def run(self, values: Mapping[str, float]) -> Result:
-        """One run; what fails in it, impossible values included, is its status."""
+        """Make one run; a failure in it, impossible values included, is its status."""
         try:
             with self._coupled(values, self._needs(False)) as (rows, how, messages):
                 window = _window(list(rows), self._needs(False))
@@ -95,7 +95,8 @@ class CoupledRuns(MachineRuns):
             return Result(f"{FAILED}{error}", {})
 
     def record(self, values: Mapping[str, float]) -> Recording:
-        """One run at its communication points, as far as it comes; the same run as its row's."""
+        """Record one run at its communication points, up to its end or failure; the same run as its
+        row's."""
         from ...runs.run_down import usual
 
         machine, units = machine_of(self.toml, False), self.units
@@ -154,7 +155,7 @@ class CoupledRuns(MachineRuns):
 
 
 def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window:
-    """What the communication points show stands for the solver's steps."""
+    """Treat the values at the communication points as the solver's steps."""
     columns = np.array(points, dtype=float).reshape(len(points), 1 + len(names)).T
     steps = Samples(columns[0], dict(zip(names, columns[1:], strict=True)))
     return Window(steps, Samples(np.zeros(0), {}), math.nan, 0)
@@ -162,8 +163,8 @@ def _window(points: Sequence[tuple[float, ...]], names: Sequence[str]) -> Window
 
 @lru_cache(maxsize=_KEPT_MACHINES)
 def fmus(toml: str) -> tuple[Path, Path]:
-    """The drive train's FMU and that of a machine as folders, built and extracted once for all
-    processes of this user.
+    """Return the drive train's FMU and that of a machine as folders, built and extracted once for
+    all processes of this user.
 
     They lie in the user's cache, so that workers on another machine build their own. Raises
     `OSError` where there is no such folder.
@@ -185,7 +186,7 @@ def fmus(toml: str) -> tuple[Path, Path]:
 
 
 def _extracted(fmu: Path) -> Path:
-    """The folder with an FMU's content, beside it, under a name that follows the content."""
+    """Return the folder with an FMU's content, beside it, under a name that follows the content."""
     folder = fmu.parent / sha256(fmu.read_bytes()).hexdigest()[:16] / fmu.name
     if not folder.is_dir():
         folder.parent.mkdir(exist_ok=True)

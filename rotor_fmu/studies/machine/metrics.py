@@ -1,4 +1,4 @@
-"""What is kept of a run: numbers and lists made of its windows.
+"""The metrics of a run: numbers and lists made from its windows.
 
 A quantity is an output by its name, or PART.r, the distance of PART.x and PART.y from zero.
 """
@@ -93,8 +93,8 @@ class Metric:
 
 
 def column(metric: Metric, unit: str, drive: Excitation, is_varied: bool) -> Column:
-    """The column of a keep; unit: the quantity's; is_varied: whether the held speeds differ from
-    run to run."""
+    """Return the column of a metric; unit: the quantity's; is_varied: whether the held speeds
+    differ from run to run."""
     options = dict(metric.options)
     text = f"{KINDS[metric.kind].text.format(**options)} of {metric.of}"
     own = {"contact": "s", "dissipated": "J", "whirl": "rad/s", "jump": "rad/s", "spectrum": "m"}
@@ -118,7 +118,7 @@ def column(metric: Metric, unit: str, drive: Excitation, is_varied: bool) -> Col
 
 
 def cells(metric: Metric, windows: list[Window], drive: Excitation) -> Cell:
-    """The cell of a finished run."""
+    """Return the cell of a finished run."""
     options = {**KINDS[metric.kind].optional, **dict(metric.options)}
     if metric.kind == "jump":
         return _jump(metric, windows, options)
@@ -132,7 +132,7 @@ def cells(metric: Metric, windows: list[Window], drive: Excitation) -> Cell:
 
 
 def check(metric: Metric, how: Excitation) -> None:
-    """Refuse what is not to be kept of a run that is driven so: `InputError`."""
+    """Raise `InputError` for a metric that does not suit the excitation of the run."""
     kind, options = KINDS[metric.kind], dict(metric.options)
     where, n = f"keep {metric.name}", how.numbers
     if how.kind == COUPLED and kind.is_fine:
@@ -141,13 +141,11 @@ def check(metric: Metric, how: Excitation) -> None:
         )
     held = LEVELS if metric.kind == "order" else ("constant",)
     if kind.in_turns and (how.kind not in held or n["measure"]):
-        raise InputError(
-            f"{where}: {metric.kind} is kept of runs at a constant speed in whole turns"
-        )
+        raise InputError(f"{where}: {metric.kind} needs runs at constant speed in whole turns")
     if metric.kind == "jump" and how.kind != "steps":
-        raise InputError(f"{where}: jump is kept of runs in steps")
+        raise InputError(f"{where}: jump needs runs in steps of the speed")
     if metric.kind in ("value", "amplitude", "passing") and how.kind in LEVELS:
-        raise InputError(f"{where}: {metric.kind} is kept of runs whose speed goes on")
+        raise InputError(f"{where}: {metric.kind} needs runs whose speed varies continuously")
     if options.get("after", 0.0) < 0:
         raise InputError(f"{where}: after = {options['after']:g} s: must be >= 0")
     if metric.kind == "passing":
@@ -188,8 +186,8 @@ def _quantity(metric: Metric, seen: Samples) -> np.ndarray:
 
 
 def _late(metric: Metric, window: Window, options: Options) -> tuple[np.ndarray, np.ndarray]:
-    """Times and values from `after` on, counted from the window's beginning; none where it ends
-    before."""
+    """Return the times and values from `after` on, counted from the window's beginning; none where
+    it ends before."""
     t = window.steps.t
     first = int(np.searchsorted(t, t[0] + options["after"]))
     return t[first:], _quantity(metric, window.steps)[first:]
@@ -201,7 +199,7 @@ def _peak(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _averaged(t: np.ndarray, values: np.ndarray) -> float:
-    """By the trapezoidal rule over all steps; nan where there are none."""
+    """Return the average by the trapezoidal rule over all steps; nan if there are none."""
     return float(np.trapezoid(values, t) / (t[-1] - t[0])) if len(t) > 1 else math.nan
 
 
@@ -219,7 +217,7 @@ def _last(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _value(metric: Metric, window: Window, options: Options) -> float:
-    """Linear between the two steps about the speed; nan where it is never passed."""
+    """Return the value at a speed, linear between two steps; nan if it is never passed."""
     w, values = window.steps.columns["w"] - options["speed"], _quantity(metric, window.steps)
     passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
     if not len(passed):
@@ -246,15 +244,16 @@ def _poincare(metric: Metric, window: Window, options: Options) -> np.ndarray:
 
 
 def _order(metric: Metric, window: Window, options: Options) -> float:
-    """Twice the modulus of the mean of x exp(-i order phi), over whole turns."""
+    """Return twice the modulus of the mean of x exp(-i order phi), over whole turns."""
     values = _quantity(metric, window.turns)
     angle = math.tau * np.arange(1, len(values) + 1) / window.per_turn
     return float(2 * abs(np.mean(values * np.exp(-1j * options["order"] * angle))))
 
 
 def _passing(metric: Metric, window: Window, options: Options) -> float:
-    """By revolution-synchronous resampling, of the block of turns nearest to where the speed is
-    first passed; nan where it is not, or in steps too long for the order."""
+    """Return the amplitude of an order by revolution-synchronous resampling, from the block of
+    turns nearest to the first passage of the speed; nan where it is not, or in steps too long for
+    the order."""
     from ...vibration import TooFewTurns, order_track
 
     phi, order = window.steps.columns["phi"], options["order"]
@@ -272,13 +271,13 @@ def _passing(metric: Metric, window: Window, options: Options) -> float:
 
 
 def spectrum_orders(highest: float, turns: int) -> np.ndarray:
-    """Orders of a full spectrum over so many turns, from -highest to highest."""
+    """Return the orders of a full spectrum over so many turns, from -highest to highest."""
     most = round(highest * turns)
     return np.arange(-most, most + 1) / turns
 
 
 def _spectrum(metric: Metric, window: Window, options: Options) -> np.ndarray:
-    """Amplitudes of the orders of x + i y; the mean is taken away."""
+    """Return the amplitudes of the orders of x + i y; the mean is taken away."""
     columns = window.turns.columns
     z = columns[f"{metric.of}.x"] + 1j * columns[f"{metric.of}.y"]
     if window.speed < 0:  # seen from behind, forward stays forward
@@ -297,8 +296,8 @@ def _contact(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _dissipated(metric: Metric, window: Window, options: Options) -> float:
-    """Friction times the way slid: that of the journal's surface, R dphi, and of its centre along
-    the wall, (x dy - y dx) / r."""
+    """Return friction times the sliding distance: that of the journal's surface, R dphi, and of its
+    centre along the wall, (x dy - y dx) / r."""
     force, x, y = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "x", "y"))
     mid_x, mid_y = 0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])
     r = np.hypot(mid_x, mid_y)
@@ -315,8 +314,8 @@ def _whirl(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _jump(metric: Metric, windows: list[Window], options: Options) -> float:
-    """Between which of two neighbouring speeds the mean changes most, by at least the share `least`
-    of the larger of both; nan where it does not."""
+    """Return the two neighbouring speeds between which the mean changes most, by at least the share
+    `least` of the larger of both; nan where it does not."""
     means = np.array([_mean(metric, window, {"after": 0.0}) for window in windows])
     speeds = np.array([window.speed for window in windows])
     rises = np.diff(speeds) > 0

@@ -1,4 +1,4 @@
-"""What is seen of a run of a study: the solver's own steps, and turns at equal angles."""
+"""Sampling a run of a study: at the solver's own steps, and in turns at equal angles."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ class Window(NamedTuple):
 
 
 class Monitor:
-    """What is looked at while a simulation marches on: `names` at the solver's steps, which it must
-    record, and `by_turns` at chosen instants; is_whole: all that was recorded is kept, what lies
-    between windows too."""
+    """The samples taken while a simulation advances: `names` at the solver's steps, which it must
+    record, and `by_turns` at chosen instants; is_whole: whether samples between windows are stored
+    too."""
 
     def __init__(
         self,
@@ -52,7 +52,7 @@ class Monitor:
         self.begin()
 
     def begin(self) -> None:
-        """Forget what was seen but the present state."""
+        """Drop all samples but the present state."""
         self._times: list[float] = []
         self._rows: list[np.ndarray] = []
         self._taken = self._simulation.observed[self._count]
@@ -82,7 +82,7 @@ class Monitor:
         self._rows.append(self._simulation.observed[self._at])
 
     def window(self, speed: float = math.nan, per_turn: int = 0) -> Window:
-        """What was seen since the beginning; `StepFailure` where it is not every step."""
+        """Return the window since `begin`; `StepFailure` if steps are missing in it."""
         self.record(is_end=True)
         recorder = np.concatenate([np.zeros((0, 1 + len(self._names))), *self._recordings]).T
         steps = Samples(recorder[0], dict(zip(self._names, recorder[1:], strict=True)))

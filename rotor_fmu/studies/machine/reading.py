@@ -1,4 +1,4 @@
-"""A machine's runs from the tables of a study's file: what is run, set, and kept."""
+"""A machine's runs from the tables of a study's file: machine, parameters and metrics."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ from .runs import RUN, VERIFICATION, Machine, MachineRuns, machine_of
 
 
 def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, str]]:
-    """The runs of a machine, without what is kept, and what can be varied: the unit by the name."""
+    """Return the runs of a machine, without what is kept, and what can be varied: the unit by the
+    name."""
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
@@ -47,7 +48,8 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, s
 
 
 def _machine_path(name: str | None, folder: Path) -> Path | None:
-    """Beside the study, or among the examples that come with the package; None: the rig."""
+    """Return the machine's file, beside the study or among the examples of the package; None for
+    the rig."""
     if name in (None, "rig"):
         return None
     path = folder / str(name)
@@ -122,7 +124,7 @@ def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
 
 
 def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> MachineRuns:
-    """The runs with what the table [keep] says and its columns."""
+    """Return the runs with what the table [keep] says and its columns."""
     machine = machine_of(runs.toml, runs.is_free)
     units = runs.units
     varied = {target for axis in axes for target in axis.targets}
@@ -144,7 +146,7 @@ def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> Mac
     if is_verified:
         if runs.how.kind == COUPLED:
             raise InputError(f"verify: not of runs of the kind {COUPLED}")
-        text = "largest difference of what is kept from the same run, finer"
+        text = "largest difference of the metrics from the same run, solved more finely"
         columns.append(Column(VERIFICATION, "1", text))
     return replace(runs, metrics=tuple(metrics), columns=tuple(columns), is_verified=is_verified)
 
@@ -214,7 +216,8 @@ def _radius(machine: Machine, part: str) -> float:
 
 
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
-    """Refuse listed values that no run could have; those of distributions fail run by run."""
+    """Raise `InputError` for listed values that no run could have; those of distributions fail run
+    by run."""
     machine = machine_of(runs.toml, runs.is_free)
     for axis in axes:
         for target in axis.targets:

@@ -1,4 +1,4 @@
-"""How a run of a study is driven, and what is looked at.
+"""The excitation of a run of a study, and its windows.
 
 Ramps, signals, drops and motors are one window; at constant speeds every speed is a window of its
 own, of whole turns after it has settled. A window is seen at the solver's own steps and, in whole
@@ -46,7 +46,7 @@ _UP = _RAMP | {
 _MEASURED = {
     "settle": Number("s", 1.0, False, "time that each speed is held before it is looked at"),
     "turns": Number("1", 64.0, True, "turns looked at"),
-    "per_turn": Number("1", 32.0, True, "samples a turn, of what is told by turns"),
+    "per_turn": Number("1", 32.0, True, "samples per turn, for metrics over whole turns"),
     "measure": Number("s", 0.0, False, "time looked at, in the place of turns"),
     "step": Number("s", 1e-3, True, "communication step, where measure is given"),
 }
@@ -72,7 +72,7 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     "motor": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
         "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it is told to follow"),
+        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "from": Number("rad/s", 1.0, False, "speed at the start"),
         "stop": _STOP,
@@ -81,7 +81,7 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     "drive-train": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
         "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it is told to follow"),
+        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "integral": Number("N.m/rad", 0.2, False, "torque of an angle that is missing"),
         "inertia": Number("kg.m2", 1e-3, True, "moment of inertia of the motor"),
@@ -122,7 +122,7 @@ class Excitation:
     loads: tuple[tuple[str, str], ...] = field(default=())
 
     def changed(self, values: Mapping[str, float]) -> Excitation:
-        """The drive with some of its numbers replaced; `InputError` for impossible ones."""
+        """Return the drive with some of its numbers replaced; `InputError` for impossible ones."""
         if not values:
             return self
         numbers = dict(self.numbers) | dict(values)
@@ -155,7 +155,7 @@ class Excitation:
 
 
 def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
-    """Refuse numbers that a kind of run cannot have."""
+    """Raise `InputError` for numbers that a kind of run cannot have."""
     for name, commanded in KINDS[kind].items():
         value, unit = numbers[name], "" if commanded.unit == "1" else f" {commanded.unit}"
         if commanded.is_positive and not value > 0:
@@ -175,7 +175,7 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
 
 
 def excite(simulation: Simulation, how: Excitation, monitor: Monitor) -> Iterator[Window]:
-    """March through a run; yields its windows as they end.
+    """Advance through a run; yields its windows as they end.
 
     Raises `StepFailure` where the run stops.
     """
@@ -197,7 +197,7 @@ def _instants(start: float, stop: float, step: float) -> Iterator[float]:
 
 
 def _kick_off(simulation: Simulation, how: Excitation, excite: float) -> None:
-    """March over the kick, its direction renewed sixty-four times a turn."""
+    """Advance over the kick, its direction renewed sixty-four times a turn."""
     kick = how.kick
     if kick is None:
         return

@@ -1,4 +1,4 @@
-"""A machine's runs as what a study runs."""
+"""A machine's runs as the subject of a study."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Machine(NamedTuple):
 
 @lru_cache(maxsize=4)
 def machine_of(toml: str, is_free: bool) -> Machine:
-    """The machine of a TOML text, made once in a process."""
+    """Return the machine of a TOML text, made once in a process."""
     rotor = parse_rotor(toml)
     table = interface(rotor, is_free)
     return Machine(rotor, table, {v.name: v.start for v in table if v.start is not None})
@@ -52,8 +52,8 @@ def machine_of(toml: str, is_free: bool) -> Machine:
 
 @dataclass(frozen=True)
 class MachineRuns:
-    """Runs of a machine: its TOML, values that are the same in all runs, how it is driven, what is
-    kept, and whether each is held against the same run, finer."""
+    """Runs of a machine: its TOML, values that are the same in all runs, the excitation, the
+    metrics, and whether each is compared with the same run, solved more finely."""
 
     toml: str
     values: Mapping[str, float]
@@ -69,13 +69,13 @@ class MachineRuns:
 
     @property
     def units(self) -> dict[str, str]:
-        """What can be kept of a run, by name, and its unit."""
+        """Return the quantities of a run by name, with their units."""
         table = machine_of(self.toml, self.is_free).table
         return {v.name: v.unit for v in table if v.is_observed}
 
     @cached_property
     def identity(self) -> str:
-        """The machine, the run and what is kept, as text."""
+        """The machine, the run and the metrics, as text."""
         how = self.how
         signals = None
         if how.signals is not None:
@@ -105,8 +105,8 @@ class MachineRuns:
             return  # the runs will say so, each for itself
 
     def run(self, values: Mapping[str, float]) -> Result:
-        """One run; what fails in it, impossible values included, is its status. A verified one has
-        the largest difference of what is kept from the same run, finer."""
+        """Make one run; a failure in it, impossible values included, is its status. A verified one
+        has the largest difference of its metrics from the same run, solved more finely."""
         result, settings = self._run(values)
         if not self.is_verified or settings is None or result.status.startswith(FAILED):
             return result
@@ -119,7 +119,7 @@ class MachineRuns:
         return Result(status, {**result.cells, VERIFICATION: difference})
 
     def _run(self, values: Mapping[str, float]) -> tuple[Result, Settings | None]:
-        """One run and its settings, None where it could not begin."""
+        """Make one run; return it and its settings, None if it could not begin."""
         settings = None
         try:
             messages: list[Message] = []
@@ -135,7 +135,7 @@ class MachineRuns:
         return Result(status_of(messages), row_cells), settings
 
     def record(self, values: Mapping[str, float]) -> Recording:
-        """One run at its own steps, as far as it comes; the same run as its row's."""
+        """Record one run at its own steps, up to its end or failure; the same run as its row's."""
         from ...runs.run_down import usual  # with FMPy, which no worker needs
 
         machine = machine_of(self.toml, self.is_free)
@@ -162,7 +162,8 @@ class MachineRuns:
         return Recording(seen.t, seen.columns, {name: units[name] for name in names}, about)
 
     def _needs(self, by_turns: bool) -> tuple[str, ...]:
-        """The outputs that are kept of, at the solver's steps or by turns at equal angles."""
+        """Return the outputs that the metrics need, at the solver's steps or by turns at equal
+        angles."""
         chosen = (metric for metric in self.metrics if KINDS[metric.kind].in_turns == by_turns)
         return tuple(dict.fromkeys(name for metric in chosen for name in metric.needs))
 
@@ -181,8 +182,8 @@ class MachineRuns:
 
 
 def _difference(cells: Mapping[str, Cell], finer_cells: Mapping[str, Cell]) -> float:
-    """The largest difference of what two runs have, of the size of each [1]; what neither has
-    differs by nothing, what one has by all."""
+    """Return the largest difference of what two runs have, of the size of each [1]; what neither
+    has differs by nothing, what one has by all."""
     largest = 0.0
     for name, cell in cells.items():
         one, other = np.atleast_1d(cell), np.atleast_1d(finer_cells[name])

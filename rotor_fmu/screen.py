@@ -1,0 +1,74 @@
+"""Tables and progress on the screen, each in one way."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+from rich import box
+from rich.console import Console
+from rich.progress import Progress, TextColumn
+from rich.table import Table
+
+_FIRST = 20  # characters that the first column has at least on a narrow screen
+_LINE_EVERY, _BAR_EVERY = 10.0, 0.1  # seconds, without and with a terminal
+
+# Of how much is done, and of what gives the text beside it; whether it is the end.
+Update = Callable[[float, Callable[[], str], bool], None]
+
+
+def text_table(
+    title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], folds: Sequence[str] = ()
+) -> Table:
+    """Return a table whose first column, of names, may fold, and those whose heads `folds` lists;
+    the others are flush right."""
+    table = Table(
+        title=title or None,
+        title_justify="left",
+        title_style="bold",
+        box=box.SIMPLE_HEAD,
+        padding=0,
+        pad_edge=False,
+    )
+    for k, head in enumerate(heads):
+        if k == 0 or head in folds:
+            table.add_column(head, overflow="fold", min_width=_FIRST)
+        else:
+            table.add_column(head, justify="right", no_wrap=True)
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+@contextmanager
+def progress_of(label: str, total: float, console: Console, first: float) -> Iterator[Update]:
+    """A bar with a text on a terminal; elsewhere a line every now and then, after `first` [s]."""
+    every = _BAR_EVERY if console.is_terminal else _LINE_EVERY
+    due = time.monotonic() + (0.0 if console.is_terminal else first)
+
+    def is_due(is_end: bool) -> bool:
+        nonlocal due
+        now = time.monotonic()
+        if now < due and not is_end:
+            return False
+        due = now + every
+        return True
+
+    if not console.is_terminal:
+
+        def line(done: float, text: Callable[[], str], is_end: bool = False) -> None:
+            if is_due(is_end):
+                console.print(f"{label}: {text()}", soft_wrap=True)
+
+        yield line
+        return
+    columns = (*Progress.get_default_columns()[:-1], TextColumn("{task.fields[text]}"))
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(label, total=total, text="")
+
+        def update(done: float, text: Callable[[], str], is_end: bool = False) -> None:
+            if is_due(is_end):
+                bar.update(task, completed=done, text=text())
+
+        yield update
