@@ -31,6 +31,7 @@ _FALLS = 12  # steps that fail
 # A change that no longer shrinks and is below this is rounding too; in long steps that of a shaft
 # that is stiff by many decades, which the last steps leave behind.
 _STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
+_EPSILON = 2.0**-53  # of the stiffest element's force, against that of the softest mode
 # A step's rounding is that of a fall through its length: the last ones are short.
 _POLISH, _POLISHES = 1.0, 24
 # Off a hump: how often; the push, of a clearance, and the share of it that tilts; the first step,
@@ -200,6 +201,11 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
     away from it."""
     scheme, fit = Scheme(0.0, 0.0, 1.0, 0.0), unfitted()
     lowest = structure.numbers[0].lowest_omega
+    stiffest = mass = 0.0
+    for i in range(len(structure.weight)):
+        stiffest = max(stiffest, structure.K[i, 0])
+        mass += structure.one_body[0, i] * structure.mass_sum[i]
+    of_stiffness = _EPSILON * len(structure.weight) * stiffest / (mass * lowest * lowest)
     radians = _FIRST
     before = 0.0
     falls = 0
@@ -223,7 +229,7 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
             change = max(change, modulus(trial.q[i] - motion.q[i]))
             size = max(size, modulus(trial.q[i]))
         _take(motion, trial)
-        rounding = _STEADY if radians < _LONG else _STIFF
+        rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness)
         if change <= _SMALL * size or (change <= rounding * size and change >= 0.5 * before):
             status = HELD
             break

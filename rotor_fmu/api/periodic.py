@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..model.machine.rotor import Rotor
-from ..periodic.answers import ResponseResult, answer
 from .machine import Machine
+
+if TYPE_CHECKING:
+    from ..periodic.answers import ResponseResult
 
 
 def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseResult:
@@ -19,4 +21,6 @@ def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseR
     >>> [(b.kind, round(b.value, 2)) for b in found.bifurcations]
     [('fold', 202.21), ('grazing', 138.5)]
     """
+    from ..periodic.answers import answer  # with SciPy, which runs do without
+
     return answer(machine.rotor if isinstance(machine, Machine) else machine, **options)
