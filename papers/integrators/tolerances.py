@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 TABLE = Path(__file__).with_name("tolerances.csv")
 TOLERANCES = (1e-2, 1e-3, 1e-4)
+TEN = 10.0  # tolerances, times 1 + condition, that most orbits are within
 TAME = 10.0  # condition below which a largest displacement is promised
 GROUPS = {"drawn": "drawn at random", "rig": "the rig, four windows", "examples": "examples"}
 
@@ -120,6 +121,8 @@ def in_words(result: Sequence[Row]) -> dict[str, str]:
     ]
     conditions = [r.condition for r in result]
     return {
+        "runs": str(len(result)),
+        "above": str(sum(r.status == "ok" and r.conditioned > TEN for r in result)),
         "machines": str(len({r.name for r in result if r.group == "drawn"})),
         "condition": f"{max(conditions):.2g}",
         "least_condition": f"{min(conditions):.2g}",
