@@ -71,7 +71,7 @@ def test_comments_docstrings_and_layout_change_nothing(tree):
             "/ (part.exponent + 2.0)",
             "KEC",
         ),
-        (ENTRY, "return say.GOOD", "return say.GOOD + 0", "EC"),
+        (ENTRY, "return messages.GOOD", "return messages.GOOD + 0", "EC"),
         (("fmi", "c", "run.c"), "/*", "/* of C a comment counts: ", "C"),
         (SIMULATION, "import math", "import math\nOTHER = 1.0", ""),
     ],
