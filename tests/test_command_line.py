@@ -270,15 +270,15 @@ def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
 
 
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize("how", [[], ["--direct"]])
-def test_a_setting_without_effect_is_said(command, tmp_path, how):
+@pytest.mark.parametrize(("how", "level"), [([], "warning"), (["--direct"], "note")])
+def test_a_setting_without_effect_is_said(command, tmp_path, how, level):
     done = command(
         *("run-down", "--preset", "robust", "--set", "solver.tolerance=1e-4"),
         *("--stop", "0.01", "--out", ".", *how),
     )
     assert done.returncode == 0, done.stderr
     sentence = "solver.tolerance = 0.0001: has no effect in the mode fixed"
-    assert done.stderr.count(sentence) == 1
+    assert done.stderr.count(sentence) == done.stderr.count(f"{level}: {sentence}") == 1
     assert sentence in json.loads((tmp_path / "summary.json").read_text())["messages"]
 
 

@@ -238,4 +238,7 @@ def test_a_start_beyond_what_a_machine_reaches_is_refused(start, node, distance)
 
 def test_a_start_within_the_bound_is_taken():
     rotor = parse_rotor(f"{rig_toml()}[start]\ny = 0.03\n")
-    Simulation(rotor).advance(1e-4, 0.0)
+    simulation = Simulation(rotor)
+    assert simulation.read("disc[3].y") == pytest.approx(0.03, rel=1e-9)
+    simulation.advance(1e-4, 0.0)
+    assert 0.02 < simulation.read("disc[3].y") < 0.03, "its bearings push it back"

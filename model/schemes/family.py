@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import polynomial
-from rotor_fmu.model.schemes.spectral import Coefficients, balance, spectral_radius
 
 from ..errors import UserInputError
 from ..kernels.jit import interpreted, jit
+from .spectral import Coefficients, balance, spectral_radius
 
 __all__ = [
     "LARGEST",

@@ -123,6 +123,7 @@ def in_words(result: Sequence[Row]) -> dict[str, str]:
     return {
         "runs": str(len(result)),
         "above": str(sum(r.status == "ok" and r.conditioned > TEN for r in result)),
+        "worst": f"{max(r.conditioned for r in result if r.status == 'ok'):.2g}",
         "machines": str(len({r.name for r in result if r.group == "drawn"})),
         "condition": f"{max(conditions):.2g}",
         "least_condition": f"{min(conditions):.2g}",

@@ -10,10 +10,19 @@ from .machines import KINDS, drawn
 from .truth import truth
 
 QUICK = (0, 3, 7, 23)  # of which CVODE makes an end soon
+# Orbits that are off by more than is promised; the page of integrators names them.
+BROKEN = (27, 82, 118, 129)
 SLOW = [seed for seed in range(3 * len(KINDS)) if seed not in QUICK]
 
 
-@pytest.mark.parametrize("seed", [*QUICK, *(pytest.param(s, marks=pytest.mark.slow) for s in SLOW)])
+def _marks(seed):
+    broken = pytest.mark.xfail(strict=True, reason="its orbit is off by more than is promised")
+    return (pytest.mark.slow, *([broken] if seed in BROKEN else []))
+
+
+@pytest.mark.parametrize(
+    "seed", [*QUICK, *(pytest.param(s, marks=_marks(s)) for s in {*SLOW, *BROKEN})]
+)
 def test_a_machine_keeps_what_a_tolerance_promises(seed):
     case = drawn(seed)
     exact = truth(case)
