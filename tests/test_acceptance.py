@@ -26,6 +26,7 @@ from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
 from tests.test_ross import HERE, machine
 
 ROSS = json.loads((HERE / "ross_api_answers.json").read_text())
+ROOT = HERE.parent.parent
 RPM = math.pi / 30
 CLOSE = 1e-4
 
@@ -263,6 +264,15 @@ def test_a_jeffcott_rotor_is_unstable_where_the_cross_coupling_is_its_damping_ti
     rotor = parse_rotor(text + support(4, 1e4, 2.0) + support(1, 1e-3) + support(7, 1e-3))
     result = level_1(rotor, 50.0, node=4)
     assert result.threshold == pytest.approx(2.0 * result.frequency[0], rel=1e-3)
+
+
+def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupling_drives():
+    """A point mass on a light shaft: Q0 = c omega exactly, where both circles have one eigenvalue
+    without cross coupling."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    result = level_1(parse_rotor(text), 150.0, node=2)
+    assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
+    assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
 
 
 def test_level_2_adds_what_acts_one_by_one():

@@ -90,3 +90,55 @@ def test_impossible_wishes_are_refused(command, tmp_path, arguments, expected):
     assert expected in str(refused.value)
     assert "\n" not in str(refused.value)
     assert not list(tmp_path.iterdir())
+
+
+JEFFCOTT = str(Path(__file__).parent.parent / "examples" / "jeffcott_rub" / "jeffcott.toml")
+
+
+def test_the_report_of_a_machine_goes_on_into_contact(tmp_path, capsys):
+    """The Jeffcott rotor in its clearance: running up the rub lasts far beyond the resonance,
+    running down it begins where the free response closes the clearance."""
+    page = tmp_path / "jeffcott.html"
+    app(
+        ["report", "--rotor", JEFFCOTT, "--range", "1400:1800rpm", "--out", str(page)],
+        standalone_mode=False,
+    )
+    said = capsys.readouterr().out
+    assert "The rub lasts in the operating range (contact[1]), only running up." in said
+    html = page.read_text()
+    for heading in ("Machine", "At rest", "Critical speeds", "Mode shapes", "Into contact"):
+        assert f"<h2>{heading}</h2>" in html
+    assert "<canvas" in html
+    assert "http" not in html.replace("http://www.w3.org", "")
+    data = json.loads(page.with_suffix(".json").read_text())
+    (closing,) = data["contact"]["closings"]
+    # of the closed form the response exceeds twice the eccentricity between these speeds
+    assert closing["begin"] == pytest.approx(100 * _crosses(2.0, below=True), rel=0.02)
+    assert closing["end"] == pytest.approx(100 * _crosses(2.0, below=False), rel=0.02)
+    up, down = data["contact"]["runs"]
+    assert up["contacts"][0]["share_in_range"] > 0.5
+    assert down["contacts"][0]["share_in_range"] == 0.0
+
+
+def _crosses(amplitude, below):
+    """Where r^2 / sqrt((1 - r^2)^2 + (0.2 r)^2) is this: (1 - 1 / a^2) r^4 - 1.96 r^2 + 1 = 0."""
+    a, b = 1 - amplitude**-2, 1.96
+    root = math.sqrt(b**2 - 4 * a)
+    return math.sqrt((b - root if below else b + root) / (2 * a))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], "RUN_OR_STUDY: must be given"),
+        (["--rotor", JEFFCOTT], "--range: must be given"),
+        (["somewhere", "--rotor", JEFFCOTT], "somewhere and --rotor"),
+        (["--rotor", JEFFCOTT, "--rated", "0rpm"], "--rated 0rpm: must be above 0"),
+        (["--rotor", JEFFCOTT, "--rated", "9rpm", "--node", "9"], "node 9: must be from 1 to 3"),
+    ],
+)
+def test_impossible_reports_are_refused(tmp_path, arguments, expected):
+    with pytest.raises(InputError) as refused:
+        app(["report", *arguments, "--out", str(tmp_path / "page.html")], standalone_mode=False)
+    assert expected in str(refused.value)
+    assert not list(tmp_path.iterdir())

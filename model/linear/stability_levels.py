@@ -28,7 +28,7 @@ from ..parts.linear_bearing import LinearBearing, Seal
 from ..structure.assembly import assemble
 from .critical_map import first_rigid_critical
 from .machine import LinearError
-from .modes import FORWARD, Modes, modes
+from .modes import BACKWARD, FORWARD, Modes, modes
 from .undamped import UndampedMachine
 
 LEAST_LOG_DEC = 0.1
@@ -38,6 +38,7 @@ _SPAN = 10.0  # of QA: as far as level 1 looks for Q0
 _POINTS = 41
 _COUNT = 8
 _HALVINGS = 6
+_LITTLE = 1e-6  # of the rotor's mass times its frequency squared
 _STEP = 1e-4  # of QA or of Q0, for the sensitivity
 
 
@@ -253,11 +254,12 @@ def _first_forward(rotor: Rotor, speed: float, contacts: str | None) -> tuple[fl
 
 
 def _forward_place(result: Modes) -> int:
-    """Return the place of the lowest mode that whirls forward."""
-    places = [i for i, word in enumerate(result.whirl) if word == FORWARD]
+    """Return the place of the lowest mode that does not whirl backward: without gyroscopic moments
+    both circles of a mode are one."""
+    places = [i for i, word in enumerate(result.whirl) if word != BACKWARD]
     if not places:
         raise LinearError(
-            f"none of the {len(result.whirl)} lowest modes at {result.speed:g} rad/s whirls forward"
+            f"all of the {len(result.whirl)} lowest modes at {result.speed:g} rad/s whirl backward"
         )
     return places[0]
 
@@ -274,6 +276,20 @@ class _FirstForward:
         self._known = {0.0: complex(first.eigenvalues[at])}
         mass = float(sum(_masses(rotor)))
         self.scale = mass * float(first.natural[at]) ** 2
+        if first.is_degenerate[at]:
+            self._split(complex(first.eigenvalues[at]))
+
+    def _split(self, both: complex) -> None:
+        """Tell the forward mode from the backward one, which have the same eigenvalue, by a little
+        cross coupling."""
+        little = _LITTLE * self.scale
+        found = modes(self._with(little), self._speed, count=_COUNT, contacts=self._contacts)
+        forward = [i for i, word in enumerate(found.whirl) if word == FORWARD]
+        roots = found.eigenvalues[forward or slice(None)]
+        self._known[little] = complex(roots[np.argmin(np.abs(roots - both))])
+
+    def _with(self, q: float) -> Rotor:
+        return replace(self._rotor, parts=(*self._rotor.parts, _coupling(self._node, q)))
 
     def __call__(self, q: float) -> StabilityCase:
         """Return the mode with the cross coupling q [N/m]."""
@@ -283,14 +299,16 @@ class _FirstForward:
     def _eigenvalue(self, q: float) -> complex:
         if q not in self._known:
             # from the nearest one that is known, by steps that leave no doubt which it is
-            nearest = min(self._known, key=lambda known: abs(known - q))
+            known = [k for k in self._known if k > 0 or len(self._known) == 1]
+            nearest = min(known, key=lambda k: abs(k - q))
             self._known[q] = self._onward(nearest, q)
         return self._known[q]
 
     def _onward(self, start: float, end: float, depth: int = 0) -> complex:
         expected = self._known[start]
-        rotor = replace(self._rotor, parts=(*self._rotor.parts, _coupling(self._node, end)))
-        found = modes(rotor, self._speed, count=_COUNT, contacts=self._contacts).eigenvalues
+        found = modes(
+            self._with(end), self._speed, count=_COUNT, contacts=self._contacts
+        ).eigenvalues
         away = np.sort(np.abs(found - expected))
         if len(found) == 0:
             raise LinearError(f"no mode oscillates with a cross coupling of {end:g} N/m")

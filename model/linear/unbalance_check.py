@@ -51,7 +51,7 @@ class ProbeLevel:
 class ClearanceLevel:
     """How much of a radial clearance [m] the motion takes at most between standstill and the
     maximum continuous speed: the part's name, amplitude 0-p of the major axis under the unbalance
-    [m] and the speed of it [rad/s]; the same once the unbalance is scaled until the probes reach
+    [m] and the speed of it [rad/s]; the same once the unbalance is scaled up until the probes reach
     their limit [m]."""
 
     name: str
@@ -263,6 +263,6 @@ class _Response:
             distance = [self._at(speed)[dof] - self._at(speed)[end] for speed in speeds]
             major = [float(orbit.semi_axes(*d)[0]) for d in distance]
             at = int(np.argmax(major))
-            scaled = scale * major[at] if major[at] else 0.0
+            scaled = max(scale, 1.0) * major[at] if major[at] else 0.0
             result.append(ClearanceLevel(name, clearance, major[at], float(speeds[at]), scaled))
         return result

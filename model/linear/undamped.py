@@ -20,7 +20,10 @@ from ..parts.support import Support
 from .machine import OPEN, PINNED, LinearError, LinearMachine
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
-_ALIKE = 1e-7  # relative distance of two frequencies that are one
+_APART = 1e-9  # of a matrix: what is smaller couples nothing
+# motion of x and y: forward circles, and in either plane
+_FORWARD = np.array([1.0, -1j]) / np.sqrt(2.0)
+_ACROSS, _UP = np.array([1.0, 0.0]), np.array([0.0, 1.0])
 _RIGID = 1e8  # of the rotor's mass times its lowest frequency squared
 
 
@@ -50,16 +53,24 @@ class UndampedMachine:
         """Return the forward critical speeds, ascending [rad/s], with this stiffness of all
         bearings [N/m]."""
         matrices = self._matrices
-        speeds, shapes = self._solve(stiffness, matrices.M - 1j * matrices.gyroscopic)
+        inverse = self._inverse(stiffness, matrices.M - 1j * matrices.gyroscopic)
+        forward, is_apart = _half(inverse, _FORWARD)
+        if is_apart:
+            return _solve(forward)[0]
+        speeds, shapes = _solve(inverse)
         x, y = shapes[::2], shapes[1::2]
-        forward, backward = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
-        return speeds[forward > backward]
+        turning, against = (np.sum(np.abs(x + s * 1j * y) ** 2, axis=0) for s in (1, -1))
+        return speeds[turning > against]
 
     def natural_frequencies(self, stiffness: float) -> np.ndarray:
         """Return the natural frequencies at standstill, ascending [rad/s], with this stiffness of
-        all bearings [N/m]; those of two planes that are alike once."""
-        speeds, _ = self._solve(stiffness, self._matrices.M.astype(complex))
-        return speeds[np.diff(speeds, prepend=0.0) > _ALIKE * speeds]
+        all bearings [N/m]; of two planes that are alike those of one."""
+        inverse = self._inverse(stiffness, self._matrices.M.astype(complex))
+        planes = [_half(inverse, plane)[0] for plane in (_ACROSS, _UP)]
+        speeds = [_solve(plane)[0] for plane in planes]
+        if np.abs(planes[0] - planes[1]).max() < _APART * np.abs(planes[0]).max():
+            return speeds[0]
+        return np.sort(np.concatenate(speeds))
 
     def planar_shapes(self, speed: float) -> np.ndarray:
         """Return the deflections of the modes at standstill along the nodes, the largest 1, by
@@ -67,24 +78,34 @@ class UndampedMachine:
         bearing has at a speed [rad/s]."""
         own = np.array([np.mean(direct_stiffness(b, speed)) for b in self.bearings.values()])
         own = np.minimum(own, self.rigid_stiffness)
-        matrices = self._matrices
-        flat = matrices.M.astype(complex)
-        flat[1::2] = 0.0  # motion in y is left out
-        speeds, shapes = self._solve(own, flat)
-        w = shapes[: 4 * self._nodes : 4].T
-        return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w[: len(speeds)]])
+        inverse = self._inverse(own, self._matrices.M.astype(complex))
+        _, shapes = _solve(_half(inverse, _ACROSS)[0])
+        w = shapes[: 2 * self._nodes : 2].T
+        return np.array([(s / s[np.argmax(np.abs(s))]).real for s in w])
 
-    def _solve(
-        self, stiffness: float | np.ndarray, mass: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Return frequencies, ascending [rad/s], and the shapes that belong to them."""
+    def _inverse(self, stiffness: float | np.ndarray, mass: np.ndarray) -> np.ndarray:
+        """Return K^-1 times a mass matrix."""
         each = np.broadcast_to(stiffness, len(self.bearings))
-        inverse, shapes = scipy.linalg.eig(self._matrices.over_stiffness(mass, each))
-        smallest = _REAL * np.abs(inverse).max() * _REAL
-        is_critical = (inverse.real > smallest) & (np.abs(inverse.imag) < _REAL * np.abs(inverse))
-        speeds = inverse.real[is_critical] ** -0.5
-        order = np.argsort(speeds)
-        return speeds[order], shapes[:, is_critical][:, order]
+        return self._matrices.over_stiffness(mass, each)
+
+
+def _half(matrix: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Return the part of a matrix for motion along (x, y) = `motion` at every dof, and whether it
+    leads to no other motion."""
+    size = len(matrix) // 2
+    blocks = matrix.reshape(size, 2, size, 2)
+    other = np.array([-motion[1].conj(), motion[0].conj()])
+    within, beside = (np.einsum("a,iajb,b->ij", m.conj(), blocks, motion) for m in (motion, other))
+    return within, bool(np.abs(beside).max() < _APART * np.abs(within).max())
+
+
+def _solve(inverse: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return frequencies, ascending [rad/s], and shapes of K^-1 M."""
+    values, shapes = scipy.linalg.eig(inverse)
+    is_critical = (values.real > 0) & (np.abs(values.imag) < _REAL * np.abs(values))
+    speeds = values.real[is_critical] ** -0.5
+    order = np.argsort(speeds)
+    return speeds[order], shapes[:, is_critical][:, order]
 
 
 def _bearings(rotor: Rotor, contacts: str) -> dict[str, Part]:

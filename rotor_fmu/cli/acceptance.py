@@ -16,6 +16,19 @@ from .linear import Contacts, Rated, RotorFile, print_answer, rated_speed
 
 if TYPE_CHECKING:
     from ..model.linear import Stage
+    from ..model.machine.rotor import Rotor
+
+Stages = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller [W, m, m, 1], whose cross "
+        "coupling follows from Alford's formula; repeatable."
+    ),
+]
+CrossCouplings = Annotated[
+    list[str] | None,
+    typer.Option(help="NODE:STIFFNESS of a given cross coupling [N/m]; repeatable."),
+]
 
 
 @with_output_options
@@ -65,17 +78,8 @@ def stability(
     rated: Rated = None,
     rotor: RotorFile = None,
     level: Annotated[int, typer.Option(help="Level of the analysis, 1 or 2.")] = 1,
-    stage: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller [W, m, m, 1], whose cross "
-            "coupling follows from Alford's formula; repeatable."
-        ),
-    ] = None,
-    cross_coupling: Annotated[
-        list[str] | None,
-        typer.Option(help="NODE:STIFFNESS of a given cross coupling [N/m]; repeatable."),
-    ] = None,
+    stage: Stages = None,
+    cross_coupling: CrossCouplings = None,
     node: Annotated[
         int | None,
         typer.Option(
@@ -92,12 +96,7 @@ def stability(
     if level not in (1, 2):
         raise InputError(f"--level {level}: must be 1 or 2")
     speed, (_, machine) = rated_speed(rated), load_rotor(rotor)
-    couplings: dict[int, float] = {}
-    given = [(s.node, s.cross_coupling(speed)) for s in map(_stage, stage or [])]
-    for number, q in (*given, *map(_coupling, cross_coupling or [])):
-        if not 1 <= number <= len(machine.nodes):
-            raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
-        couplings[number] = couplings.get(number, 0.0) + q
+    couplings = cross_couplings(machine, speed, stage, cross_coupling)
     from ..linear import acceptance
 
     result: acceptance.StabilityLevel1 | acceptance.StabilityLevel2
@@ -110,6 +109,20 @@ def stability(
     else:
         result = acceptance.level_2(machine, speed, cross_couplings=couplings, contacts=contacts)
     return print_answer(result, result.table(), result.figure(), out, "stability")
+
+
+def cross_couplings(
+    machine: Rotor, speed: float, stages: list[str] | None, given: list[str] | None
+) -> dict[int, float]:
+    """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
+    `--cross-coupling`."""
+    of_stages = [(s.node, s.cross_coupling(speed)) for s in map(_stage, stages or [])]
+    result: dict[int, float] = {}
+    for number, q in (*of_stages, *map(_coupling, given or [])):
+        if not 1 <= number <= len(machine.nodes):
+            raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
+        result[number] = result.get(number, 0.0) + q
+    return result
 
 
 def _stiffnesses(text: str) -> np.ndarray:

@@ -63,6 +63,10 @@ Rated = Annotated[
     str | None,
     typer.Option(help="Rated speed, such as 11000rpm: the range where --range is not given."),
 ]
+Clearances = Annotated[
+    list[str] | None,
+    typer.Option(help="NODE:RADIUS, radial clearance of a seal at a node [m]; repeatable."),
+]
 
 
 @with_output_options
@@ -79,8 +83,13 @@ def modes(
     from ..linear import answers
 
     _check_count(count)
+    from ..figure_style import save
+    from ..linear.mode_shapes import mode_shapes_figure
+
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    return print_answer(result, result.table(), result.figure(), out, "modes")
+    data = print_answer(result, result.table(), result.figure(), out, "modes")
+    save(mode_shapes_figure(result), out / "modes_3d.png")
+    return data
 
 
 @with_output_options
@@ -132,10 +141,7 @@ def unbalance(
     ] = 2.0,
     operating: OperatingRange = None,
     rated: Rated = None,
-    clearance: Annotated[
-        list[str] | None,
-        typer.Option(help="NODE:RADIUS, radial clearance of a seal at a node [m]; repeatable."),
-    ] = None,
+    clearance: Clearances = None,
     contacts: Contacts = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
 ) -> dict[str, Any]:
@@ -147,7 +153,7 @@ def unbalance(
     speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
     given = [_unbalance(text) for text in at] if at else None
     ends = operating_range(operating, rated)
-    gaps = dict(_clearance(text) for text in clearance or [])
+    gaps = dict(clearance_of(text) for text in clearance or [])
     if mode is not None and given:
         raise InputError("--mode and --unbalance: only one of both may place unbalances")
     if (mode is not None or gaps) and ends is None:
@@ -324,7 +330,8 @@ def rated_speed(text: str) -> float:
     return speed
 
 
-def _clearance(text: str) -> tuple[int, float]:
+def clearance_of(text: str) -> tuple[int, float]:
+    """The node and the radial clearance [m] of `NODE:RADIUS`."""
     try:
         node, _, radius = text.partition(":")
         result = int(node), float(radius)

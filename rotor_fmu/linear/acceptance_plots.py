@@ -157,7 +157,9 @@ def level_1_figure(result: StabilityLevel1) -> Figure:
     axes = grid[0, 0]
     axes.plot(result.stiffness, result.log_dec, color=BLUE, lw=1.8)
     axes.axhline(0, color="black", lw=1.0)
-    axes.axhline(LEAST_LOG_DEC, color=GREY, lw=1.0, ls=(0, (4, 3)), label=f"{LEAST_LOG_DEC:g}")
+    axes.axhline(
+        LEAST_LOG_DEC, color=GREY, lw=1.0, ls=(0, (4, 3)), label=f"least, {LEAST_LOG_DEC:g}"
+    )
     if result.anticipated:
         axes.axvline(result.anticipated, color=GREEN, lw=1.3, label="QA, anticipated")
     if result.threshold is not None:

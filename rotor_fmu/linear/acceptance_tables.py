@@ -72,10 +72,15 @@ def unbalance_check_table(result: UnbalanceCheck) -> Table:
     title = (
         f"API 617 between {rpm(result.low):.5g} and {rpm(result.high):.5g} rev/min, contacts "
         f"{result.contacts}: critical speeds (um 0-p) with separation margins, probes (um p-p) "
-        f"against {result.limit * 1e6:.4g} um, clearances (um 0-p of the unbalance times "
-        f"{result.scale:.3g}, which brings the probes to that limit) against 75 %"
+        f"against {result.limit * 1e6:.4g} um, clearances (um 0-p{_scaled(result)}) against 75 %"
     )
     return Table(title, heads, list(_check_rows(result)))
+
+
+def _scaled(result: UnbalanceCheck) -> str:
+    if not 1 < result.scale < math.inf:
+        return ""
+    return f" of the unbalance times {result.scale:.3g}, which brings the probes to that limit"
 
 
 def _check_rows(result: UnbalanceCheck) -> Iterable[tuple[object, ...]]:

@@ -25,6 +25,7 @@ PURPLE, RANGE = "#cc79a7", "#56b4e9"
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
 _WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _MOST_SHAPES = 6
+_REACH = 4.0  # of the line of the excitation: frequencies that are shown
 _FINE = 12  # points an element of a curve through the nodes
 
 
@@ -135,8 +136,10 @@ def campbell_figure(result: Campbell) -> Figure:
     label = f"{times}the speed"
     handles.append(Line2D([], [], color="black", lw=1.0, ls=(0, (4, 3)), label=label))
     above.legend(handles=handles, frameon=False, loc="upper left", fontsize=8)
-    highest = np.nanmax(frequency, initial=0.0)
-    above.set_ylim(0, 1.05 * max(highest, 1e-9))
+    highest = 1.05 * np.nanmax(frequency, initial=0.0)
+    # not so far that the line of the speed, and what it meets, becomes flat
+    reach = max(_REACH * result.harmonic * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
+    above.set_ylim(0, max(min(highest, reach), 1e-9))
     above.set_xlim(speed[0], speed[-1])
     above.set_ylabel("Frequency [Hz]")
     below.set_ylabel("Logarithmic decrement [1]")
