@@ -21,6 +21,7 @@ from ..model.parts.base import Interface, Part, Probe
 from ..model.parts.unbalance import Unbalance
 
 _TURNS = 1200.0  # of a run up or down
+_SETTLING = 60.0  # turns at the first speed, before the run begins
 _FIRST = 0.1  # of the highest speed: where a run begins
 _POINTS = 400
 _BINS = 120
@@ -216,8 +217,9 @@ def _run(
 ) -> RubRun:
     """Run the machine up or down with its contacts."""
     first = _FIRST * top
-    stop = _TURNS * 4 * math.pi / (first + top)
     ends = (first, top) if direction == "run-up" else (top, first)
+    settled = _SETTLING * 2 * math.pi / ends[0]  # until the start at this speed is forgotten
+    stop = settled + _TURNS * 4 * math.pi / (first + top)
     machine = Machine(rotor, "")
     contacts = list(_contacts(rotor))
     record = [f"{name}.{what}" for name in contacts for what in ("fn", "contact")]
@@ -226,22 +228,23 @@ def _run(
         warnings.simplefilter("ignore")
         result = simulate(
             machine,
-            speed=([0.0, stop], list(ends)),
+            speed=([0.0, settled, stop], [ends[0], *ends]),
             tolerance=1e-3,
             record=record,
             step=stop / _POINTS,
         )
-    speed, amplitude = _amplitude(result, place)
-    seen = tuple(_contact_run(result, name, operating) for name in contacts)
+    after = result.t >= settled
+    speed, amplitude = _amplitude(result, place, after)
+    seen = tuple(_contact_run(result, name, operating, after) for name in contacts)
     return RubRun(direction, result.status, speed, amplitude, seen)
 
 
-def _amplitude(result: Result, place: str) -> tuple[np.ndarray, np.ndarray]:
+def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return speeds [rad/s] and the largest distance from the mean in each of `_BINS` bins [m]."""
     if not place:
         return np.zeros(0), np.zeros(0)
-    w = np.abs(result.speed)
-    z = result[f"{place}.x"] + 1j * result[f"{place}.y"]
+    w = np.abs(result.speed)[after]
+    z = (result[f"{place}.x"] + 1j * result[f"{place}.y"])[after]
     edges = np.linspace(w.min(), w.max(), _BINS + 1)
     bins = np.clip(np.digitize(w, edges) - 1, 0, _BINS - 1)
     middles = (edges[:-1] + edges[1:]) / 2
@@ -254,10 +257,12 @@ def _radius(z: np.ndarray) -> float:
     return float(np.abs(z - z.mean()).max()) if len(z) > 2 else math.nan
 
 
-def _contact_run(result: Result, name: str, operating: tuple[float, float]) -> ContactRun:
-    w = np.abs(result.speed)
-    touches = result[f"{name}.contact"] > 0.5
-    weight = np.gradient(result.t)
+def _contact_run(
+    result: Result, name: str, operating: tuple[float, float], after: np.ndarray
+) -> ContactRun:
+    w = np.abs(result.speed)[after]
+    touches = result[f"{name}.contact"][after] > 0.5
+    weight = np.gradient(result.t[after])
     inside = (w >= operating[0]) & (w <= operating[1])
     where = np.flatnonzero(touches)
     first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
@@ -267,5 +272,5 @@ def _contact_run(result: Result, name: str, operating: tuple[float, float]) -> C
         last,
         float(weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)),
         float(weight[touches].sum() / weight.sum()),
-        float(result[f"{name}.fn"].max(initial=0.0)),
+        float(result[f"{name}.fn"][after].max(initial=0.0)),
     )

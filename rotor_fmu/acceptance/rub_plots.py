@@ -11,6 +11,7 @@ from ..linear.linear_plots import RANGE, new_figure
 from .rub_check import RubCheck
 
 _RPM = 30 / math.pi
+_HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one is not shown
 
 
 def rub_figure(rub: RubCheck) -> Figure:
@@ -32,7 +33,8 @@ def rub_figure(rub: RubCheck) -> Figure:
     for gap in gaps:
         axes.axhline(gap * 1e6, color=GREEN, lw=1.0, ls=":", label=f"clearance {gap * 1e6:.4g} um")
     largest = max((float(run.amplitude.max(initial=0.0)) for run in rub.runs), default=0.0)
-    axes.set_ylim(0, 1.5e6 * max(largest, *gaps, 1e-9))
+    linear = min(float(rub.linear.max(initial=0.0)), _HIGHEST * largest)
+    axes.set_ylim(0, 1.1e6 * max(largest, linear, *gaps, 1e-9))
     axes.set_xlabel("Rotational speed [rev/min]; the operating range is shaded")
     axes.set_ylabel(f"Amplitude of {rub.place} 0-p [um]")
     axes.legend(frameon=False, fontsize=8)

@@ -38,6 +38,7 @@ COMMANDS = {
         "critical-map": "acceptance:critical_map",
         "unbalance": "linear:unbalance",
         "stability": "acceptance:stability",
+        "balance": "balancing:balance",
         "static": "linear:static",
         "response": "periodic:response",
         "import-ross": "linear:import_ross",

@@ -19,6 +19,7 @@ from ..model.linear.unbalance import UnbalanceResponse
 _DERIVED = (
     *("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"),
     *("amplification", "is_one_sided", "is_met", "ratio", "is_level_2_required"),
+    *("residual", "conclusion"),
 )
 _MOST_SPEEDS = 12  # of a table of the response
 
