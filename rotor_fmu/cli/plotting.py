@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,12 @@ from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
+from ..runs.job import load_rotor, write_json
+from .acceptance import CrossCouplings, Stages, cross_couplings
+from .linear import Clearances, OperatingRange, Rated, clearance_of, operating_range
+
+if TYPE_CHECKING:
+    from ..model.machine.rotor import Rotor
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
@@ -60,18 +66,86 @@ def plot(
     return {"out": picture}
 
 
+def _machine_page(
+    machine: Rotor,
+    ends: tuple[float, float],
+    probes: list[int] | None,
+    mode: int | None,
+    clearances: dict[int, float],
+    couplings: dict[int, float],
+    out: Path,
+) -> dict[str, Any]:
+    """Write the page of a machine and its numbers beside it."""
+    from ..acceptance.page import Question, machine_report
+
+    writable_folder(out.parent)
+    if out.is_dir():
+        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    asked = Question(*ends, probes, mode, clearances, couplings)
+    result = machine_report(machine, asked)
+    write_text(result.html, out)
+    write_json(dict(result.numbers), out.with_suffix(".json"))
+    for conclusion in result.conclusions:
+        typer.echo(conclusion)
+    typer.echo(out)
+    return {"out": out, **result.numbers}
+
+
 @with_output_options
 def report(
     paths: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Argument(
-            metavar="RUN_OR_STUDY [RUN]",
+            metavar="[RUN_OR_STUDY [RUN]]",
             help="Folder of a run, or of two runs to compare, or of a study.",
         ),
-    ],
+    ] = None,
+    rotor: Annotated[
+        Path | None,
+        typer.Option(help="Machine file, whose own report is written in the place of a run's."),
+    ] = None,
+    operating: OperatingRange = None,
+    rated: Rated = None,
+    node: Annotated[
+        list[int] | None,
+        typer.Option(
+            help="With --rotor: node of a probe, from 1; repeatable; default: the largest orbits."
+        ),
+    ] = None,
+    mode: Annotated[
+        int | None,
+        typer.Option(
+            help="With --rotor: place the unbalances of API 617 (4W/N) for this mode, from 1; "
+            "default: the machine's own unbalances."
+        ),
+    ] = None,
+    clearance: Clearances = None,
+    stage: Stages = None,
+    cross_coupling: CrossCouplings = None,
     out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
 ) -> dict[str, Any]:
-    """Write the report page of a run, of two runs compared with each other, or of a study."""
+    """Write the report page of a run, of two runs compared with each other, of a study, or, with
+    --rotor, of a machine: statics, critical speeds, modes, response, stability, contact.
+
+    The report of a machine holds it against API 617 and 684 in the operating range of --range or
+    --rated, and carries the check on into contact: where its response closes a clearance it is run
+    up and down with its contacts.
+    """
+    if rotor is not None:
+        if paths:
+            raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
+        ends = operating_range(operating, rated)
+        if ends is None:
+            raise InputError("--range: must be given, such as --range 9000:11000rpm, or --rated")
+        machine = load_rotor(rotor)[1]
+        gaps = dict(map(clearance_of, clearance or []))
+        for number in (*(node or []), *gaps):
+            if not 1 <= number <= len(machine.nodes):
+                raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
+        couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
+        return _machine_page(machine, ends, node, mode, gaps, couplings, out)
+    if not paths:
+        raise InputError("RUN_OR_STUDY: must be given, or a machine by --rotor")
     from ..plotting.reading import (
         is_study,
         read_run,
