@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..machine_file.reading import si_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
@@ -288,6 +289,7 @@ def parse(toml: str) -> Machine:
     rotor_fmu.errors.InputError: bearing[1].clearance = -1e-06 m: must be > 0 and finite
     """
     try:
-        return Machine(parse_rotor(toml), toml)
+        plain = si_text(toml)
+        return Machine(parse_rotor(plain), plain)
     except QuantityError as error:
         raise InputError(str(error)) from error

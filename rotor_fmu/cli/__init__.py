@@ -21,6 +21,7 @@ _RUNS, _FMU, _LINEAR = "Runs", "FMUs", "Machines"
 COMMANDS = {
     _RUNS: {
         "run-down": "runs:run_down",
+        "run-up": "runs:run_up",
         "study": "studies:study",
         "plot": "plotting:plot",
         "report": "plotting:report",

@@ -14,7 +14,7 @@ from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
-from ..units import units_for
+from ..units import in_si, units_for
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -194,14 +194,7 @@ def _print_answer(
 
 def one_speed(text: str) -> float:
     """A speed [rad/s] of `300`, `3000rpm`, `50Hz`; `InputError` for anything else."""
-    plain, factor = _without_unit(text)
-    try:
-        value = float(plain) * factor
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"--speed {text}: must be a number, in rad/s or with rpm or Hz behind it")
-    return value
+    return in_si("--speed", text, "rad/s")
 
 
 def _without_unit(text: str) -> tuple[str, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,6 +12,7 @@ from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
+from ..units import in_si
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
@@ -26,8 +26,11 @@ def plot(
         typer.Option(help="Part to plot, such as disc[2]; default: the largest motion or force."),
     ] = None,
     speed: Annotated[
-        float | None,
-        typer.Option(help="Speed of an orbit or a spectrum [Hz]; default: the 1x peak."),
+        str | None,
+        typer.Option(
+            help="Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: "
+            "the 1x peak."
+        ),
     ] = None,
     pp: Annotated[
         bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
@@ -40,8 +43,9 @@ def plot(
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
-    if speed is not None and not 0 < abs(speed) < math.inf:
-        raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
+    at = None if speed is None else in_si("--speed", speed, "rad/s")
+    if at == 0:
+        raise InputError(f"--speed {speed}: must not be 0")
     from ..figure_style import save
     from ..plotting.reading import read_run
     from ..report.signal_plots import KINDS
@@ -50,7 +54,7 @@ def plot(
 
     recorded = read_run(run)
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
-    view = View(recorded, place, None if speed is None else speed * 2 * math.pi, pp)
+    view = View(recorded, place, at, pp)
     try:
         figure = KINDS[kind](view)
     except TooFewTurns as error:

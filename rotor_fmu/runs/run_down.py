@@ -31,6 +31,7 @@ from .signals import Driver, Signals
 
 _RECORDER_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
+_NO_PARTS = ("", "solver", "energy")
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
 
 
@@ -215,7 +216,7 @@ def usual(rotor: Rotor) -> tuple[str, ...]:
         str(name)
         for name in names
         if (name.kind, name.quantity) in _USUAL
-        or (name.number and name.quantity in _USUAL_OF_PARTS)
+        or (name.kind not in _NO_PARTS and name.quantity in _USUAL_OF_PARTS)
         or (name.kind == "energy" and name.quantity.endswith("_loss"))
     )
 
