@@ -11,10 +11,10 @@ import numpy as np
 import typer
 
 from ..errors import InputError, writable_folder
-from ..files import write_text
+from ..files import unfinished, write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
-from ..units import in_si, units_for
+from ..units import in_si, split, units_for
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -106,7 +106,8 @@ def unbalance(
         list[str] | None,
         typer.Option(
             "--unbalance",
-            help="NODE:AMOUNT[:DEGREES] in kg m, replaces the machine's unbalances; repeatable.",
+            help="NODE:AMOUNT:DEGREES, such as 4:50g.mm:90, or in kg.m; replaces the machine's "
+            "unbalances; repeatable.",
         ),
     ] = None,
     contacts: Contacts = None,
@@ -124,6 +125,8 @@ def unbalance(
         speeds = np.linspace(0.0, _highest(machine, contacts), 401)
     result = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
     nodes = node or result.nodes()
+    writable_folder(out)
+    _write_response(result, nodes, out / "unbalance.csv")
     return _print_answer(result, result.table(nodes), result.figure(nodes), out, "unbalance")
 
 
@@ -231,13 +234,36 @@ def speed_range(text: str | None, points: int) -> np.ndarray:
 def _unbalance(text: str) -> tuple[int, float, float]:
     try:
         node, amount, *phase = text.split(":")
-        result = int(node), float(amount), math.radians(float(phase[0])) if phase else 0.0
-        is_known = len(phase) < 2 and all(map(math.isfinite, result))
+        number = int(node)
+        degrees = float(phase[0]) if phase else 0.0
+        is_known = len(phase) < 2 and math.isfinite(degrees)
     except ValueError:
         is_known = False
-    if not is_known:
+    if not is_known or split(amount) is None:
         raise InputError(f"--unbalance {text}: must be NODE:AMOUNT or NODE:AMOUNT:DEGREES")
-    return result
+    return number, in_si(f"--unbalance {number}:", amount, "kg.m"), math.radians(degrees)
+
+
+def _write_response(result: Any, nodes: list[int], path: Path) -> None:
+    """A row a speed: of each node the amplitudes 0-p, the phases and the semi-axes."""
+    import csv
+
+    columns = {"speed [rad/s]": result.speeds}
+    for node in nodes:
+        at = node - 1
+        columns |= {
+            f"node[{node}].x [m]": np.abs(result.x[:, at]),
+            f"node[{node}].y [m]": np.abs(result.y[:, at]),
+            f"node[{node}].x_phase [rad]": result.phase_x[:, at],
+            f"node[{node}].y_phase [rad]": result.phase_y[:, at],
+            f"node[{node}].major [m]": result.major[:, at],
+            f"node[{node}].minor [m]": result.minor[:, at],
+        }
+    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow([f"{value:.9g}" for value in row])
 
 
 def _check_count(count: int) -> None:

@@ -13,17 +13,26 @@ from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
 from ..units import in_si
+from .completion import one_of, places
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
 
 @with_output_options
 def plot(
-    kind: Annotated[str, typer.Argument(help=f"Kind of plot, one of {', '.join(PLOTS)}.")],
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help=f"Kind of plot, one of {', '.join(PLOTS)}.", autocompletion=one_of(PLOTS)
+        ),
+    ],
     run: Annotated[Path, typer.Argument(help="Folder of a run, which holds its recording.npz.")],
     place: Annotated[
         str | None,
-        typer.Option(help="Part to plot, such as disc[2]; default: the largest motion or force."),
+        typer.Option(
+            help="Part to plot, such as disc[2]; default: the largest motion or force.",
+            autocompletion=places,
+        ),
     ] = None,
     speed: Annotated[
         str | None,

@@ -34,6 +34,7 @@ from ..runs.run_plots import write_run_pictures
 from ..runs.sentences import sentences
 from ..runs.summary import summary
 from ..runs.verification import finer_job
+from .completion import one_of, settable
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
@@ -45,7 +46,10 @@ Free = Annotated[
 Sets = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", help="Set a parameter, or an input that stays constant: NAME=VALUE; repeatable."
+        "--set",
+        help="Set a parameter, or an input that stays constant: NAME=VALUE, with or without unit; "
+        "repeatable.",
+        autocompletion=settable,
     ),
 ]
 
@@ -53,7 +57,11 @@ Sets = Annotated[
 def _run(
     is_up: bool,
     preset: Annotated[
-        str | None, typer.Option(help=f"Preset of the solver, one of {', '.join(PRESETS)}.")
+        str | None,
+        typer.Option(
+            help=f"Preset of the solver, one of {', '.join(PRESETS)}.",
+            autocompletion=one_of(PRESETS),
+        ),
     ] = None,
     sets: Sets = None,
     signals: Annotated[
@@ -159,10 +167,10 @@ def _run(
 def run_down(**options: Any) -> dict[str, Any]:
     """Run a machine down from its highest speed, and write a summary, a CSV file and pictures.
 
-    The speed falls as the machine file's [operation] says, or as the options do. The run is made by
-    the built FMU; the pictures are drawn from the same run without it, recorded at the solver's own
-    steps. With --verify the run is compared with the same run, solved more finely: the command
-    shows peaks and final state of both, and its conclusion.
+    The speed falls as the table `operation` of the machine file says, or as the options do. The run
+    is made by the built FMU; the pictures are drawn from the same run without it, recorded at the
+    solver's own steps. With --verify the run is compared with the same run, solved more finely: the
+    command shows peaks and final state of both, and its conclusion.
     """
     return _run(False, **options)
 

@@ -40,6 +40,9 @@ class _Displayed(ABC):
     def figure(self) -> Figure:
         """Draw the result."""
 
+    def __repr__(self) -> str:
+        return f"<{self.table().title}>"
+
     def _repr_html_(self) -> str:
         return self.table().html()
 
@@ -49,7 +52,7 @@ class _Displayed(ABC):
         return buffer.getvalue()
 
 
-class Modes(linear.Modes, _Displayed):
+class Modes(_Displayed, linear.Modes):
     """`model.linear.Modes`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -73,7 +76,7 @@ class Modes(linear.Modes, _Displayed):
         return linear_plots.modes_figure(self)
 
 
-class Campbell(linear.Campbell, _Displayed):
+class Campbell(_Displayed, linear.Campbell):
     """`model.linear.Campbell`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -97,7 +100,7 @@ class Campbell(linear.Campbell, _Displayed):
         return linear_plots.campbell_figure(self)
 
 
-class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
+class UnbalanceResponse(_Displayed, linear.UnbalanceResponse):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
@@ -142,7 +145,7 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
         return linear_plots.unbalance_figure(self, nodes or self.nodes())
 
 
-class Static(linear.Static, _Displayed):
+class Static(_Displayed, linear.Static):
     """`model.linear.Static`, shown."""
 
     def table(self) -> linear_tables.Table:

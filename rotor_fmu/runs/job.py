@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import difflib
 import math
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from ..fmi.packing.machine_files import fmu_identifier
 from ..fmi.packing.python_fmu import build, is_current
 from ..fmi.solver_parameters import AS_PRESET, settings_of
 from ..fmi.variables import Variable
+from ..machine_file.plausibility import questions
 from ..machine_file.reading import machine_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
@@ -28,6 +30,7 @@ from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..output_options import json_text
 from ..status import FAILED, with_doubt
+from ..units import in_si, split
 from . import PLOTS
 from .progress import shown
 from .ramp import RampGiven
@@ -43,14 +46,22 @@ RESULTS = (
 _MOST_ROWS = 2e6
 
 
-def load_rotor(path: Path | None) -> tuple[str, Rotor]:
+def _to_screen(question: str) -> None:
+    print(f"rotor-fmu: warning: {question}", file=sys.stderr, flush=True)
+
+
+def load_rotor(path: Path | None, ask: Callable[[str], None] = _to_screen) -> tuple[str, Rotor]:
     """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
-    one."""
+    one; ask: takes the questions about values that nobody means."""
     text = rig_toml() if path is None else machine_text("--rotor", path)
     try:
-        return text, parse_rotor(text)
+        rotor = parse_rotor(text)
+        asked = questions(rotor)
     except QuantityError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error
+    for question in asked:
+        ask(f"{path}: {question}" if path else question)
+    return text, rotor
 
 
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
@@ -92,10 +103,15 @@ def _parse_value(variable: Variable, text: str) -> float:
             return int(text)
         listed = ", ".join(f"{i} {name}" for i, name in enumerate(variable.choices))
         raise InputError(f"--set {variable.name} = {text}: must be one of {listed}")
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(f"--set {variable.name} = {text}: must be a number") from None
+    parts = split(text)
+    if parts and parts[1]:
+        value = in_si(f"--set {variable.name} =", text, variable.unit)
+        text = f"{value:g}"
+    else:
+        try:
+            value = float(text)
+        except ValueError:
+            raise InputError(f"--set {variable.name} = {text}: must be a number") from None
     low = float("-inf") if variable.low is None else variable.low
     high = float("inf") if variable.high is None else variable.high
     if not low <= value <= high or value in (float("inf"), float("-inf")):

@@ -24,6 +24,7 @@ from ..model.machine.rotor import Rotor
 from ..model.simulation import StepFailure
 from ..model.spelling import Message
 from ..model.time_loop.recorder import Record, recordable
+from ..short_repr import ShortRepr
 from ..status import FAILED, messages_and_codes, status_of
 from .progress import ReportProgress, silent
 from .recording import Recording
@@ -47,8 +48,8 @@ class Plan:
     step: float
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(ShortRepr):
     """A run at its communication points.
 
     t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: see
