@@ -91,11 +91,10 @@ def stability(
 ) -> dict[str, Any]:
     """Compute the stability of the first forward mode at the rated speed by API 617: its
     logarithmic decrement over the cross coupling (level 1) or with each seal (level 2)."""
-    if rated is None:
-        raise InputError("--rated: must be given, such as --rated 11000rpm")
     if level not in (1, 2):
         raise InputError(f"--level {level}: must be 1 or 2")
-    speed, (_, machine) = rated_speed(rated), load_rotor(rotor)
+    machine = load_rotor(rotor)[1]
+    speed = rated_speed(rated, machine)
     couplings = cross_couplings(machine, speed, stage, cross_coupling)
     from ..linear import acceptance
 

@@ -12,10 +12,10 @@ import numpy as np
 import typer
 
 from ..errors import InputError, writable_folder
-from ..files import write_text
+from ..files import unfinished, write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
-from ..units import units_for
+from ..units import in_si, split, units_for
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -56,12 +56,16 @@ OperatingRange = Annotated[
     str | None,
     typer.Option(
         "--range",
-        help="Minimum and maximum continuous speed FROM:TO, in rad/s, or with rpm or Hz added.",
+        help="Minimum and maximum continuous speed FROM:TO, in rad/s, or with rpm or Hz added; "
+        "default: those of the machine's [operation].",
     ),
 ]
 Rated = Annotated[
     str | None,
-    typer.Option(help="Rated speed, such as 11000rpm: the range where --range is not given."),
+    typer.Option(
+        help="Rated speed, such as 11000rpm: the range where --range is not given; default: the "
+        "machine's own."
+    ),
 ]
 Clearances = Annotated[
     list[str] | None,
@@ -127,7 +131,8 @@ def unbalance(
         list[str] | None,
         typer.Option(
             "--unbalance",
-            help="NODE:AMOUNT[:DEGREES] in kg m, replaces the machine's unbalances; repeatable.",
+            help="NODE:AMOUNT:DEGREES, such as 4:50g.mm:90, or in kg.m; replaces the machine's "
+            "unbalances; repeatable.",
         ),
     ] = None,
     mode: Annotated[
@@ -152,7 +157,7 @@ def unbalance(
     """
     speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
     given = [_unbalance(text) for text in at] if at else None
-    ends = operating_range(operating, rated)
+    ends = operating_range(operating, rated, machine)
     gaps = dict(clearance_of(text) for text in clearance or [])
     if mode is not None and given:
         raise InputError("--mode and --unbalance: only one of both may place unbalances")
@@ -172,6 +177,8 @@ def unbalance(
         speeds = np.linspace(0.0, highest, 401)
     result = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
     nodes = node or result.nodes()
+    writable_folder(out)
+    _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:
         top = float(np.abs(speeds).max())
         checked: Any = acceptance.critical_peaks(
@@ -267,14 +274,7 @@ def print_answer(
 
 def one_speed(text: str, option: str = "--speed") -> float:
     """A speed [rad/s] of `300`, `3000rpm`, `50Hz`; `InputError` for anything else."""
-    plain, factor = _without_unit(text, option)
-    try:
-        value = float(plain) * factor
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"{option} {text}: must be a number, in rad/s or with rpm or Hz behind it")
-    return value
+    return in_si(option, text, "rad/s")
 
 
 def _without_unit(text: str, option: str) -> tuple[str, float]:
@@ -308,13 +308,17 @@ def speed_range(text: str | None, points: int, option: str = "--speed") -> np.nd
     return np.linspace(low, high, count)
 
 
-def operating_range(text: str | None, rated: str | None) -> tuple[float, float] | None:
+def operating_range(
+    text: str | None, rated: str | None, machine: Rotor
+) -> tuple[float, float] | None:
     """The minimum and maximum continuous speed [rad/s] of `--range` and `--rated`, the range alone
-    where both are given; None without either."""
+    where both are given; without either those of the machine's own `[operation]`, None if it has
+    none."""
     if text is None:
         if rated is None:
-            return None
-        speed = rated_speed(rated)
+            own = [speed for speed in machine.operation.continuous_speeds if speed > 0]
+            return (own[0], own[-1]) if own else None
+        speed = rated_speed(rated, machine)
         return speed, speed
     ends = speed_range(text, 2, "--range")
     if len(ends) != 2 or ends[0] <= 0:
@@ -322,8 +326,15 @@ def operating_range(text: str | None, rated: str | None) -> tuple[float, float] 
     return float(ends[0]), float(ends[1])
 
 
-def rated_speed(text: str) -> float:
-    """The speed [rad/s] of `--rated`."""
+def rated_speed(text: str | None, machine: Rotor) -> float:
+    """The speed [rad/s] of `--rated`, or the machine's own."""
+    if text is None:
+        own = machine.operation.rated_speed
+        if own is None:
+            raise InputError(
+                "--rated: must be given, such as --rated 11000rpm, or operation.rated_speed"
+            )
+        return own
     speed = one_speed(text, "--rated")
     if speed <= 0:
         raise InputError(f"--rated {text}: must be above 0")
@@ -345,13 +356,36 @@ def clearance_of(text: str) -> tuple[int, float]:
 def _unbalance(text: str) -> tuple[int, float, float]:
     try:
         node, amount, *phase = text.split(":")
-        result = int(node), float(amount), math.radians(float(phase[0])) if phase else 0.0
-        is_known = len(phase) < 2 and all(map(math.isfinite, result))
+        number = int(node)
+        degrees = float(phase[0]) if phase else 0.0
+        is_known = len(phase) < 2 and math.isfinite(degrees)
     except ValueError:
         is_known = False
-    if not is_known:
+    if not is_known or split(amount) is None:
         raise InputError(f"--unbalance {text}: must be NODE:AMOUNT or NODE:AMOUNT:DEGREES")
-    return result
+    return number, in_si(f"--unbalance {number}:", amount, "kg.m"), math.radians(degrees)
+
+
+def _write_response(result: Any, nodes: list[int], path: Path) -> None:
+    """A row a speed: of each node the amplitudes 0-p, the phases and the semi-axes."""
+    import csv
+
+    columns = {"speed [rad/s]": result.speeds}
+    for node in nodes:
+        at = node - 1
+        columns |= {
+            f"node[{node}].x [m]": np.abs(result.x[:, at]),
+            f"node[{node}].y [m]": np.abs(result.y[:, at]),
+            f"node[{node}].x_phase [rad]": result.phase_x[:, at],
+            f"node[{node}].y_phase [rad]": result.phase_y[:, at],
+            f"node[{node}].major [m]": result.major[:, at],
+            f"node[{node}].minor [m]": result.minor[:, at],
+        }
+    with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow([f"{value:.9g}" for value in row])
 
 
 def _check_count(count: int) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,7 +13,9 @@ from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
 from ..runs.job import load_rotor, write_json
+from ..units import in_si
 from .acceptance import CrossCouplings, Stages, cross_couplings
+from .completion import one_of, places
 from .linear import Clearances, OperatingRange, Rated, clearance_of, operating_range
 
 if TYPE_CHECKING:
@@ -25,15 +26,26 @@ if TYPE_CHECKING:
 
 @with_output_options
 def plot(
-    kind: Annotated[str, typer.Argument(help=f"Kind of plot, one of {', '.join(PLOTS)}.")],
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help=f"Kind of plot, one of {', '.join(PLOTS)}.", autocompletion=one_of(PLOTS)
+        ),
+    ],
     run: Annotated[Path, typer.Argument(help="Folder of a run, which holds its recording.npz.")],
     place: Annotated[
         str | None,
-        typer.Option(help="Part to plot, such as disc[2]; default: the largest motion or force."),
+        typer.Option(
+            help="Part to plot, such as disc[2]; default: the largest motion or force.",
+            autocompletion=places,
+        ),
     ] = None,
     speed: Annotated[
-        float | None,
-        typer.Option(help="Speed of an orbit or a spectrum [Hz]; default: the 1x peak."),
+        str | None,
+        typer.Option(
+            help="Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: "
+            "the 1x peak."
+        ),
     ] = None,
     pp: Annotated[
         bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
@@ -46,8 +58,9 @@ def plot(
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
-    if speed is not None and not 0 < abs(speed) < math.inf:
-        raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
+    at = None if speed is None else in_si("--speed", speed, "rad/s")
+    if at == 0:
+        raise InputError(f"--speed {speed}: must not be 0")
     from ..figure_style import save
     from ..plotting.reading import read_run
     from ..report.signal_plots import KINDS
@@ -56,7 +69,7 @@ def plot(
 
     recorded = read_run(run)
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
-    view = View(recorded, place, None if speed is None else speed * 2 * math.pi, pp)
+    view = View(recorded, place, at, pp)
     try:
         figure = KINDS[kind](view)
     except TooFewTurns as error:
@@ -134,10 +147,13 @@ def report(
     if rotor is not None:
         if paths:
             raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
-        ends = operating_range(operating, rated)
-        if ends is None:
-            raise InputError("--range: must be given, such as --range 9000:11000rpm, or --rated")
         machine = load_rotor(rotor)[1]
+        ends = operating_range(operating, rated, machine)
+        if ends is None:
+            raise InputError(
+                "--range: must be given, such as --range 9000:11000rpm, or --rated, or the "
+                "machine's [operation]"
+            )
         gaps = dict(map(clearance_of, clearance or []))
         for number in (*(node or []), *gaps):
             if not 1 <= number <= len(machine.nodes):

@@ -18,7 +18,7 @@ from .answers import Displayed, Machine, displayed, rotor_of
 from .linear_tables import Table
 
 
-class CriticalMap(linear.CriticalMap, Displayed):
+class CriticalMap(Displayed, linear.CriticalMap):
     """`model.linear.CriticalMap`, shown."""
 
     def table(self) -> Table:
@@ -42,7 +42,7 @@ class CriticalMap(linear.CriticalMap, Displayed):
         return acceptance_plots.critical_map_figure(self)
 
 
-class UnbalanceCheck(linear.UnbalanceCheck, Displayed):
+class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
     """`model.linear.UnbalanceCheck`, shown."""
 
     def table(self) -> Table:
@@ -99,7 +99,7 @@ class CriticalPeaks(Displayed):
         return acceptance_plots.peaks_figure(self.criticals)
 
 
-class StabilityLevel1(linear.StabilityLevel1, Displayed):
+class StabilityLevel1(Displayed, linear.StabilityLevel1):
     """`model.linear.StabilityLevel1`, shown."""
 
     def table(self) -> Table:
@@ -123,7 +123,7 @@ class StabilityLevel1(linear.StabilityLevel1, Displayed):
         return acceptance_plots.level_1_figure(self)
 
 
-class StabilityLevel2(linear.StabilityLevel2, Displayed):
+class StabilityLevel2(Displayed, linear.StabilityLevel2):
     """`model.linear.StabilityLevel2`, shown."""
 
     def table(self) -> Table:

@@ -41,6 +41,9 @@ class Displayed(ABC):
     def figure(self) -> Figure:
         """Draw the result."""
 
+    def __repr__(self) -> str:
+        return f"<{self.table().title}>"
+
     def _repr_html_(self) -> str:
         return self.table().html()
 
@@ -50,7 +53,7 @@ class Displayed(ABC):
         return buffer.getvalue()
 
 
-class Modes(linear.Modes, Displayed):
+class Modes(Displayed, linear.Modes):
     """`model.linear.Modes`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -74,7 +77,7 @@ class Modes(linear.Modes, Displayed):
         return linear_plots.modes_figure(self)
 
 
-class Campbell(linear.Campbell, Displayed):
+class Campbell(Displayed, linear.Campbell):
     """`model.linear.Campbell`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -98,7 +101,7 @@ class Campbell(linear.Campbell, Displayed):
         return linear_plots.campbell_figure(self)
 
 
-class UnbalanceResponse(linear.UnbalanceResponse, Displayed):
+class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
@@ -149,7 +152,7 @@ class UnbalanceResponse(linear.UnbalanceResponse, Displayed):
         return linear_plots.unbalance_figure(self, nodes or self.nodes(), operating)
 
 
-class Static(linear.Static, Displayed):
+class Static(Displayed, linear.Static):
     """`model.linear.Static`, shown."""
 
     def table(self) -> linear_tables.Table:

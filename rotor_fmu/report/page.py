@@ -17,6 +17,7 @@ from ..about import __version__
 from ..errors import InputError, optional
 from ..files import write_text
 from ..output_options import as_json_value
+from .criticals import criticals_of
 from .measuring_points import Recorded, Recording
 from .report_tables import notices, tables
 from .run_data import run_data
@@ -49,18 +50,26 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
         machine=_machine(runs[0]),
+        criticals=_paragraph(criticals_of(runs[0]).sentence),
+        rpm="",
         hidden=" hidden" if all(d["why"] for d in data) else "",
         single=" hidden" if len(runs) == 1 else "",
     )
     room = ROOM // len(runs)
     return page(
-        title=" and ".join(run.name for run in runs),
-        about=" | ".join(dict.fromkeys(str(run.about.get("machine", "")) for run in runs)),
+        title=" and ".join(
+            dict.fromkeys(str(run.about.get("machine") or run.name) for run in runs)
+        ),
+        about=" | ".join(run.name for run in runs),
         body=body,
         data={"runs": data},
         signals=[{"name": run.name, **signal_data(run, room)} for run in runs],
         scripts=_OF_RUNS,
     )
+
+
+def _paragraph(text: str) -> str:
+    return f'<p class="about">{escape(text)}</p>\n' if text else ""
 
 
 def page(
