@@ -24,6 +24,7 @@ COMMANDS = {
         "study": "studies:study",
         "plot": "plotting:plot",
         "report": "plotting:report",
+        "page": "live:page",
     },
     _FMU: {
         "build": "fmus:build",

@@ -16,6 +16,7 @@ from typing import Any
 from ..about import __version__
 from ..errors import InputError, optional
 from ..files import write_text
+from ..model.machine.rotor import Rotor
 from ..output_options import as_json_value
 from .measuring_points import Recorded, Recording
 from .report_tables import notices, tables
@@ -43,7 +44,7 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
     body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
-        machine=_machine(runs[0]),
+        machine="" if runs[0].rotor is None else machine_in_html(runs[0].rotor),
         hidden=" hidden" if all(d["why"] for d in data) else "",
         single=" hidden" if len(runs) == 1 else "",
     )
@@ -71,39 +72,38 @@ def page(
         css=template("page.css").template,
         body=body,
         footer=f"rotor-fmu {__version__}",
-        data=_json(data),
-        signals=_json(signals),
+        data=json_in_script(data),
+        signals=json_in_script(signals),
         library="\n".join(f"<script>{script}</script>" for script in library),
         script="\n".join(template(name).template for name in (*_ALWAYS, *scripts)),
     )
 
 
-def template(name: str) -> Template:
-    """Return a file of the folder `template`."""
-    return Template(files(__package__).joinpath("template", name).read_text(encoding="utf-8"))
+def template(name: str, package: str = __package__) -> Template:
+    """Return a file of the folder `template` of a package."""
+    return Template(files(package).joinpath("template", name).read_text(encoding="utf-8"))
 
 
-def _json(data: object) -> str:
+def json_in_script(data: object) -> str:
+    """Return data as JSON that can stand within a script of a page."""
     text = json.dumps(as_json_value(data), separators=(",", ":"), allow_nan=False)
     # "</script", "<!--" and "<script" mean something within a script, whatever holds them
     return text.replace("<", "\\u003c")
 
 
-def _machine(run: Recorded) -> str:
-    """Return the machine's picture, if the recording holds it."""
-    if run.rotor is None:
-        return ""
+def machine_in_html(rotor: Rotor) -> str:
+    """Return the picture of a machine as a part of a page."""
     import matplotlib
 
     from ..fmi.packing.machine_picture import machine_figure
 
     buffer = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "rotor-fmu"}):
-        figure = machine_figure(run.rotor)
+        figure = machine_figure(rotor)
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     picture = base64.b64encode(buffer.getvalue()).decode("ascii")
-    parts = ", ".join(name for name, part in run.rotor.named_parts() if hasattr(part, "node"))
-    alt = escape(f"{run.rotor.name} along its shaft of {run.rotor.length:.4g} m: {parts}", True)
+    parts = ", ".join(name for name, part in rotor.named_parts() if hasattr(part, "node"))
+    alt = escape(f"{rotor.name} along its shaft of {rotor.length:.4g} m: {parts}", True)
     return (
         f'<figure class="machine"><img alt="{alt}" src="data:image/svg+xml;base64,{picture}">'
         "<figcaption>The machine to scale</figcaption></figure>"
