@@ -16,7 +16,7 @@ from ..report.measuring_points import spoken
 from ..runs.signals import RUN_DOWN_RATE, RUN_DOWN_SPEED
 
 # What the page sets by itself from the course of the speed, and what no host can set.
-_NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
+NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
 # Shown at once; the others of a part are one click away.
 _USUAL = ("clearance", "mu", "e", "eta_v", "preset", "tolerance", "gravity")
 _RECORDED = ("x", "y", "r_amp", "fn", "ft", "psi", "w", "tau", "phi")
@@ -67,7 +67,7 @@ def groups(machine: Machine) -> list[dict[str, Any]]:
     weight = _weight(machine)
     found: dict[str, dict[str, Any]] = {}
     for reference, v in enumerate(machine.table):
-        if v.is_observed or v.name in _NO_CONTROLS:
+        if v.is_observed or v.name in NO_CONTROLS:
             continue
         part, _, quantity = v.name.rpartition(".")
         title = "loads" if v.causality == "input" else _title(part) if part else "machine"
@@ -120,7 +120,7 @@ def _control(v: Variable, reference: int) -> dict[str, Any]:
         "about": v.text,
         "unit": _unit_text(v, shown),
         "factor": shown[1] if shown else 1.0,
-        "start": v.start,
+        "start": None if v.start is None else float(v.start),
         "unset": v.is_unset_at_start,
         "choices": list(v.choices),
     }

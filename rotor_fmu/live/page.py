@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import zlib
+from collections.abc import Mapping
 from html import escape
 from typing import Any
 
@@ -19,8 +20,9 @@ _PACKAGE = __package__
 _SCRIPTS = ("plan.js", "chart.js", "page.js")
 
 
-def solver_page(machine: Machine) -> str:
-    """Return the page of a machine as HTML.
+def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> str:
+    """Return the page of a machine as HTML; given: values of its controls at the beginning, in SI
+    units, where they differ from the machine file's.
 
     Raises `QuantityError` for an impossible machine and `CoreError` where there is no library for
     a page and none can be made.
@@ -33,7 +35,7 @@ def solver_page(machine: Machine) -> str:
         css=css,
         machine=machine_in_html(machine.rotor),
         footer=f"rotor-fmu {__version__}",
-        data=json_in_script(page_data(machine)),
+        data=json_in_script(page_data(machine) | {"given": given or {}}),
         wasm=_packed(library(WASM).read_bytes()),
         table=_packed(solver_table(machine)),
         solver=_template("solver.js"),

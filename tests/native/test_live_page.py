@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
+from typer.testing import CliRunner
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
@@ -169,6 +170,73 @@ def test_a_machines_name_is_shown_and_runs_nothing(silent, tmp_path):
     assert page.run("return document.title") == nasty
     assert page.run("return data.name") == nasty
     assert page.run("return document.scripts.length") == 5
+
+
+def test_every_kind_of_control_reaches_the_fmu(silent, rig):
+    page = LivePage(silent, rig).ended()
+    page.run("field('auto').checked = false")
+    typed = {
+        "shaft.eta_h": "0.001",
+        "shaft.eta_v": "1e-6",  # with the damping of the rig, which turns, it whirls itself apart
+        "solver.preset": "3",
+        "disc[2].phase": "90",
+        "disc[1].fy": "-5",
+    }
+    for name, value in typed.items():
+        page.set(page.run("return byName.get(arguments[0]).input.id", name), value, "change")
+    page.run("byName.get('shaft.rotating_damping').input.click()")
+    page.find("run").click()
+    page.ended(2)
+    given = page.run("return now.given")
+    short = {"course.to": 395, "bearing[1].mu": 0.04}  # and the rate, which is the rig's
+    phase = given.pop("disc[2].phase")
+    assert phase == pytest.approx(np.pi / 2)
+    assert given == short | {
+        **{"shaft.eta_h": 0.001, "shaft.eta_v": 1e-6, "shaft.rotating_damping": 1},
+        **{"disc[1].fy": -5, "solver.preset": 3},
+    }
+    native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
+    lines = list(csv.reader(page.run("return csv(now)").splitlines()))
+    assert np.array(lines[1:], float).tobytes() == native.tobytes()
+
+
+def test_the_page_of_a_recorded_run_begins_with_its_settings(silent, tmp_path):
+    from rotor_fmu.cli import app
+
+    sets = ("--set", "bearing[2].mu=0.02", "--set", "solver.tolerance=1e-2")
+    run, live = str(tmp_path / "run"), tmp_path / "live.html"
+    CliRunner().invoke(app, ["run-down", "--direct", "--stop", "1", *sets, "--out", run])
+    CliRunner().invoke(app, ["report", run, "--live", "--out", str(live)])
+    page = LivePage(silent, live, "").ended()
+    given = page.run("return now.given")
+    assert given.pop("course.rate") == pytest.approx(10.0)
+    assert given.pop("course.to") == pytest.approx(390.0)
+    assert given == {"bearing[2].mu": 0.02, "solver.tolerance": 0.01}
+    end = page.run("return [now.t[now.n - 1], column(now, 'disc[3].x')[now.n - 1]]")
+    rows = list(csv.DictReader((tmp_path / "run" / "run_down.csv").open()))
+    assert end[0] == pytest.approx(float(rows[-1]["time"]))
+    # other communication points, the same motion within the tolerance
+    assert end[1] == pytest.approx(float(rows[-1]["disc[3].x"]), abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["a", "b", "--live"], "a page on which a machine runs is of one run"),
+        (["a", "--live"], "its speed does not change at one rate"),
+    ],
+)
+def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments, said):
+    from rotor_fmu.cli import app
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bent.csv").write_text("time,speed\n0,400\n0.5,390\n1,400\n")
+    for out in ("a", "b"):
+        call = ["run-down", "--direct", "--input", "bent.csv", "--stop", "1", "--out", out]
+        assert CliRunner().invoke(app, call).exit_code == 0
+    done = CliRunner().invoke(app, ["report", *arguments])
+    assert said in str(done.exception)
+    assert not (tmp_path / "report.html").exists()
 
 
 def test_the_page_prints_its_pictures(silent, rig):

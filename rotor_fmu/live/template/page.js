@@ -53,6 +53,9 @@ function show(control) {
     range.setAttribute("aria-valuetext", `${digits(value * control.factor)} ${control.unit}`);
   }
   row.classList.toggle("changed", isChanged);
+  if (isChanged) {
+    for (let at = row; at; at = at.parentElement.closest("details")) at.open = true;
+  }
 }
 
 function change(control, value) {
@@ -68,7 +71,7 @@ function rowOf(control, number) {
   let input;
   if (control.kind === "Boolean") {
     input = make("input", { type: "checkbox", id });
-    input.addEventListener("change", () => change(control, input.checked));
+    input.addEventListener("change", () => change(control, Number(input.checked)));
   } else if (control.choices.length) {
     const options = control.choices.map((text, i) => make("option", { value: String(i), textContent: text }));
     input = make("select", { id }, ...options);
@@ -128,12 +131,14 @@ function hash() {
 function readHash() {
   const unread = [];
   for (const name of Object.keys(values)) delete values[name];
+  if (!location.hash) Object.assign(values, data.given);
   for (const [name, text] of new URLSearchParams(location.hash.slice(1))) {
     const control = byName.get(name);
-    const value = control?.kind === "Boolean" ? text === "true" : Number(text);
-    if (control && text !== "" && Number.isFinite(Number(value))) values[name] = value;
+    const value = Number(text);
+    if (control && text !== "" && Number.isFinite(value)) values[name] = value;
     else unread.push(`${name} = ${text}`);
   }
+  for (const [name, value] of Object.entries(values)) change(byName.get(name), value);
   controls.forEach(show);
   return unread.map((each) => `The address has ${each}, which this machine does not know.`);
 }
@@ -174,7 +179,7 @@ function begin(notes = []) {
   if (now?.isShown) before = now;
   const columns = data.recorded.map(() => new Float64Array(plan.rows));
   const given = { ...values };
-  now = { plan, given, t: new Float64Array(plan.rows), columns, n: 0, isShown: false, begun: performance.now() };
+  now = { plan, given, t: new Float64Array(plan.rows), columns, n: 0, isDrawn: false, isShown: false, begun: performance.now() };
   const run = now;
   const text = `${field("solver").textContent}
 onmessage = ({ data }) => work(data, (message, moved) => postMessage(message, moved ?? []));`;
@@ -201,7 +206,8 @@ function take(run, rows) {
     for (let c = 0; c < run.columns.length; c++) run.columns[c][run.n] = rows[at + 1 + c];
     run.n += 1;
   }
-  if (!drawing) drawing = setTimeout(redraw, DRAW_AFTER);
+  if (!drawing) drawing = setTimeout(redraw, run.isDrawn ? DRAW_AFTER : 0);
+  run.isDrawn = true;
 }
 
 function end(run, failure) {

@@ -1,5 +1,6 @@
 // The solver library as WebAssembly, and a run of it: in a worker of the page, and in Node for tests.
 
+const FEW = 20;
 const STATUS = { WARNING: 1 };
 const CALL = { Real: "fmi2SetReal", Integer: "fmi2SetInteger", Boolean: "fmi2SetBoolean" };
 
@@ -58,6 +59,7 @@ function setValue(solver, { reference, kind, value }) {
 }
 
 // A run: yields rows of time and what is recorded, many in one array, and returns "" or a reason.
+// The first of them are few, so that a picture is there soon.
 // plan: values { reference, kind, value } to set before; drive, the speed's reference; legs of the
 // course of the speed, each { steps, step, from, rate }; record, references.
 function* runOf(solver, plan, messages, chunk) {
@@ -84,6 +86,7 @@ function* runOf(solver, plan, messages, chunk) {
   };
   record(0);
   let begin = 0;
+  let isFirst = true;
   for (const { steps, step, from, rate } of plan.legs) {
     for (let i = 0; i < steps; i++) {
       const t = begin + i * step;
@@ -100,8 +103,9 @@ function* runOf(solver, plan, messages, chunk) {
         return reason();
       }
       record(t + step);
-      if (used === chunk) {
-        yield rows;
+      if (used === chunk || (isFirst && used === FEW)) {
+        isFirst = false;
+        yield rows.slice(0, used * width);
         rows = new Float64Array(chunk * width);
         used = 0;
       }
