@@ -30,7 +30,7 @@ def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> s
     script = "\n".join(_template(name) for name in _SCRIPTS)
     css = f"{template('page.css').template}\n{_template('page.css')}"
     return template("page.html", _PACKAGE).substitute(
-        title=escape(machine.rotor.name),
+        title=escape(machine.rotor.name or "rotor"),
         policy=_policy(script, css),
         css=css,
         machine=machine_in_html(machine.rotor),

@@ -323,6 +323,10 @@ function say() {
       text += ".";
     }
   }
+  // read aloud when a run has ended, not ten times a second
+  for (const id of ["state", "reading"]) {
+    field(id).setAttribute("aria-live", now.seconds === undefined ? "off" : "polite");
+  }
   if (field("state").textContent !== text) field("state").textContent = text;
 }
 
