@@ -25,6 +25,7 @@ COMMANDS = {
         "study": "studies:study",
         "plot": "plotting:plot",
         "report": "plotting:report",
+        "page": "live:page",
     },
     _FMU: {
         "build": "fmus:build",

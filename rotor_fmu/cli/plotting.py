@@ -135,6 +135,13 @@ def report(
     clearance: Clearances = None,
     stage: Stages = None,
     cross_coupling: CrossCouplings = None,
+    is_live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Write the page on which the run's machine runs, with the run's settings.",
+        ),
+    ] = False,
     out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
 ) -> dict[str, Any]:
     """Write the report page of a run, of two runs compared with each other, of a study, or, with
@@ -179,10 +186,19 @@ def report(
         raise InputError(f"{studies[0]}: is a study, which has a page of its own; give it alone")
     if len(paths) > 2:
         raise InputError(f"{len(paths)} runs: a page shows one or two")
+    if is_live and (studies or len(paths) > 1):
+        raise InputError("--live: a page on which a machine runs is of one run")
     writable_folder(out.parent)
     if out.is_dir():
         raise InputError(f"--out {out}: is a folder; give the page's name in it")
-    if studies:
+    if is_live:
+        from ..live.page import solver_page
+        from ..live.recorded_run import machine_of_run, settings_of_run
+
+        run = read_run(paths[0])
+        machine = machine_of_run(run)
+        page = solver_page(machine, settings_of_run(run, machine))
+    elif studies:
         from ..plotting.selected import pages_of_runs
         from ..report.study import study_page
 

@@ -49,7 +49,7 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
     body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
-        machine=_machine(runs[0]),
+        machine="" if runs[0].rotor is None else machine_html(runs[0].rotor),
         criticals=_paragraph(criticals_of(runs[0]).sentence),
         rpm="",
         hidden=" hidden" if all(d["why"] for d in data) else "",
@@ -92,8 +92,8 @@ def page(
         css=template("page.css").template,
         body=body,
         footer=f"rotor-fmu {__version__}",
-        data=_json(data),
-        signals=_json(signals),
+        data=json_in_script(data),
+        signals=json_in_script(signals),
         library="\n".join(f"<script>{script}</script>" for script in library),
         script="\n".join(template(name).template for name in (*always, *scripts)),
     )
@@ -109,22 +109,16 @@ def _bokeh() -> Sequence[str]:
     return scripts[:2]
 
 
-def template(name: str) -> Template:
-    """Return a file of the folder `template`."""
-    return Template(files(__package__).joinpath("template", name).read_text(encoding="utf-8"))
+def template(name: str, package: str = __package__) -> Template:
+    """Return a file of the folder `template` of a package."""
+    return Template(files(package).joinpath("template", name).read_text(encoding="utf-8"))
 
 
-def _json(data: object) -> str:
+def json_in_script(data: object) -> str:
+    """Return data as JSON that can stand within a script of a page."""
     text = json.dumps(as_json_value(data), separators=(",", ":"), allow_nan=False)
     # "</script", "<!--" and "<script" mean something within a script, whatever holds them
     return text.replace("<", "\\u003c")
-
-
-def _machine(run: Recorded) -> str:
-    """Return the machine's picture, if the recording holds it."""
-    if run.rotor is None:
-        return ""
-    return machine_html(run.rotor)
 
 
 def machine_html(rotor: Rotor) -> str:
