@@ -153,7 +153,7 @@ def pass_stages(structure, h, motion, trial, memory, stages):
 
 @jit
 def _back(h, x, k):
-    """Return the weight of stage k in an integral from the end of a step back to its share x [s]."""
+    """Return the weight of stage k in an integral from the end of a step back to x of it [s]."""
     return h * (weight_until(k, x) - A[STAGES - 1, k])
 
 

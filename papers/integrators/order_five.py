@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from math import exp, log
 from pathlib import Path
+from statistics import median
 from typing import NamedTuple
 
 TABLE = Path(__file__).parent / "order_five.csv"
@@ -66,9 +67,13 @@ def ratio(rows: Sequence[Row], machine: str, error: float) -> float | None:
     return radau / alpha if alpha and radau else None
 
 
+def _power(value: float) -> str:
+    return f"{value:.0e}".replace("e-0", "e-")
+
+
 def head() -> list[str]:
     """The table's head."""
-    return ["machine", *(f"{error:.0e}".replace("e-0", "e-") for error in ERRORS)]
+    return ["machine", *(_power(error) for error in ERRORS)]
 
 
 def table(rows: Sequence[Row]) -> list[list[str]]:
@@ -78,3 +83,42 @@ def table(rows: Sequence[Row]) -> list[list[str]]:
         [name, *("-" if (r := ratio(rows, name, e)) is None else f"{r:.2f}" for e in ERRORS)]
         for name in machines
     ]
+
+
+def tolerance_head(rows: Sequence[Row]) -> list[str]:
+    """The head of `tolerance_table`."""
+    return ["machine", "method", *(_power(tolerance) for tolerance in _tolerances(rows))]
+
+
+def _tolerances(rows: Sequence[Row]) -> list[float]:
+    return sorted({row.tolerance for row in rows}, reverse=True)
+
+
+def tolerance_table(rows: Sequence[Row]) -> list[list[str]]:
+    """For each machine and method the error, in tolerances, and the CPU time [ms] at each
+    tolerance."""
+    results = {row[:3]: f"{row.error / row.tolerance:.2g}; {1e3 * row.cpu:.3g}" for row in rows}
+    return [
+        [machine, method, *(results.get((machine, method, t), "-") for t in _tolerances(rows))]
+        for machine in dict.fromkeys(row.machine for row in rows)
+        for method in METHODS
+    ]
+
+
+def in_words(rows: Sequence[Row]) -> dict[str, str]:
+    """The sentences about the table: the ratios at each error, and from which error on the median
+    machine is cheaper with radau5."""
+    machines = dict.fromkeys(row.machine for row in rows)
+    medians = {}
+    for error in ERRORS:
+        ratios = [r for machine in machines if (r := ratio(rows, machine, error)) is not None]
+        if ratios:
+            medians[error] = (median(ratios), max(ratios))
+    said = ", ".join(f"{middle:.2f} at {_power(error)}" for error, (middle, _) in medians.items())
+    worst = ", ".join(f"{most:.2f} at {_power(error)}" for error, (_, most) in medians.items())
+    cheaper = [error for error, (middle, _) in medians.items() if middle < 1.0]
+    return {
+        "five_machines": str(len(machines)),
+        "five_words": f"Median {said}; worst {worst}.",
+        "five_from": _power(max(cheaper)) if cheaper else "none that was measured",
+    }
