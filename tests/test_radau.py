@@ -8,7 +8,7 @@ import pytest
 from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.schemes import radau
-from rotor_fmu.model.settings import SettingsError, choose
+from rotor_fmu.model.settings import PRESETS, SettingsError, _given, choose, settings_of_given
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.stability.resolution import resolving_step_in_stages
 from rotor_fmu.model.structure.assembly import assemble
@@ -166,3 +166,35 @@ def test_rows_are_recorded_within_the_steps_and_change_no_number_of_the_run():
         expected = np.interp(rows[:, 0], truth_rows[:, 0], truth_rows[:, column])
         span = np.ptp(truth_rows[:, column])
         assert np.abs(rows[:, column] - expected).max() < 5e-3 * span
+
+
+def test_amplitudes_are_seen_within_the_steps():
+    """Steps of some third of a radian, whose ends alone would miss a hundredth of a peak."""
+    runs = []
+    for settings in (choose(method="radau5", tolerance=1e-3), choose(tolerance=1e-5)):
+        sim = Simulation(rig(), settings, speed=400.0)
+        for i in range(20):
+            sim.advance(0.05 * (i + 1), 400.0)
+        runs.append([sim.read(f"disc[3].{axis}_{of}") for axis in "xy" for of in ("amp", "1x")])
+    np.testing.assert_allclose(runs[0], runs[1], rtol=3e-3)
+
+
+def test_with_component_modes_it_moves_as_the_other_method_does():
+    orbits = []
+    for given in ({"method": "radau5", "tolerance": 1e-5}, {"tolerance": 1e-5}):
+        sim = Simulation(rig(), choose(reduction=4, **given), speed=200.0, rate=-10.0)
+        seen = []
+        for i in range(50):
+            sim.advance(0.01 * (i + 1), 200.0 - 10.0 * sim.time)
+            seen.append(complex(sim.read("disc[3].x"), sim.read("disc[3].y")))
+        orbits.append(np.array(seen))
+    assert np.abs(orbits[0] - orbits[1]).max() < 1e-3 * np.abs(orbits[1]).max()
+
+
+def test_the_setting_that_it_does_not_look_at_is_named():
+    chosen = _given(list(PRESETS).index("controlled"), {"method": "radau5", "fitted": True})
+    _, said = settings_of_given(chosen, 0)
+    assert said == ["fitted = yes: has no effect with the method radau5"]
+    assert said[0].code == "idle-setting"
+    chosen = _given(list(PRESETS).index("controlled"), {"method": "radau5"})
+    assert settings_of_given(chosen, 0)[1] == []
