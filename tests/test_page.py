@@ -312,6 +312,8 @@ def test_speeds_are_shown_in_rpm(silent, pages):
 
 
 def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(silent, pages):
+    from selenium import webdriver
+
     page = Page(silent, pages / "one.html")
     ends = "const r = over.bode.plot.x_range; return [r.start, r.end]"
     whole = page.run(ends)
