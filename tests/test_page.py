@@ -350,6 +350,8 @@ def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pag
         "const { frame } = over.bode.view; const b = over.bode.holder.getBoundingClientRect();"
         "return [32, 38].map((x) => frame.x_scale.compute(x) - b.width / 2)"
     )
+    from selenium import webdriver
+
     move = webdriver.ActionChains(silent)
     move.move_to_element_with_offset(holder, round(left), 0).click_and_hold()
     move.move_to_element_with_offset(holder, round(right), 0).release().perform()

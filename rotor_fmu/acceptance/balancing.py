@@ -253,7 +253,7 @@ class _Bench:
 
     def __init__(self, rotor: Rotor, speeds: list[float], nodes: list[int]) -> None:
         self._speeds, self._nodes = speeds, nodes
-        sensors = [Sensor(node, f"measured_{node}") for node in nodes]
+        sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
         self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
         self._contacts = [
             name

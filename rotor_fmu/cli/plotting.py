@@ -196,8 +196,8 @@ def report(
         from ..live.recorded_run import machine_of_run, settings_of_run
 
         run = read_run(paths[0])
-        machine = machine_of_run(run)
-        page = solver_page(machine, settings_of_run(run, machine))
+        recorded = machine_of_run(run)
+        page = solver_page(recorded, settings_of_run(run, recorded))
     elif studies:
         from ..plotting.selected import pages_of_runs
         from ..report.study import study_page

@@ -10,10 +10,11 @@ from typing import Any
 from ..fmi.packing.machine_files import Machine
 from ..fmi.solver_parameters import PREFIX, REDUCTION
 from ..fmi.variables import Variable, unit
+from ..model.machine.rotor import Rotor
 from ..model.quantities import ANY, Rule
 from ..model.structure.assembly import assemble
+from ..operation import operating_speeds
 from ..report.measuring_points import spoken
-from ..runs.signals import RUN_DOWN_RATE, RUN_DOWN_SPEED
 
 # What the page sets by itself from the course of the speed, and what no host can set.
 NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
@@ -27,12 +28,13 @@ _SAMPLES_A_TURN = 16
 _DECADE, _FEW = 10.0, 4.0  # how far a slider goes from the value in the machine file
 
 
-def course() -> dict[str, Any]:
-    """Return the controls of the course of the speed, at first the run-down of paper A."""
-    speed, rate = _linear(0.0, 3 * RUN_DOWN_SPEED), abs(RUN_DOWN_RATE)
+def course(rotor: Rotor) -> dict[str, Any]:
+    """Return the controls of the course of the speed, at first the machine's run-down."""
+    usual = operating_speeds(rotor)
+    speed, rate = _linear(0.0, 3 * usual.trip), usual.run_down_rate
     rates = {"low": rate / _DECADE, "high": _DECADE * rate, "log": True}
     rows = (
-        ("from", "speed at the start", "rpm", _RPM, RUN_DOWN_SPEED, speed),
+        ("from", "speed at the start", "rpm", _RPM, usual.trip, speed),
         ("to", "speed at the end", "rpm", _RPM, 0.0, speed),
         ("rate", "rate of the speed", "rpm/s", _RPM, rate, rates),
         ("hold", "time at the last speed", "s", 1.0, 0.0, None),

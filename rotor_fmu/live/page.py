@@ -60,7 +60,7 @@ def page_data(machine: Machine) -> dict[str, Any]:
         "places": places(machine),
         "speed": index["speed"],
         "speed_rate": index["speed_rate"],
-        "course": course(),
+        "course": course(machine.rotor),
     }
 
 
