@@ -24,7 +24,7 @@ from ..parts.housing import masses
 from ..parts.linear_bearing import LINEAR_BEARING
 from ..structure.assembly import assemble
 from ..structure.elastic import factorized, strains
-from ..structure.parameters import elastic_share
+from ..structure.parameters import elastic_share, lengths_of
 from ..structure.structure import Structure
 from .linearized import Linear, LinearError, Strain
 from .tangents import Tangents, tangents
@@ -33,7 +33,8 @@ OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
-_ITERATIONS = 50
+_ITERATIONS = 200
+_SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
@@ -83,7 +84,9 @@ class LinearMachine:
         self.across = _differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
         self._strained = (self._full.strained @ self.expand).tocsr()
-        self.is_held = self._holds(self.at_zero_load(0.0))
+        self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
+        turning = s.numbers[0].lowest_omega
+        self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
 
     @property
     def has_contacts(self) -> bool:
@@ -104,7 +107,7 @@ class LinearMachine:
         """Return the machine at a speed [rad/s], linearized where gravity holds it; where nothing
         does, or all laws are linear, at no displacement. Raises `LinearError` if Newton's method
         finds no equilibrium."""
-        needs_rest = self.is_held and (self._acts & self._is_curved).any()
+        needs_rest = (self._acts & self._is_curved).any() and self.holds_at(speed)
         return self.loaded(speed) if needs_rest else self.at_zero_load(speed)
 
     def at_zero_load(self, speed: float) -> Linear:
@@ -114,7 +117,7 @@ class LinearMachine:
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
-        if not self.is_held:
+        if not self.holds_at(speed):
             raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
         force = self.expand.T @ given
@@ -126,6 +129,7 @@ class LinearMachine:
             # of large ones where the shaft is stiff
             of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
             result, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
+            result = self._within_films(rest, result)
             change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
             rest = result
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
@@ -164,6 +168,19 @@ class LinearMachine:
             ).flexibility(np.eye(2)),
             across=across[rows],
         )
+
+    def holds_at(self, speed: float) -> bool:
+        """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
+        return self._is_held_at_rest or (self.is_held and speed != 0.0)
+
+    def _within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
+        """Return a result of Newton's method no further from `rest` than a share of the clearance
+        of each film, whose force grows without limit beyond it."""
+        lengths = np.where(self._acts, lengths_of(self.structure), 0.0)
+        moved = np.abs(to_complex(self._across @ (result - rest)))
+        bounded = (lengths > 0.0) & (moved > 0.0)
+        share = np.min(_SHARE * lengths[bounded] / moved[bounded], initial=1.0)
+        return result if share == 1.0 else rest + share * (result - rest)
 
     @property
     def weight(self) -> np.ndarray:
