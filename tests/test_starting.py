@@ -20,6 +20,15 @@ with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(Syst
     main()
 assert "run-down" in text.getvalue()
 """
+HELP_OF_EACH = """
+import contextlib, io, sys
+from rotor_fmu.cli import COMMANDS, app
+for name in (name for panel in COMMANDS.values() for name in panel):
+    with contextlib.redirect_stdout(io.StringIO()) as text:
+        with contextlib.suppress(SystemExit):
+            app([name, "--help"])
+    assert name in text.getvalue()
+"""
 COMPLETION = """
 import contextlib, io, os, sys
 os.environ |= {
@@ -48,7 +57,8 @@ def run(script, **environment):
 @pytest.mark.parametrize(
     ("script", "unused"),
     [
-        (RUN, {"matplotlib", "scipy.interpolate", "scipy.optimize", "numba", "fmpy", "typer"}),
+        (RUN, {"matplotlib", "scipy", "numba", "fmpy", "typer", "rich"}),
+        (HELP_OF_EACH, {"matplotlib", "scipy", "numba", "fmpy", "pandas"}),
         (HELP, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
         (COMPLETION, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
     ],
