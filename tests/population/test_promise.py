@@ -32,7 +32,7 @@ def _truth(seed):
     return truth(drawn(seed))
 
 
-@pytest.mark.parametrize(("seed", "method"), _cases())
+@pytest.mark.parametrize(("seed", "method"), [*_cases()])
 def test_a_machine_keeps_what_a_tolerance_promises(seed, method):
     case, exact = drawn(seed), _truth(seed)
     for tolerance in TOLERANCES:
