@@ -12,7 +12,7 @@ import math
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, fitted, unfitted
-from ..step.step import DONE, NOT_CONVERGED, NOT_FINITE, accelerate, try_step
+from ..step.step import DONE, NOT_CONVERGED, accelerate, try_step
 from .control import CONTROLLED, FIXED, propose_step, retry_step, step_error
 from .energy import FLOW, powers, total_energy
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
@@ -28,7 +28,7 @@ from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error,
 
 # What becomes of an advance: as of a step, or UNFINISHED, after `max_iterations` of the interfaces'
 # problem, a step counting for one at least.
-UNFINISHED = 1 + max(DONE, NOT_CONVERGED, NOT_FINITE)
+UNFINISHED = 3
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
