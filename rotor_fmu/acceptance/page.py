@@ -84,7 +84,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
         "At rest": _static(rotor),
         "Critical speeds": [
             _html(diagram.table()),
-            figure_html(diagram.figure(), "Campbell diagram"),
+            figure_html(diagram.figure((low, high)), "Campbell diagram"),
             _html(over_stiffness.table()),
             figure_html(over_stiffness.figure(), "Undamped critical speed map"),
         ],
