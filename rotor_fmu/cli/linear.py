@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
+from ..display import choose
 from ..errors import InputError, writable_folder
 from ..files import unfinished, write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
 from ..units import in_si, split, units_for
+from .shared import Units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,11 +61,12 @@ def modes(
     speed: One = "0",
     count: Count = 8,
     contacts: Contacts = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
 ) -> dict[str, Any]:
     """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
     speed."""
-    at, (_, machine) = one_speed(speed), load_rotor(rotor)
+    at, machine = one_speed(speed), _machine(rotor, units)
     from ..linear import answers
 
     _check_count(count)
@@ -80,10 +83,11 @@ def campbell(
     harmonic: Annotated[
         float, typer.Option(help="Multiple of the speed of rotation that excites.")
     ] = 1.0,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
 ) -> dict[str, Any]:
     """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
-    speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
+    speeds, machine = speed_range(speed, 41), _machine(rotor, units)
     from ..linear import answers
 
     _check_count(count)
@@ -111,10 +115,11 @@ def unbalance(
         ),
     ] = None,
     contacts: Contacts = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
 ) -> dict[str, Any]:
     """Compute the steady response to unbalance: x, y, major semi-axis and phase at any node."""
-    speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
+    speeds, machine = speed_range(speed, 401), _machine(rotor, units)
     given = [_unbalance(text) for text in at] if at else None
     from ..linear import answers
 
@@ -135,10 +140,11 @@ def static(
     rotor: RotorFile = None,
     speed: One = "0",
     contacts: Contacts = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
 ) -> dict[str, Any]:
     """Compute the deflection under gravity and the load on each bearing."""
-    at, (_, machine) = one_speed(speed), load_rotor(rotor)
+    at, machine = one_speed(speed), _machine(rotor, units)
     from ..linear import answers
 
     result = answers.static(machine, at, contacts=contacts)
@@ -148,10 +154,11 @@ def static(
 @with_output_options
 def show(
     rotor: RotorFile = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
 ) -> dict[str, Any]:
     """Draw the machine to scale and list its parts."""
-    _, machine = load_rotor(rotor)
+    machine = _machine(rotor, units)
     from ..linear import answers
     from ..linear.inventory import inventory
 
@@ -177,6 +184,13 @@ def import_ross(
         typer.echo(note)
     typer.echo(f"written to {out}")
     return {"notes": result.notes, "out": str(out)}
+
+
+def _machine(file: Path | None, units: str | None) -> Rotor:
+    """Return the machine; from here on what is shown is in the units asked for, or its own."""
+    machine = load_rotor(file)[1]
+    choose(units, machine.units)
+    return machine
 
 
 def _print_answer(

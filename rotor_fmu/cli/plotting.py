@@ -8,12 +8,14 @@ from typing import Annotated, Any
 
 import typer
 
+from ..display import choose
 from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
 from ..units import in_si
 from .completion import one_of, places
+from .shared import Units
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
@@ -44,6 +46,7 @@ def plot(
     pp: Annotated[
         bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
     ] = False,
+    units: Units = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the picture; default: the run's.")
     ] = None,
@@ -62,6 +65,7 @@ def plot(
     from ..vibration import TooFewTurns
 
     recorded = read_run(run)
+    choose(units, recorded.rotor.units if recorded.rotor else "")
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
     view = View(recorded, place, at, pp)
     try:
@@ -82,6 +86,7 @@ def report(
             help="Folder of a run, or of two runs to compare, or of a study.",
         ),
     ],
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
 ) -> dict[str, Any]:
     """Write the report page of a run, of two runs compared with each other, or of a study."""
@@ -117,6 +122,7 @@ def report(
 
         runs = [read_run(path) for path in paths]
         told_apart(runs, paths)
+        choose(units, runs[0].rotor.units if runs[0].rotor else "")
         page = runs_page(runs, [read_summary(path) for path in paths])
     write_text(page, out)
     typer.echo(out)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ..display import choose
 from ..errors import writable_folder
 from ..fmi.interface import interface
 from ..fmi.packing.variable_table import markdown
@@ -35,6 +36,7 @@ from ..runs.sentences import sentences
 from ..runs.summary import summary
 from ..runs.verification import finer_job
 from .completion import one_of, settable
+from .shared import Units
 
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
@@ -110,6 +112,7 @@ def _run(
         ),
     ] = False,
     rotor: RotorFile = None,
+    units: Units = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results; default: out/ and the command.")
     ] = None,
@@ -121,6 +124,7 @@ def _run(
     out = out or Path("out") / name
     ramp = RampGiven(is_up, first, last, rate, hold)
     job = prepare(rotor, preset, sets or [], signals, stop, step, ramp)
+    choose(units, job.rotor.units)
     if verify:
         finer_job(job)  # refused before anything is run
     writable_folder(out)

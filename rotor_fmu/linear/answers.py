@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import io
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -23,6 +23,8 @@ from matplotlib.figure import Figure
 from ..fmi.packing.machine_picture import machine_figure
 from ..model import linear
 from ..model.machine.rotor import Rotor
+from ..model.parts.shaft import Section
+from ..model.structure.beam import shaft_element
 from ..runs.job import load_rotor
 from . import linear_plots, linear_tables
 
@@ -30,7 +32,11 @@ Machine = Rotor | Path | str
 
 
 class _Displayed(ABC):
-    """Something with a table and a picture."""
+    """Something with a table and a picture, of a machine of this name, whose elements have these
+    ratios of shear to bending [1]."""
+
+    machine_name: ClassVar[str] = ""
+    shear: ClassVar[tuple[float, ...]] = ()
 
     @abstractmethod
     def table(self) -> linear_tables.Table:
@@ -73,7 +79,7 @@ class Modes(_Displayed, linear.Modes):
         matplotlib.figure.Figure
             The shapes.
         """
-        return linear_plots.modes_figure(self)
+        return linear_plots.modes_figure(self, self.machine_name, self.shear)
 
 
 class Campbell(_Displayed, linear.Campbell):
@@ -97,7 +103,7 @@ class Campbell(_Displayed, linear.Campbell):
         matplotlib.figure.Figure
             The diagram.
         """
-        return linear_plots.campbell_figure(self)
+        return linear_plots.campbell_figure(self, self.machine_name)
 
 
 class UnbalanceResponse(_Displayed, linear.UnbalanceResponse):
@@ -142,7 +148,7 @@ class UnbalanceResponse(_Displayed, linear.UnbalanceResponse):
         matplotlib.figure.Figure
             Amplitudes and phases.
         """
-        return linear_plots.unbalance_figure(self, nodes or self.nodes())
+        return linear_plots.unbalance_figure(self, nodes or self.nodes(), self.machine_name)
 
 
 class Static(_Displayed, linear.Static):
@@ -166,30 +172,29 @@ class Static(_Displayed, linear.Static):
         matplotlib.figure.Figure
             The deflection.
         """
-        return linear_plots.static_figure(self)
+        return linear_plots.static_figure(self, self.machine_name, self.shear)
 
 
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
     """Return `model.linear.modes` of a machine."""
-    return _displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
+    return _displayed(Modes, linear.modes, machine, speed, **options)
 
 
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
     """Return `model.linear.campbell` of a machine."""
-    return _displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
+    return _displayed(Campbell, linear.campbell, machine, speeds, **options)
 
 
 def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
     """Return `model.linear.unbalance_response` of a machine."""
-    result = linear.unbalance_response(rotor_of(machine), speeds, **options)
-    return _displayed(UnbalanceResponse, result)
+    return _displayed(UnbalanceResponse, linear.unbalance_response, machine, speeds, **options)
 
 
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
     """Return `model.linear.static` of a machine."""
-    return _displayed(Static, linear.static(rotor_of(machine), speed, **options))
+    return _displayed(Static, linear.static, machine, speed, **options)
 
 
 def show(machine: Machine) -> Figure:
@@ -202,5 +207,18 @@ def rotor_of(machine: Machine) -> Rotor:
     return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
 
 
-def _displayed(kind: type, result: Any) -> Any:
-    return kind(**{field.name: getattr(result, field.name) for field in fields(result)})
+def _displayed(
+    kind: type, analyse: Callable[..., Any], machine: Machine, *given: Any, **options: Any
+) -> Any:
+    rotor = rotor_of(machine)
+    result = analyse(rotor, *given, **options)
+    displayed = kind(**{field.name: getattr(result, field.name) for field in fields(result)})
+    object.__setattr__(displayed, "machine_name", rotor.name)
+    object.__setattr__(displayed, "shear", tuple(map(_shear, rotor.sections)))
+    return displayed
+
+
+def _shear(section: Section) -> float:
+    """Return the deflection by shear over that by bending of an element [1], from its matrix."""
+    stiffness = shaft_element(section).stiffness
+    return max(0.0, float(12 * stiffness[1, 1] / (stiffness[0, 0] * section.length**2) - 4))

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.ticker import FuncFormatter
 
+from ...display import current
 from ...figure_style import PlainFigure
 from ...model.machine.rotor import Rotor
 from ...model.parts.base import Shape
@@ -68,10 +69,11 @@ def machine_figure(rotor: Rotor) -> Figure:
     drawn = axes.dataLim
     figure.set_figheight(min(8.0, max(2.8, 9.0 * drawn.height / drawn.width + 1.2)))
     axes.autoscale_view()
-    in_mm = FuncFormatter(lambda value, _: f"{value * 1e3:.6g}")
-    axes.xaxis.set_major_formatter(in_mm)
+    shown = current()
+    lengths = FuncFormatter(lambda value, _: f"{value * shown.length:.6g}")
+    axes.xaxis.set_major_formatter(lengths)
     axes.yaxis.set_visible(False)
-    axes.set_xlabel("Along the shaft z [mm], radii to the same scale")
+    axes.set_xlabel(f"Along the shaft z [{shown.length_unit}], radii to the same scale")
     axes.set_title(rotor.name, loc="left", fontsize=10)
     return figure
 
