@@ -5,11 +5,12 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from ...display import current
 from ...figure_style import PlainFigure
@@ -72,10 +73,23 @@ def machine_figure(rotor: Rotor) -> Figure:
     shown = current()
     lengths = FuncFormatter(lambda value, _: f"{value * shown.length:.6g}")
     axes.xaxis.set_major_formatter(lengths)
+    axes.xaxis.set_major_locator(_RoundIn(shown.length))
     axes.yaxis.set_visible(False)
     axes.set_xlabel(f"Along the shaft z [{shown.length_unit}], radii to the same scale")
     axes.set_title(rotor.name, loc="left", fontsize=10)
     return figure
+
+
+class _RoundIn(MaxNLocator):
+    """Ticks at round numbers of a unit, of which one m is `length`."""
+
+    def __init__(self, length: float) -> None:
+        super().__init__(9)
+        self._length = length
+
+    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+        """Return the ticks [m]."""
+        return super().tick_values(vmin * self._length, vmax * self._length) / self._length
 
 
 def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: int) -> None:
