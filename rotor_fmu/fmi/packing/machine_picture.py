@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -87,9 +86,10 @@ class _RoundIn(MaxNLocator):
         super().__init__(9)
         self._length = length
 
-    def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
         """Return the ticks [m]."""
-        return super().tick_values(vmin * self._length, vmax * self._length) / self._length
+        ticks = super().tick_values(vmin * self._length, vmax * self._length)
+        return [float(tick) / self._length for tick in ticks]
 
 
 def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: int) -> None:
