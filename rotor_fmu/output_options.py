@@ -13,6 +13,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
+from .display import restored
 from .errors import RunFailed
 from .status import FAILED
 
@@ -25,6 +26,7 @@ def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[.
     def run_command(*, as_json: bool = False, is_quiet: bool = False, **options: Any) -> None:
         """Call the command and print what it returns."""
         with ExitStack() as stack:
+            stack.enter_context(restored())
             if as_json or is_quiet:
                 stack.enter_context(redirect_stdout(io.StringIO()))
             if is_quiet:

@@ -121,6 +121,13 @@ def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected
     assert peak_index(t, np.full_like(t, 100.0), amplitude(t), 2.0) is None
 
 
+def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
+    t = np.linspace(0, 20, 2001)
+    w = np.minimum(20 * t, 300.0)
+    assert peak_index(t, w, w + (t > 17) * (t < 18), 2.0) is None
+    assert t[peak_index(t, w, -abs(t - 9), 2.0)] == pytest.approx(9)
+
+
 def test_one_speed_is_told_from_many():
     assert is_constant(np.full(5, 100.0))
     assert is_constant(np.zeros(5))

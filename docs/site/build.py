@@ -15,9 +15,16 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
-_HOW_TO = ("studies", "check_by_api_617", "native", "page", "couple_an_fmu")
+_TEN_MINUTES = ("beginner", "compressor", "drive_train")
+_HOW_TO = (
+    *("studies", "check_by_api_617", "native", "page", "couple_an_fmu"),
+    *("from_ross", "from_xltrc2"),
+)
 SECTIONS = {
-    "Tutorials": [f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS],
+    "Tutorials": [
+        *(f"docs/tutorials/{name}.md" for name in _TEN_MINUTES),
+        *(f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS),
+    ],
     "How to": [f"docs/how_to/{name}.md" for name in _HOW_TO],
     "Examples": ["examples/*/README.md"],
     "Reference": ["docs/reference/*.md"],

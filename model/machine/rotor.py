@@ -88,7 +88,7 @@ class Rotor:
     gravity [m/s2], downwards, unless gravity_angle turns it about the shaft [rad], and of which the
     inclination of the shaft [rad] leaves the cosine; start: position of the first node along the
     shaft [m]; operation: how it is run; identifier: what its FMU is called, made from the name
-    where it is empty.
+    where it is empty; units: in which its pictures are drawn.
 
     Raises `QuantityError` for an impossible value.
     """
@@ -123,6 +123,7 @@ class Rotor:
     start: float = quantity("m", "position of the first node", ANY, 0.0)
     operation: Operation = field(default_factory=Operation)
     identifier: str = ""
+    units: str = ""
 
     def __post_init__(self) -> None:
         self._check_shaft()

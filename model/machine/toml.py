@@ -19,8 +19,8 @@ from .table_reader import a_table, make, number, refuse_unknown, tables_of
 
 _SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping")
 _OWN_KEYS = (
-    "name", "identifier", "gravity", "gravity_angle", "inclination", "operation", "material",
-    "shaft", "section",
+    "name", "identifier", "units", "gravity", "gravity_angle", "inclination", "operation",
+    "material", "shaft", "section",
 )  # fmt: skip
 _POSITION = Quantity("m", "position along the shaft", ANY)
 
@@ -83,6 +83,7 @@ def parse_rotor(text: str) -> Rotor:
         start=start,
         operation=make(Operation, "operation", data.get("operation", {})),
         identifier=data.get("identifier", ""),
+        units=data.get("units", ""),
     )
 
 

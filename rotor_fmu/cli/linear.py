@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
+from ..display import choose
 from ..errors import InputError, writable_folder
 from ..files import unfinished, write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
 from ..units import in_si, split, units_for
+from .shared import Units
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -79,11 +81,12 @@ def modes(
     speed: One = "0",
     count: Count = 8,
     contacts: Contacts = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
 ) -> dict[str, Any]:
     """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
     speed."""
-    at, (_, machine) = one_speed(speed), load_rotor(rotor)
+    at, machine = one_speed(speed), _machine(rotor, units)
     from ..linear import answers
 
     _check_count(count)
@@ -110,11 +113,12 @@ def campbell(
     ] = None,
     operating: OperatingRange = None,
     rated: Rated = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
 ) -> dict[str, Any]:
     """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
-    speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
-    ends = operating_range(operating, rated)
+    speeds, machine = speed_range(speed, 41), _machine(rotor, units)
+    ends = operating_range(operating, rated, machine)
     from ..linear import answers
 
     _check_count(count)
@@ -157,6 +161,7 @@ def unbalance(
     rated: Rated = None,
     clearance: Clearances = None,
     contacts: Contacts = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and CSV.")] = Path("out/unbalance"),
 ) -> dict[str, Any]:
     """Compute the steady response to unbalance, its critical speeds with amplification factors,
@@ -164,7 +169,7 @@ def unbalance(
 
     x, y, major semi-axis and phase at any node. The probes are the nodes shown.
     """
-    speeds, (_, machine) = speed_range(speed, 401), load_rotor(rotor)
+    speeds, machine = speed_range(speed, 401), _machine(rotor, units)
     given = [_unbalance(text) for text in at] if at else None
     ends = operating_range(operating, rated, machine)
     gaps = dict(clearance_of(text) for text in clearance or [])
@@ -207,10 +212,11 @@ def static(
     rotor: RotorFile = None,
     speed: One = "0",
     contacts: Contacts = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
 ) -> dict[str, Any]:
     """Compute the deflection under gravity and the load on each bearing."""
-    at, (_, machine) = one_speed(speed), load_rotor(rotor)
+    at, machine = one_speed(speed), _machine(rotor, units)
     from ..linear import answers
 
     result = answers.static(machine, at, contacts=contacts)
@@ -220,10 +226,11 @@ def static(
 @with_output_options
 def show(
     rotor: RotorFile = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
 ) -> dict[str, Any]:
     """Draw the machine to scale and list its parts."""
-    _, machine = load_rotor(rotor)
+    machine = _machine(rotor, units)
     from ..linear import answers
     from ..linear.inventory import inventory
 
@@ -249,6 +256,13 @@ def import_ross(
         typer.echo(note)
     typer.echo(f"written to {out}")
     return {"notes": result.notes, "out": str(out)}
+
+
+def _machine(file: Path | None, units: str | None) -> Rotor:
+    """Return the machine; from here on what is shown is in the units asked for, or its own."""
+    machine = load_rotor(file)[1]
+    choose(units, machine.units)
+    return machine
 
 
 def print_answer(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ..display import choose
 from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
@@ -17,6 +18,7 @@ from ..units import in_si
 from .acceptance import CrossCouplings, Stages, cross_couplings
 from .completion import one_of, places
 from .linear import Clearances, OperatingRange, Rated, clearance_of, operating_range
+from .shared import Units
 
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
@@ -50,6 +52,7 @@ def plot(
     pp: Annotated[
         bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
     ] = False,
+    units: Units = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the picture; default: the run's.")
     ] = None,
@@ -68,6 +71,7 @@ def plot(
     from ..vibration import TooFewTurns
 
     recorded = read_run(run)
+    choose(units, recorded.rotor.units if recorded.rotor else "")
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
     view = View(recorded, place, at, pp)
     try:
@@ -142,6 +146,7 @@ def report(
             help="Write the page on which the run's machine runs, with the run's settings.",
         ),
     ] = False,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
 ) -> dict[str, Any]:
     """Write the report page of a run, of two runs compared with each other, of a study, or, with
@@ -210,6 +215,7 @@ def report(
 
         runs = [read_run(path) for path in paths]
         told_apart(runs, paths)
+        choose(units, runs[0].rotor.units if runs[0].rotor else "")
         page = runs_page(runs, [read_summary(path) for path in paths])
     write_text(page, out)
     typer.echo(out)

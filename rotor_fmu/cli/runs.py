@@ -9,10 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
+from ..display import choose
 from ..errors import writable_folder
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options
 from .completion import one_of, settable
+from .shared import Units
 
 # What a command calls is imported when it is called: its help needs none of it.
 RotorFile = Annotated[
@@ -89,6 +91,7 @@ def _run(
         ),
     ] = False,
     rotor: RotorFile = None,
+    units: Units = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the results; default: out/ and the command.")
     ] = None,
@@ -109,6 +112,7 @@ def _run(
     out = out or Path("out") / name
     ramp = RampGiven(is_up, first, last, rate, hold)
     job = jobs.prepare(rotor, preset, sets or [], signals, stop, step, ramp)
+    choose(units, job.rotor.units)
     if verify:
         finer_job(job)  # refused before anything is run
     writable_folder(out)

@@ -156,7 +156,7 @@ def critical_map(
     rotor = rotor_of(machine)
     if stiffness is None:
         stiffness = default_stiffness(linear.mean_stiffness(rotor, options.get("contacts")))
-    return displayed(CriticalMap, linear.critical_map(rotor, stiffness, **options))
+    return displayed(CriticalMap, linear.critical_map, rotor, stiffness, **options)
 
 
 def default_stiffness(mean: float) -> np.ndarray:
@@ -169,8 +169,7 @@ def unbalance_check(
     machine: Machine, low: float, high: float, probes: Sequence[int], **options: Any
 ) -> UnbalanceCheck:
     """Return `model.linear.unbalance_check` of a machine."""
-    result = linear.unbalance_check(rotor_of(machine), low, high, probes, **options)
-    return displayed(UnbalanceCheck, result)
+    return displayed(UnbalanceCheck, linear.unbalance_check, machine, low, high, probes, **options)
 
 
 @with_one_thread
@@ -184,10 +183,10 @@ def critical_peaks(
 @with_one_thread
 def level_1(machine: Machine, speed: float, **options: Any) -> StabilityLevel1:
     """Return `model.linear.level_1` of a machine."""
-    return displayed(StabilityLevel1, linear.level_1(rotor_of(machine), speed, **options))
+    return displayed(StabilityLevel1, linear.level_1, machine, speed, **options)
 
 
 @with_one_thread
 def level_2(machine: Machine, speed: float, **options: Any) -> StabilityLevel2:
     """Return `model.linear.level_2` of a machine."""
-    return displayed(StabilityLevel2, linear.level_2(rotor_of(machine), speed, **options))
+    return displayed(StabilityLevel2, linear.level_2, machine, speed, **options)

@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import io
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -23,6 +23,8 @@ from matplotlib.figure import Figure
 from ..fmi.packing.machine_picture import machine_figure
 from ..model import linear
 from ..model.machine.rotor import Rotor
+from ..model.parts.shaft import Section
+from ..model.structure.beam import shaft_element
 from ..runs.job import load_rotor
 from ..threads import with_one_thread
 from . import linear_plots, linear_tables
@@ -31,7 +33,11 @@ Machine = Rotor | Path | str
 
 
 class Displayed(ABC):
-    """Something with a table and a picture."""
+    """Something with a table and a picture, of a machine of this name, whose elements have these
+    ratios of shear to bending [1]."""
+
+    machine_name: ClassVar[str] = ""
+    shear: ClassVar[tuple[float, ...]] = ()
 
     @abstractmethod
     def table(self) -> linear_tables.Table:
@@ -74,7 +80,7 @@ class Modes(Displayed, linear.Modes):
         matplotlib.figure.Figure
             The shapes.
         """
-        return linear_plots.modes_figure(self)
+        return linear_plots.modes_figure(self, self.machine_name, self.shear)
 
 
 class Campbell(Displayed, linear.Campbell):
@@ -103,7 +109,7 @@ class Campbell(Displayed, linear.Campbell):
         matplotlib.figure.Figure
             The diagram.
         """
-        return linear_plots.campbell_figure(self, operating)
+        return linear_plots.campbell_figure(self, self.machine_name, operating)
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
@@ -154,7 +160,8 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
         matplotlib.figure.Figure
             Amplitudes and phases.
         """
-        return linear_plots.unbalance_figure(self, nodes or self.nodes(), operating)
+        nodes = nodes or self.nodes()
+        return linear_plots.unbalance_figure(self, nodes, self.machine_name, operating)
 
 
 class Static(Displayed, linear.Static):
@@ -178,19 +185,19 @@ class Static(Displayed, linear.Static):
         matplotlib.figure.Figure
             The deflection.
         """
-        return linear_plots.static_figure(self)
+        return linear_plots.static_figure(self, self.machine_name, self.shear)
 
 
 @with_one_thread
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
     """Return `model.linear.modes` of a machine."""
-    return displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
+    return displayed(Modes, linear.modes, machine, speed, **options)
 
 
 @with_one_thread
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
     """Return `model.linear.campbell` of a machine."""
-    return displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
+    return displayed(Campbell, linear.campbell, machine, speeds, **options)
 
 
 @with_one_thread
@@ -198,14 +205,13 @@ def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
     """Return `model.linear.unbalance_response` of a machine."""
-    result = linear.unbalance_response(rotor_of(machine), speeds, **options)
-    return displayed(UnbalanceResponse, result)
+    return displayed(UnbalanceResponse, linear.unbalance_response, machine, speeds, **options)
 
 
 @with_one_thread
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
     """Return `model.linear.static` of a machine."""
-    return displayed(Static, linear.static(rotor_of(machine), speed, **options))
+    return displayed(Static, linear.static, machine, speed, **options)
 
 
 def show(machine: Machine) -> Figure:
@@ -218,6 +224,19 @@ def rotor_of(machine: Machine) -> Rotor:
     return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
 
 
-def displayed(kind: type, result: Any) -> Any:
-    """Return a result of `model.linear` as the class that shows it."""
-    return kind(**{field.name: getattr(result, field.name) for field in fields(result)})
+def displayed(
+    kind: type, analyse: Callable[..., Any], machine: Machine, *given: Any, **options: Any
+) -> Any:
+    """Return what `analyse`, of `model.linear`, says of a machine, as the class that shows it."""
+    rotor = rotor_of(machine)
+    result = analyse(rotor, *given, **options)
+    shown = kind(**{field.name: getattr(result, field.name) for field in fields(result)})
+    object.__setattr__(shown, "machine_name", rotor.name)
+    object.__setattr__(shown, "shear", tuple(map(_shear, rotor.sections)))
+    return shown
+
+
+def _shear(section: Section) -> float:
+    """Return the deflection by shear over that by bending of an element [1], from its matrix."""
+    stiffness = shaft_element(section).stiffness
+    return max(0.0, float(12 * stiffness[1, 1] / (stiffness[0, 0] * section.length**2) - 4))

@@ -197,8 +197,7 @@ class Sensitivity(model.Sensitivity, Displayed):
 @with_one_thread
 def frequency_response(machine: Machine, *arguments: Any, **options: Any) -> FrequencyResponse:
     """Return `model.linear.frequency_response.frequency_response` of a machine."""
-    result = model.frequency_response(rotor_of(machine), *arguments, **options)
-    return displayed(FrequencyResponse, result)
+    return displayed(FrequencyResponse, model.frequency_response, machine, *arguments, **options)
 
 
 @with_one_thread

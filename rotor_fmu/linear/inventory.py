@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.structure.assembly import assemble
 from .linear_tables import Table
@@ -23,14 +24,18 @@ class Inventory:
 
     def table(self) -> Table:
         """Return a table with one row for each part."""
+        d = current()
+        inertia = self.inertia * d.mass * (1.0 if d.length_unit == "mm" else d.length**2)
+        unit = f"{d.mass_unit} {'m2' if d.length_unit == 'mm' else f'{d.length_unit}2'}"
         title = (
-            f"{self.name}: {len(self.nodes)} nodes, {self.length * 1e3:.5g} mm, "
-            f"{self.mass:.5g} kg, {self.inertia:.4g} kg m2 about its axis"
+            f"{self.name}: {len(self.nodes)} nodes, {self.length * d.length:.5g} {d.length_unit}, "
+            f"{self.mass * d.mass:.5g} {d.mass_unit}, {inertia:.4g} {unit} about its axis"
         )
         rows = [
-            (name, node or "", z * 1e3 if node else "", text) for name, text, node, z in self.parts
+            (name, node or "", z * d.length if node else "", text)
+            for name, text, node, z in self.parts
         ]
-        return Table(title, ("part", "node", "z [mm]", "what it is"), rows)
+        return Table(title, ("part", "node", f"z [{d.length_unit}]", "what it is"), rows)
 
 
 def inventory(rotor: Rotor) -> Inventory:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
@@ -12,14 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import BPoly
 
+from ..display import current, frequency_unit
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
-from .linear_tables import hertz, turns
+from .linear_tables import turns
 
 PURPLE, RANGE = "#cc79a7", "#56b4e9"
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
@@ -43,13 +43,40 @@ def new_figure(
     return figure, grid
 
 
-def _curve(z: np.ndarray, w: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the bent shaft as a line through the nodes with their slopes; z in mm."""
+def _curve(
+    z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bent shaft as its elements bend between the nodes; z in the unit that is shown.
+
+    slope: rotations of the sections at the nodes; shear: of each element, deflection by shear over
+    that by bending [1].
+    """
     fine = np.unique(np.concatenate([np.linspace(a, b, _FINE) for a, b in pairwise(z)]))
-    return fine * 1e3, CubicHermiteSpline(z, w, slope)(fine)
+    return fine * current().length, _deflection(z, w, slope, shear)(fine)
 
 
-def modes_figure(result: Modes) -> Figure:
+def _deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[float]) -> BPoly:
+    """Return the deflection between nodes: each element's own cubic, that of a Timoshenko beam,
+    whose sections turn by less than its axis slopes where it shears."""
+    length = np.diff(z)
+    phi = np.asarray(shear if len(shear) == len(length) else np.zeros(len(length)))
+    chord = np.diff(w) / length
+    # of the cubic: the slope of the axis at the ends is the section's rotation and the shear's
+    angle = (chord - (slope[:-1] + slope[1:]) / 2) * phi / (1 + phi)
+    left, right = slope[:-1] + angle, slope[1:] + angle
+    third = length / 3
+    return BPoly([w[:-1], w[:-1] + third * left, w[1:] - third * right, w[1:]], z)
+
+
+def _titled(name: str, text: str) -> str:
+    return f"{name}: {text}" if name else text
+
+
+def _speed(omega: float) -> float:
+    return float(omega) * current().speed
+
+
+def modes_figure(result: Modes, name: str = "", shear: Sequence[float] = ()) -> Figure:
     """Draw the shapes of the lowest modes: each plane at the instant of its largest deflection."""
     shown = min(_MOST_SHAPES, len(result.eigenvalues))
     columns = 2 if shown > 1 else 1
@@ -66,41 +93,46 @@ def modes_figure(result: Modes) -> Figure:
         ):
             turn = np.exp(-1j * np.angle(w[np.argmax(np.abs(w))]))
             axes.plot(
-                *_curve(result.z, (w * turn).real, (slope * turn).real),
+                *_curve(result.z, (w * turn).real, (slope * turn).real, shear),
                 color=color,
                 lw=1.6,
                 ls=dashes,
                 label=label,
             )
-            axes.plot(result.z * 1e3, (w * turn).real, "o", color=color, ms=3)
+            axes.plot(result.z * current().length, (w * turn).real, "o", color=color, ms=3)
+        axes.margins(y=0.08)
         zeta = result.damping_ratio[i]
         axes.set_title(
-            f"{i + 1}: {hertz(result.damped[i]):.4g} Hz, {result.whirl[i]}, "
+            f"{i + 1}: {_speed(result.damped[i]):.4g} {frequency_unit()}, {result.whirl[i]}, "
             f"damping {0.0 if abs(zeta) < 1e-10 else zeta:.2g}",
             loc="left",
             fontsize=9,
         )
-        axes.set_ylim(-1.15, 1.15)
         if i + columns >= shown:
-            axes.set_xlabel("Along the shaft z [mm]")
+            axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
             axes.tick_params(labelbottom=True)
         if i % columns == 0:
             axes.set_ylabel("Shape [1]")
     if shown:
         figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.suptitle(
-        f"Modes at {turns(result.speed, result.contacts)}", fontsize=10, x=0.01, ha="left"
+        _titled(name, f"Modes at {turns(result.speed, result.contacts)}"),
+        fontsize=10,
+        x=0.01,
+        ha="left",
     )
     return figure
 
 
-def campbell_figure(result: Campbell, operating: tuple[float, float] | None = None) -> Figure:
+def campbell_figure(
+    result: Campbell, name: str = "", operating: tuple[float, float] | None = None
+) -> Figure:
     """Draw frequencies with the excitation and their intersections, and logarithmic decrements;
     operating: the range [rad/s], which is shaded."""
     figure, grid = new_figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
-    speed = result.speeds / (2 * math.pi)
-    frequency = result.damped / (2 * math.pi)
+    speed = result.speeds * current().speed
+    frequency = result.damped * current().speed
     shade(grid[:, 0], operating)
     for mode in range(frequency.shape[1]):
         for axes, values in ((above, frequency[:, mode]), (below, result.log_dec[:, mode])):
@@ -108,7 +140,7 @@ def campbell_figure(result: Campbell, operating: tuple[float, float] | None = No
     for order in result.harmonics:
         above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=(0, (4, 3)))
     for c in result.critical:
-        place = hertz(c.speed), c.harmonic * hertz(c.speed)
+        place = _speed(c.speed), c.harmonic * _speed(c.speed)
         above.plot(*place, "o", color="black", mfc="white", ms=5)
         above.annotate(
             f"{place[0]:.4g}",
@@ -121,10 +153,10 @@ def campbell_figure(result: Campbell, operating: tuple[float, float] | None = No
     below.axhline(0, color="black", lw=1.0)
     if result.threshold is not None:
         for axes in (above, below):
-            axes.axvline(hertz(result.threshold), color=PURPLE, lw=1.2, ls=":")
+            axes.axvline(_speed(result.threshold), color=PURPLE, lw=1.2, ls=":")
         below.annotate(
-            f"unstable above {hertz(result.threshold):.4g} Hz",
-            (hertz(result.threshold), 0.97),
+            f"unstable above {_speed(result.threshold):.4g} {current().speed_unit}",
+            (_speed(result.threshold), 0.97),
             xycoords=("data", "axes fraction"),
             xytext=(-4, 0),
             textcoords="offset points",
@@ -144,38 +176,25 @@ def campbell_figure(result: Campbell, operating: tuple[float, float] | None = No
     reach = max(_REACH * max(result.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
     above.set_ylim(0, max(min(highest, reach), 1e-9))
     above.set_xlim(speed[0], speed[-1])
-    above.set_ylabel("Frequency [Hz]")
+    above.set_ylabel(f"Frequency [{frequency_unit()}]")
     below.set_ylabel("Logarithmic decrement [1]")
     finite = result.log_dec[np.isfinite(result.log_dec)]
     if len(finite) and np.abs(finite).max() < 1e-8:
         below.set_ylim(-1, 1)
     elif len(finite) and finite.max() > 3:
         below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
-    below.set_xlabel("Rotational speed n [Hz]")
-    _in_rpm(above)
-    figure.suptitle(f"Campbell diagram, contacts {result.contacts}", fontsize=10, x=0.01, ha="left")
+    below.set_xlabel(current().speed_label)
+    above.set_title(
+        _titled(name, f"Campbell diagram, contacts {result.contacts}"), loc="left", fontsize=10
+    )
     return figure
 
 
-def _in_rpm(axes: Axes) -> None:
-    """Put an axis in rev/min above axes over the speed in Hz."""
-
-    def to_rpm(n: Any) -> Any:
-        return 60.0 * n
-
-    def to_hertz(rpm: Any) -> Any:
-        return rpm / 60.0
-
-    above = axes.secondary_xaxis("top", functions=(to_rpm, to_hertz))
-    above.set_xlabel("[rev/min]", fontsize=8)
-    above.tick_params(labelsize=8)
-
-
 def shade(panels: Sequence[Axes] | np.ndarray, operating: tuple[float, float] | None) -> None:
-    """Shade the operating range [rad/s] of axes over the speed in Hz."""
+    """Shade the operating range [rad/s] of axes over the speed."""
     if operating is not None:
         for axes in panels:
-            axes.axvspan(hertz(operating[0]), hertz(operating[1]), color=RANGE, alpha=0.25, lw=0)
+            axes.axvspan(_speed(operating[0]), _speed(operating[1]), color=RANGE, alpha=0.25, lw=0)
 
 
 def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
@@ -189,20 +208,21 @@ def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence
 def unbalance_figure(
     result: UnbalanceResponse,
     nodes: Sequence[int],
+    name: str = "",
     operating: tuple[float, float] | None = None,
 ) -> Figure:
     """Draw semi-axes and phases of nodes (from 1) over the speed; operating: the range [rad/s],
     which is shaded."""
     figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
-    speed = result.speeds / (2 * math.pi)
+    speed = result.speeds * current().speed
     shade(grid[:, 0], operating)
     mark = "o" if len(speed) < 3 else ""
     for node, color in zip(nodes, _COLORS, strict=False):
         at = node - 1
         above.plot(
             speed,
-            result.major[:, at] * 1e6,
+            result.major[:, at] * current().amplitude,
             marker=mark,
             color=color,
             lw=1.8,
@@ -210,7 +230,9 @@ def unbalance_figure(
             label=f"node {node}",
         )
         for values, dashes in ((result.x, (0, (4, 2))), (result.y, (0, (1, 1.5)))):
-            above.plot(speed, np.abs(values[:, at]) * 1e6, color=color, lw=1.0, ls=dashes)
+            above.plot(
+                speed, np.abs(values[:, at]) * current().amplitude, color=color, lw=1.0, ls=dashes
+            )
         for values, dashes in ((result.phase_x, (0, (4, 2))), (result.phase_y, (0, (1, 1.5)))):
             phase = np.degrees(values[:, at])
             phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
@@ -225,28 +247,27 @@ def unbalance_figure(
         handles.append(Line2D([], [], color=GREY, lw=width, ls=style, label=label))
     above.legend(handles=handles, frameon=False, fontsize=8, loc="best")
     above.set_ylim(bottom=0)
-    above.set_ylabel("Amplitude [µm]")
+    above.set_ylabel(f"Amplitude [{current().amplitude_unit}]")
     below.set_ylabel("Phase to the mark [deg]")
     below.set_ylim(-185, 185)
     below.set_yticks([-180, -90, 0, 90, 180])
-    below.set_xlabel("Rotational speed n [Hz]")
-    _in_rpm(above)
+    below.set_xlabel(current().speed_label)
     title = f"Steady response to unbalance, contacts {result.contacts}"
-    figure.suptitle(title, fontsize=10, x=0.01, ha="left")
+    above.set_title(_titled(name, title), loc="left", fontsize=10)
     return figure
 
 
-def static_figure(result: Static) -> Figure:
+def static_figure(result: Static, name: str = "", shear: Sequence[float] = ()) -> Figure:
     """Draw the deflection along the shaft, with the loads on the supports beside their names."""
     figure, grid = new_figure(6.8, 3.8, 1)
     axes = grid[0, 0]
     axes.axhline(0, color=GREY, lw=0.8)
-    z, y = _curve(result.z, result.y * 1e6, result.slope_y * 1e6)
+    z, y = _curve(result.z, result.y * current().small, result.slope_y * current().small, shear)
     axes.plot(z, y, color=BLUE, lw=1.8, label="y")
-    axes.plot(result.z * 1e3, result.y * 1e6, "o", color=BLUE, ms=3.5)
+    axes.plot(result.z * current().length, result.y * current().small, "o", color=BLUE, ms=3.5)
     if np.abs(result.x).max(initial=0) > 1e-3 * np.abs(result.y).max(initial=0):
         axes.plot(
-            *_curve(result.z, result.x * 1e6, result.slope_x * 1e6),
+            *_curve(result.z, result.x * current().small, result.slope_x * current().small, shear),
             color=ORANGE,
             lw=1.5,
             ls=(0, (4, 2)),
@@ -256,8 +277,8 @@ def static_figure(result: Static) -> Figure:
     for place, name, load in zip(result.support_z, result.supports, result.load_y, strict=True):
         at = int(np.argmin(np.abs(result.z - place)))
         axes.annotate(
-            f"{name}\n{abs(load):.4g} N",
-            (place * 1e3, result.y[at] * 1e6),
+            f"{name}\n{abs(load) * current().force:.4g} {current().force_unit}",
+            (place * current().length, result.y[at] * current().small),
             xytext=(0, -34 if load <= 0 else 34),
             textcoords="offset points",
             ha="center",
@@ -266,8 +287,8 @@ def static_figure(result: Static) -> Figure:
             arrowprops={"arrowstyle": "->", "color": "black", "lw": 0.9},
         )
     axes.margins(x=0.08, y=0.3)
-    axes.set_xlabel("Along the shaft z [mm]")
-    axes.set_ylabel("Deflection [µm]")
+    axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
+    axes.set_ylabel(f"Deflection [{current().small_unit}]")
     state = turns(result.speed, result.contacts)
-    axes.set_title(f"At rest under gravity, {state}", loc="left", fontsize=10)
+    axes.set_title(_titled(name, f"At rest under gravity, {state}"), loc="left", fontsize=10)
     return figure

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cells import cell
+from ..display import current
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
@@ -117,17 +118,22 @@ def campbell_table(result: Campbell) -> Table:
 
 def static_table(result: Static) -> Table:
     """Return a table with one row for each node, then a row for the load on each support."""
-    heads = ("where", "z [mm]", "x [um]", "y [um]", "load x [N]", "load y [N]")
+    d = current()
+    small, force = d.small_unit.replace("µ", "u"), d.force_unit
+    heads = (
+        *("where", f"z [{d.length_unit}]", f"x [{small}]", f"y [{small}]"),
+        *(f"load x [{force}]", f"load y [{force}]"),
+    )
     nodes = [
-        (f"node {i}", z * 1e3, x * 1e6, y * 1e6, "", "")
+        (f"node {i}", z * d.length, x * d.small, y * d.small, "", "")
         for i, (z, x, y) in enumerate(zip(result.z, result.x, result.y, strict=True), 1)
     ]
     housings = [
-        (f"housing {name}", "", x * 1e6, y * 1e6, "", "")
+        (f"housing {name}", "", x * d.small, y * d.small, "", "")
         for name, x, y in zip(result.housings, result.housing_x, result.housing_y, strict=True)
     ]
     loads = [
-        (f"on {name}", "", "", "", float(x), float(y))
+        (f"on {name}", "", "", "", float(x) * d.force, float(y) * d.force)
         for name, x, y in zip(result.supports, result.load_x, result.load_y, strict=True)
     ]
     rows = [tuple(_rounded(cell) for cell in row) for row in (*nodes, *housings, *loads)]
@@ -141,17 +147,20 @@ def _rounded(cell: object) -> object:
 def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
     """Return the rows of speed and node (from 1): at every speed where they are few, else where the
     largest semi-axis of a node peaks."""
+    d = current()
+    unit = d.amplitude_unit.replace("µ", "u")
     heads = (
-        *("node", "speed [rad/s]", "[Hz]", "x [um]", "y [um]", "major [um]", "minor [um]"),
+        *("node", "speed [rad/s]", f"[{d.speed_unit}]"),
+        *(f"{name} [{unit}]" for name in ("x", "y", "major", "minor")),
         *("phase x [deg]", "phase y [deg]"),
     )
     rows = [
         (
             node,
             float(result.speeds[i]),
-            hertz(result.speeds[i]),
-            *(float(of[i, node - 1]) * 1e6 for of in (np.abs(result.x), np.abs(result.y))),
-            *(float(of[i, node - 1]) * 1e6 for of in (result.major, result.minor)),
+            float(result.speeds[i]) * d.speed,
+            *(float(of[i, node - 1]) * d.amplitude for of in (np.abs(result.x), np.abs(result.y))),
+            *(float(of[i, node - 1]) * d.amplitude for of in (result.major, result.minor)),
             *(math.degrees(of[i, node - 1]) for of in (result.phase_x, result.phase_y)),
         )
         for node in nodes

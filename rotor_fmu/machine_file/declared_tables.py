@@ -84,6 +84,8 @@ def own_tables() -> Iterator[Table]:
     own = quantities(Rotor)
     top = [Key("name", None, "name of the machine", "rotor", kind="string")]
     top.append(Key("identifier", None, "name of its FMU, made from `name`", kind="string"))
+    text = "units that tables and pictures show: `us`, or words such as `rpm, mil, pp`"
+    top.append(Key("units", None, text, kind="string"))
     top.append(Key("extends", None, "machine file that this one adds to", kind="string"))
     defaults = {field.name: field.default for field in fields(Rotor)}
     for name in ("gravity", "gravity_angle", "inclination"):

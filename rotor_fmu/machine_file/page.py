@@ -6,7 +6,7 @@ from .declared_tables import Key, Table, own_tables, part_tables
 
 _HEAD = """# A machine file
 
-A machine is one TOML file in SI units: a material, a shaft, and parts on it and beside it. This
+A machine is one TOML file: a material, a shaft, and parts on it and beside it. This
 page is made from the declarations that the reader itself uses (`rotor-fmu schema --page`); for
 editors that check TOML, `rotor-fmu schema` prints the same as a JSON schema.
 
@@ -19,6 +19,26 @@ rotor-fmu run-down --rotor machine.toml    # then let it rub
 
 A key marked *FMU* is a parameter of the machine's FMU, called `table[i].key`. What is missing,
 misspelt or impossible is refused in one line with the name, the value and what is allowed.
+
+## Units
+
+A number is in SI units, or has a unit behind it: `"0.1 mm"`, `"3000 rpm"`, `"50 g.mm"`,
+`"30e6 psi"`. `units = { speed = "rpm", kxx = "MN/m" }` in a table is for all plain numbers of that
+name. Speeds in rpm and Hz are always read, other units by pint (`pip install "rotor-fmu[units]"`).
+`units = "us"` at the head of the file, or `"rpm, mil, pp"`, says in which units tables and pictures
+are shown.
+
+## Names and places
+
+Every part may have a `name`, which its variables and pictures then have. A part at `z` between two
+nodes puts a node there; `node` counts those of the shaft as it is written.
+
+## How it is run
+
+`run-down` begins at the trip speed of `[operation]`, `run-up` ends at the maximum continuous speed,
+an FMU starts at the rated speed. Of speeds that are not given the rated one is twice the lowest
+natural frequency, to two digits, and the others follow it; a rate that is not given takes 1273
+turns.
 
 ## Rest and friction
 

@@ -32,8 +32,11 @@ def in_si_units(data: Mapping[str, Any], where: str = "") -> dict[str, Any]:
     """Return the tables of a machine file with every number in SI units; where: what messages begin
     with. Raises `InputError` for a unit that is unknown or does not fit."""
     known = _keys()
-    plain = {key: value for key, value in data.items() if key not in known}
+    # `units` of the machine as a whole are those of its pictures
+    plain = {key: value for key, value in data.items() if key not in known and key != _UNITS}
     result = _converted(where, plain, known[""])
+    if _UNITS in data:
+        result[_UNITS] = data[_UNITS]
     for name in (key for key in data if key in known):
         result[name] = _tables(f"{where}{name}", data[name], known[name])
     return {key: result[key] for key in data}

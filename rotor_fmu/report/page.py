@@ -14,6 +14,7 @@ from string import Template
 from typing import TYPE_CHECKING, Any
 
 from ..about import __version__
+from ..display import current
 from ..errors import InputError, optional
 from ..files import write_text
 from ..output_options import as_json_value
@@ -51,7 +52,7 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
         machine="" if runs[0].rotor is None else machine_html(runs[0].rotor),
         criticals=_paragraph(criticals_of(runs[0]).sentence),
-        rpm="",
+        **{word: " selected" * is_shown for word, is_shown in _chosen().items()},
         hidden=" hidden" if all(d["why"] for d in data) else "",
         single=" hidden" if len(runs) == 1 else "",
     )
@@ -66,6 +67,18 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
         signals=[{"name": run.name, **signal_data(run, room)} for run in runs],
         scripts=_OF_RUNS,
     )
+
+
+def _chosen() -> dict[str, bool]:
+    """The units that the page shows at first."""
+    shown = current()
+    is_mil = shown.small_unit == "mil"
+    return {
+        "rpm": shown.speed_unit == "rpm",
+        "pp": shown.is_pp and not is_mil,
+        "mil": is_mil and not shown.is_pp,
+        "milpp": is_mil and shown.is_pp,
+    }
 
 
 def _paragraph(text: str) -> str:

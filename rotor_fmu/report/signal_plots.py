@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,14 +13,17 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from .. import vibration
+from ..display import current, frequency_unit
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure, new_figure
-from .measuring_points import hertz
 from .view import View, parted, two
 
-SPEED = "Rotational speed n [Hz]"
 PURPLE, BLACK = "#cc79a7", "#000000"
 _SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
 _PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
+
+
+def _speed(omega: Any) -> Any:
+    return omega * current().speed
 
 
 def bode(view: View) -> Figure:
@@ -27,7 +31,7 @@ def bode(view: View) -> Figure:
     figure, (above, below) = two()
     place = view.run.place(view.name)
     track = vibration.order_track(*view.signal)
-    n = hertz(track.speed)
+    n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
@@ -47,7 +51,7 @@ def bode(view: View) -> Figure:
     below.set_ylabel("Phase to the mark [deg]")
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_ylim(-190, 190)
-    below.set_xlabel(SPEED)
+    below.set_xlabel(current().speed_label)
     view.title(above, f"Bode plot of {place.label}")
     return figure
 
@@ -58,7 +62,7 @@ def polar(view: View) -> Figure:
     FigureCanvasAgg(figure)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
-    n = hertz(track.speed)
+    n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", "-"),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
@@ -69,7 +73,8 @@ def polar(view: View) -> Figure:
     axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
-    text = f"polar plot of {view.run.place(view.name).label}\nradius [{view.unit}], speeds in Hz"
+    units = f"radius [{view.unit}], speeds in {current().speed_unit}"
+    text = f"polar plot of {view.run.place(view.name).label}\n{units}"
     view.title(axes, text)
     return figure
 
@@ -91,7 +96,7 @@ def orbit(view: View) -> Figure:
     figure, axes = new_figure(5.4, 5.2)
     place = view.run.place(view.name)
     result = vibration.orbit(*view.signal, view.speed)
-    z, marks = result.z * 1e6, result.marks * 1e6
+    z, marks = result.z * current().small, result.marks * current().small
     axes.plot(z.real, z.imag, color=BLUE, lw=1.0)
     axes.plot(marks.real, marks.imag, "o", color=ORANGE, ms=5, label="keyphasor mark")
     ahead = len(z) // len(marks) // 24
@@ -102,16 +107,19 @@ def orbit(view: View) -> Figure:
         arrowprops={"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4},
     )
     if place.clearance is not None:
-        ring = Circle((0, 0), place.clearance * 1e6, fill=False, color=BLACK, lw=1, ls=(0, (5, 3)))
-        ring.set_label(f"clearance, {place.clearance * 1e6:.4g} µm")
+        ring = Circle(
+            (0, 0), place.clearance * current().small, fill=False, color=BLACK, lw=1, ls=(0, (5, 3))
+        )
+        ring.set_label(f"clearance, {place.clearance * current().small:.4g} {current().small_unit}")
         axes.add_patch(ring)
         axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
-    axes.set_xlabel("Horizontal displacement [µm]")
-    axes.set_ylabel("Vertical displacement [µm]")
+    axes.set_xlabel(f"Horizontal displacement [{current().small_unit}]")
+    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
     turns = len(marks)
-    view.title(axes, f"orbit of {place.label}, {turns} turns at {hertz(result.speed):.2f} Hz")
+    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
+    view.title(axes, f"orbit of {place.label}, {turns} turns at {at}")
     return figure
 
 
@@ -119,7 +127,7 @@ def spectrum(view: View) -> Figure:
     """Draw the full spectrum at a speed."""
     figure, axes = new_figure()
     result = vibration.full_spectrum(*view.signal, view.speed)
-    frequency = hertz(result.frequency)
+    frequency = _speed(result.frequency)
     amplitude = result.amplitude * view.scale
     axes.vlines(frequency, 0, amplitude, color=BLUE, lw=1.2)
     for i in _lines(amplitude):
@@ -133,10 +141,11 @@ def spectrum(view: View) -> Figure:
         )
     axes.axvline(0, color=GREY, lw=0.8)
     axes.set_ylim(bottom=0)
-    axes.set_xlabel("Whirl frequency [Hz], backward < 0 < forward")
+    axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
     axes.set_ylabel(f"Amplitude [{view.unit}]")
     place = view.run.place(view.name).label
-    view.title(axes, f"full spectrum of {place} at {hertz(result.speed):.2f} Hz")
+    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
+    view.title(axes, f"full spectrum of {place} at {at}")
     return figure
 
 
@@ -154,8 +163,8 @@ def cascade(view: View) -> Figure:
     result = vibration.cascade(*view.signal)
     ways = np.diff(result.speed)
     is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
-    down = hertz(result.speed) if is_one_way else result.t
-    across = hertz(result.frequency)
+    down = _speed(result.speed) if is_one_way else result.t
+    across = _speed(result.frequency)
     amplitude = np.nan_to_num(result.amplitude) * view.scale
     # small lines are seen beside large ones on the root's scale
     norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
@@ -175,7 +184,7 @@ def cascade(view: View) -> Figure:
             )
     if shades is None:
         raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; 17 are needed")
-    once = np.abs(hertz(result.speed))
+    once = np.abs(_speed(result.speed))
     limit = 3 * float(once.max())
     fastest = int(np.argmax(once))
     is_top = down[fastest] == down.max()
@@ -191,8 +200,8 @@ def cascade(view: View) -> Figure:
     axes.set_xlim(-limit, limit)
     axes.grid(visible=False)
     figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.unit}]")
-    axes.set_xlabel("Whirl frequency [Hz], backward < 0 < forward")
-    axes.set_ylabel(SPEED if is_one_way else "Time [s]")
+    axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
+    axes.set_ylabel(current().speed_label if is_one_way else "Time [s]")
     axes.set_title(
         f"{view.run.name}: {'cascade' if is_one_way else 'waterfall'} of the full spectrum of "
         f"{view.run.place(view.name).label}",
@@ -209,16 +218,20 @@ def poincare(view: View) -> Figure:
     figure, axes = new_figure(6.0, 5.2)
     place = view.run.place(view.name)
     result = vibration.poincare(*view.signal)
-    points = result.points * 1e6
-    shown = axes.scatter(points.real, points.imag, c=hertz(result.speed), s=6, cmap="cividis", lw=0)
-    figure.colorbar(shown, ax=axes, label=SPEED)
+    points = result.points * current().small
+    shown = axes.scatter(
+        points.real, points.imag, c=_speed(result.speed), s=6, cmap="cividis", lw=0
+    )
+    figure.colorbar(shown, ax=axes, label=current().speed_label)
     if place.clearance is not None:
-        ring = Circle((0, 0), place.clearance * 1e6, fill=False, color=BLACK, lw=1, ls=(0, (5, 3)))
+        ring = Circle(
+            (0, 0), place.clearance * current().small, fill=False, color=BLACK, lw=1, ls=(0, (5, 3))
+        )
         axes.add_patch(ring)
         axes.autoscale_view()
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("Horizontal displacement [µm]")
-    axes.set_ylabel("Vertical displacement [µm]")
+    axes.set_xlabel(f"Horizontal displacement [{current().small_unit}]")
+    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
     view.title(axes, f"{place.label} once a turn, at the mark")
     return figure
 
@@ -227,7 +240,7 @@ def whirl(view: View) -> Figure:
     """Draw the sense and the order of the whirl."""
     figure, (above, below) = two()
     result = vibration.whirl(*view.signal)
-    n = hertz(result.speed)
+    n = _speed(result.speed)
     above.axhline(0, color=GREY, lw=0.8)
     above.plot(n, result.sense, ".", color=BLUE, ms=3, mew=0)
     above.set_ylim(-1.08, 1.08)
@@ -236,7 +249,7 @@ def whirl(view: View) -> Figure:
     below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
-    below.set_xlabel(SPEED)
+    below.set_xlabel(current().speed_label)
     view.title(above, f"whirl of {view.run.place(view.name).label}, over 16 turns each")
     return figure
 
@@ -246,10 +259,10 @@ def contact_angle(view: View) -> Figure:
     figure, axes = new_figure()
     touch = view.run.touch(view.name)
     touches = touch.fn > 0
-    n = hertz(view.run.w[touches])
+    n = _speed(view.run.w[touches])
     axes.plot(n, np.degrees(touch.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
     result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
-    at, low = hertz(result.speed), np.degrees(result.low)
+    at, low = _speed(result.speed), np.degrees(result.low)
     high = low + np.degrees(result.width)
     for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
         axes.vlines(
@@ -262,7 +275,7 @@ def contact_angle(view: View) -> Figure:
     axes.legend(frameon=False, fontsize=8, loc="upper right")
     axes.set_ylim(0, 360)
     axes.set_yticks(*_PSI)
-    axes.set_xlabel(SPEED)
+    axes.set_xlabel(current().speed_label)
     axes.set_ylabel("Contact angle ψ [deg]")
     view.title(axes, f"where {touch.label} touches")
     return figure
@@ -273,7 +286,7 @@ def contact_force(view: View) -> Figure:
     figure, (above, below) = two()
     touch = view.run.touch(view.name)
     result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
-    n = hertz(result.speed)
+    n = _speed(result.speed)
     largest, mean = parted(n, result.peak), parted(n, result.mean)
     above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
     above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
@@ -283,7 +296,7 @@ def contact_force(view: View) -> Figure:
     below.plot(n, parted(n, 100 * result.share), color=GREEN, lw=1.0)
     below.set_ylim(0, 105)
     below.set_ylabel("Touches [% of the turn]")
-    below.set_xlabel(SPEED)
+    below.set_xlabel(current().speed_label)
     view.title(above, f"contact force of {touch.label}")
     return figure
 
@@ -299,12 +312,12 @@ def energy(view: View) -> Figure:
         energy = run.losses[name]
         label = f"{name}: {energy[-1]:.3g} J"
         power = parted(speed, powers[name])
-        above.plot(hertz(speed), power, color=color, ls=style, lw=1.2, label=label)
-        below.plot(hertz(run.w), energy, color=color, ls=style, lw=1.2)
+        above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=label)
+        below.plot(_speed(run.w), energy, color=color, ls=style, lw=1.2)
     above.legend(frameon=False, fontsize=8)
     above.set_ylabel("Power [W], mean of a turn")
     below.set_ylabel("Energy since the start [J]")
-    below.set_xlabel(SPEED)
+    below.set_xlabel(current().speed_label)
     view.title(above, "energy dissipated by sink")
     return figure
 

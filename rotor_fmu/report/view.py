@@ -8,6 +8,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from .. import vibration
+from ..display import current
 from ..figure_style import PlainFigure
 from .measuring_points import Recorded
 
@@ -24,7 +25,7 @@ class View:
         speed: float | None = None,
         is_pp: bool = False,
     ) -> None:
-        self.run, self.name, self.is_pp = run, place, is_pp
+        self.run, self.name, self.is_pp = run, place, is_pp or current().is_pp
         self._speed = speed
 
     @property
@@ -43,12 +44,12 @@ class View:
     @property
     def scale(self) -> float:
         """Factor from m 0-p to the unit of the axis."""
-        return 2e6 if self.is_pp else 1e6
+        return current().small * (2 if self.is_pp else 1)
 
     @property
     def unit(self) -> str:
         """Unit of the axis."""
-        return "µm pp" if self.is_pp else "µm 0-p"
+        return f"{current().small_unit} {'pp' if self.is_pp else '0-p'}"
 
     def title(self, axes: Axes, text: str) -> None:
         """Heading of a picture."""

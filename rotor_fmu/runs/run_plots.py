@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
+from ..display import current
 from ..figure_style import BLUE, GREY, ORANGE, new_figure, save
 from .recording import Recording
 from .run_down import Run
@@ -32,7 +33,6 @@ from .views import (
     time_share,
 )
 
-SPEED_LABEL = "Rotational speed n [Hz]"
 _PSI_TICKS = (
     [0, 90, 180, 270, 360],
     ["0 (right)", "90 (top)", "180 (left)", "270 (bottom)", "360"],
@@ -48,7 +48,7 @@ def _titled(axes: Axes, caption: str) -> None:
 
 
 def _speed_axis(axes: Axes, hz: np.ndarray) -> None:
-    axes.set_xlabel(SPEED_LABEL)
+    axes.set_xlabel(current().speed_label)
     # rounding leaves something of a shaft that stands
     tens = np.round(hz / 10, 9) if len(hz) else np.array([6.0])
     low = 10 * math.floor(tens.min(initial=0.0))
@@ -69,25 +69,26 @@ def amplitude(
     axis: `x` or `y`; compared: another run and what it is, thinner behind.
     """
     figure, axes = new_figure()
-    place = place or place_of(run.columns)
+    place, d = place or place_of(run.columns), current()
     curves = [(run, label, BLUE, 1.4)]
     if compared is not None:
         curves.insert(0, (*compared, ORANGE, 0.8))
     for shown, text, color, width in curves:
-        values = shown.columns[f"{place}.{axis}_amp"] * 1e6
+        values = shown.columns[f"{place}.{axis}_amp"] * d.amplitude
+        n = shown.columns["w"] * d.speed
         early, late = shown.t <= PEAKS_AFTER, shown.t >= PEAKS_AFTER
         at = peak_index(shown.t, shown.columns["w"], values, PEAKS_AFTER)
         if at is not None:
-            text += f": {values[at]:.0f} µm at {shown.hz[at]:.1f} Hz"
-            axes.plot(shown.hz[at], values[at], "o", color=color, ms=4)
+            text += f": {values[at]:.4g} {d.amplitude_unit} at {n[at]:.4g} {d.speed_unit}"
+            axes.plot(n[at], values[at], "o", color=color, ms=4)
         start = f"start-up, the first {PEAKS_AFTER:g} s" if shown is run else None
-        axes.plot(shown.hz[early], values[early], color=GREY, lw=0.6, label=start)
-        axes.plot(shown.hz[late], values[late], color=color, lw=width, label=text)
+        axes.plot(n[early], values[early], color=GREY, lw=0.6, label=start)
+        axes.plot(n[late], values[late], color=color, lw=width, label=text)
     axes.legend(frameon=False, loc="upper right", fontsize=8)
-    _speed_axis(axes, run.hz)
+    _speed_axis(axes, run.columns["w"] * d.speed)
     axes.set_ylim(bottom=0)
     direction = "Horizontal" if axis == "x" else "Vertical"
-    axes.set_ylabel(f"{direction} amplitude of {spoken(str(place))} [µm]")
+    axes.set_ylabel(f"{direction} amplitude of {spoken(str(place))} [{d.amplitude_unit}]")
     _titled(axes, caption)
     return figure
 
@@ -97,7 +98,7 @@ def contact_angle(recording: Recording, caption: str) -> Figure:
     point for each turn; if the steps are too long for that, a point for each step."""
     figure, axes = new_figure()
     part = contact_of(recording.columns)
-    hz = recording.columns["w"] / TURN
+    hz = recording.columns["w"] * current().speed
     per_turn = rows_a_turn(recording)
     if per_turn >= _FINE and not is_constant(hz):
         shown = time_share(recording, str(part))
@@ -151,22 +152,22 @@ def orbit(recording: Recording, at_s: float, caption: str, place: str | None = N
     c = recording.columns
     middle = float(np.interp(at_s, recording.t, c["phi"]))
     near = np.abs(c["phi"] - middle) <= _TURNS * TURN / 2
-    x, y = (c[f"{place}.{axis}"][near] * 1e6 for axis in "xy")
+    x, y = (c[f"{place}.{axis}"][near] * current().small for axis in "xy")
     per_turn = rows_a_turn(recording, near)
     corners = "" if per_turn >= _FINE else f", {per_turn:.0f} steps a turn: the corners are theirs"
     marker = "" if per_turn >= _FINE else "."
     axes.plot(x, y, "-", color=BLUE, lw=0.8, label=f"{_TURNS} turns{corners}", marker=marker, ms=3)
     if per_turn >= _FINE and math.isfinite(per_turn):
         t, z = once_a_turn(recording, place)
-        z = z[np.isin(np.searchsorted(recording.t, t), np.flatnonzero(near))] * 1e6
+        z = z[np.isin(np.searchsorted(recording.t, t), np.flatnonzero(near))] * current().small
         axes.plot(z.real, z.imag, "o", color=ORANGE, ms=4, label="once a turn, the mark at 0°")
-    rest = float(c[f"{place}.y"][0]) * 1e6
+    rest = float(c[f"{place}.y"][0]) * current().small
     axes.plot(0, rest, "+", color=GREY, ms=10, mew=1.5, label="rest")
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.08)
     figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=3)
-    axes.set_xlabel(f"Horizontal displacement of {spoken(place)} [µm]")
-    axes.set_ylabel("Vertical displacement [µm]")
+    axes.set_xlabel(f"Horizontal displacement of {spoken(place)} [{current().small_unit}]")
+    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
     _titled(axes, caption)
     return figure
 
@@ -185,7 +186,7 @@ def motion(recording: Recording, caption: str, place: str | None = None) -> Figu
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(color="#dddddd", linewidth=0.6)
         axes.set_axisbelow(True)
-        values = recording.columns[f"{place}.{axis}"] * 1e6
+        values = recording.columns[f"{place}.{axis}"] * current().small
         what = name
         if len(values) <= _MOST_POINTS or turns < _FINE:
             axes.plot(recording.t, values, color=color, lw=0.8)
@@ -193,7 +194,7 @@ def motion(recording: Recording, caption: str, place: str | None = None) -> Figu
             t, low, high = envelope(recording.t, values, min(turns, 600))
             axes.fill_between(t, low, high, color=color, alpha=0.6, lw=0, step="mid")
             what += ",\nrange of a turn"
-        axes.set_ylabel(f"{spoken(place)}, {what} [µm]")
+        axes.set_ylabel(f"{spoken(place)}, {what} [{current().small_unit}]")
     both[1].set_xlabel("Time [s]")
     _titled(both[0], caption)
     return figure
@@ -208,7 +209,7 @@ def spectra(recording: Recording, caption: str, place: str | None = None) -> Fig
     hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
     highest = 1e-3
     for axis, color, name in (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical")):
-        values = recording.columns[f"{place}.{axis}"][late] * 1e6
+        values = recording.columns[f"{place}.{axis}"][late] * current().amplitude
         f, lines = spectrum(recording.t[late], values)
         highest = max(highest, float(lines.max()))
         axes.semilogy(f, np.maximum(lines, 1e-12), color=color, lw=0.9, label=name)
@@ -218,7 +219,7 @@ def spectra(recording: Recording, caption: str, place: str | None = None) -> Fig
     axes.set_ylim(highest * 1e-5, highest * 2)
     axes.legend(frameon=False, loc="upper right")
     axes.set_xlabel("Frequency [Hz]")
-    axes.set_ylabel(f"Displacement of {spoken(place)}, 0-p [µm]")
+    axes.set_ylabel(f"Displacement of {spoken(place)} [{current().amplitude_unit}]")
     _titled(axes, caption)
     return figure
 
@@ -226,7 +227,7 @@ def spectra(recording: Recording, caption: str, place: str | None = None) -> Fig
 def step_length(recording: Recording, caption: str) -> Figure:
     """Draw the length of the solver's steps against speed."""
     figure, axes = new_figure()
-    hz = recording.columns["w"][1:] / TURN
+    hz = recording.columns["w"][1:] * current().speed
     lengths = recording.columns["solver.h_last"][1:] * 1e3
     axes.plot(hz, lengths, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
     _speed_axis(axes, hz)
@@ -239,7 +240,7 @@ def step_length(recording: Recording, caption: str) -> Figure:
 def error_indicator(recording: Recording, caption: str) -> Figure:
     """Draw the relative error of the solver's steps against speed."""
     figure, axes = new_figure()
-    hz = recording.columns["w"][1:] / TURN
+    hz = recording.columns["w"][1:] * current().speed
     errors = recording.columns["solver.error"][1:]
     axes.semilogy(hz, errors, ".", color=BLUE, ms=1.5, mew=0, rasterized=True)
     _speed_axis(axes, hz)

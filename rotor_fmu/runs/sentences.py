@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display import current
 from ..status import FAILED, OK
 from .recording import Recording
 
@@ -30,7 +31,7 @@ def _peak(figures: Mapping[str, Any]) -> str:
     if place is None:
         return "No part's motion was observed: give the machine a disc, a body or a sensor."
     peaks = [
-        f"{_AXES[axis]} {amount:.0f} um at {figures[f'{axis}_peak_hz']:.1f} Hz "
+        f"{_AXES[axis]} {_length(amount)} at {figures[f'{axis}_peak_hz']:.1f} Hz "
         f"({60 * figures[f'{axis}_peak_hz']:.0f} rpm)"
         for axis in "xy"
         if (amount := figures[f"{axis}_peak_um"]) is not None
@@ -40,8 +41,14 @@ def _peak(figures: Mapping[str, Any]) -> str:
     largest = max(figures[f"{axis}_largest_um"] or 0.0 for axis in "xy")
     return (
         f"No peak, because {figures['no_peak']}; {spoken(place)} moved by at most "
-        f"{largest:.0f} um from rest."
+        f"{_length(largest)} from rest."
     )
+
+
+def _length(um: float) -> str:
+    """Return an amplitude [um, 0-p] in the unit that is shown."""
+    unit = current().small_unit
+    return f"{um:.0f} um" if unit == "µm" else f"{um * 1e-6 * current().small:.3g} {unit}"
 
 
 def touching(recording: Recording) -> dict[str, float]:

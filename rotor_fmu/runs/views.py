@@ -49,7 +49,7 @@ def is_constant(w: np.ndarray) -> bool:
 
 def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float) -> int | None:
     """Return the row at which an amplitude over the last turn, shape (n,), has a peak after a time
-    [s]; None where it is largest at an edge of the run, or at one speed: that is no peak."""
+    [s]; None where it is largest at an edge of the run or of its speeds: that is no peak."""
     late = np.flatnonzero(t > after)
     if not len(late) or is_constant(w):
         return None
@@ -57,7 +57,10 @@ def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray, after: float
     turn = TURN / max(abs(float(w[at])), 1e-9)
     margin = max(_EDGE * float(t[-1] - t[late[0]]), min(turn, 0.1 * float(t[-1])))
     is_inside = t[late[0]] + margin < t[at] < t[-1] - margin
-    return at if is_inside else None
+    passed = w[late]
+    of_speeds = _EDGE * float(np.ptp(passed))
+    is_passed = passed.min() + of_speeds < w[at] < passed.max() - of_speeds
+    return at if is_inside and is_passed else None
 
 
 def why_no_peak(t: np.ndarray, w: np.ndarray, after: float) -> str:

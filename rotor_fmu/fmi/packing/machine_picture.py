@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from ...display import current
 from ...figure_style import PlainFigure
 from ...model.machine.rotor import Rotor
 from ...model.parts.base import Shape
@@ -68,12 +69,27 @@ def machine_figure(rotor: Rotor) -> Figure:
     drawn = axes.dataLim
     figure.set_figheight(min(8.0, max(2.8, 9.0 * drawn.height / drawn.width + 1.2)))
     axes.autoscale_view()
-    in_mm = FuncFormatter(lambda value, _: f"{value * 1e3:.6g}")
-    axes.xaxis.set_major_formatter(in_mm)
+    shown = current()
+    lengths = FuncFormatter(lambda value, _: f"{value * shown.length:.6g}")
+    axes.xaxis.set_major_formatter(lengths)
+    axes.xaxis.set_major_locator(_RoundIn(shown.length))
     axes.yaxis.set_visible(False)
-    axes.set_xlabel("Along the shaft z [mm], radii to the same scale")
+    axes.set_xlabel(f"Along the shaft z [{shown.length_unit}], radii to the same scale")
     axes.set_title(rotor.name, loc="left", fontsize=10)
     return figure
+
+
+class _RoundIn(MaxNLocator):
+    """Ticks at round numbers of a unit, of which one m is `length`."""
+
+    def __init__(self, length: float) -> None:
+        super().__init__(9)
+        self._length = length
+
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        """Return the ticks [m]."""
+        ticks = super().tick_values(vmin * self._length, vmax * self._length)
+        return [float(tick) / self._length for tick in ticks]
 
 
 def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: int) -> None:

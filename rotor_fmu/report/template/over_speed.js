@@ -2,7 +2,11 @@
 
 const HERTZ = "Speed [Hz]";
 const degrees = (re, im) => (Math.atan2(im, re) * 180) / Math.PI;
-const UNITS = { 1: "µm 0-p", 2: "µm peak-to-peak" };
+// What amplitudes may be shown in: text, unit of displacements, its size [µm], factor of 0-p.
+const UNITS = [
+  { text: "µm 0-p", of: "µm", size: 1, times: 1 }, { text: "µm peak-to-peak", of: "µm", size: 1, times: 2 },
+  { text: "mil 0-p", of: "mil", size: 25.4, times: 1 }, { text: "mil peak-to-peak", of: "mil", size: 25.4, times: 2 },
+];
 // The lines of the Bode plot, and where their data lie.
 const LINES = [["1x of x", "bodeX"], ["1x of y", "bodeY"], ["2x", "twice"], ["0.5x", "half"]];
 const SECOND = 4; // colour and dash of a second place
@@ -10,7 +14,7 @@ const SECOND = 4; // colour and dash of a second place
 class OverSpeed {
   constructor(runs) {
     this.runs = runs;
-    this.factor = 1;
+    this.chosenUnit = UNITS[0];
     this.parts = runs.map(() => ({}));
     // a run at one speed goes over time
     this.across = runs.every((run) => run.isConstant) ? "t" : "hz";
@@ -51,6 +55,15 @@ class OverSpeed {
     return renderer;
   }
 
+  // What one µm of amplitude, and of displacement, is in the unit that is shown.
+  get factor() {
+    return this.chosenUnit.times / this.chosenUnit.size;
+  }
+
+  get small() {
+    return 1 / this.chosenUnit.size;
+  }
+
   get lone() {
     return this.runs.length === 1;
   }
@@ -77,7 +90,7 @@ class OverSpeed {
       "@x": new Bokeh.CustomJSHover({ code: `return (${isSpeed ? turns : 1} * value).toFixed(${digits})` }),
     };
     this.hover.tooltips = [
-      ["line", "$name"], ["amplitude", `@y{0.00} ${UNITS[this.factor]}`],
+      ["line", "$name"], ["amplitude", `@y{0.00} ${this.chosenUnit.text}`],
       isSpeed ? ["speed", `@x{custom} ${unit}`] : ["time", "@x{0.00} s"],
     ];
     const formatter = () => turns === 1 ? new Bokeh.BasicTickFormatter()
@@ -127,7 +140,7 @@ class OverSpeed {
     this.image();
     this.spectrum.plot.add_tools(
       new Bokeh.HoverTool({
-        mode: "vline", tooltips: [["", "@x{0.00} Hz, @order{0.000}x: @top{0.000} µm"]],
+        mode: "vline", tooltips: [["", "@x{0.00} Hz, @order{0.000}x: @top{0.000}"]],
       }),
     );
   }
@@ -212,7 +225,7 @@ class OverSpeed {
       (run) => run.places.find((p) => p.name === placeName) ??
         run.places.find((p) => p.name === run.chosen),
     );
-    this.bode.plot.left[0].axis_label = `1x amplitude [${UNITS[this.factor]}]`;
+    this.bode.plot.left[0].axis_label = `1x amplitude [${this.chosenUnit.text}]`;
     const other = this.others[0];
     const criticals = this.across === "hz" ? this.runs[0].criticals?.hz ?? [] : [];
     this.bode.name([
@@ -239,7 +252,13 @@ class OverSpeed {
   // Curves of places and contacts by their names.
   fill(placeName, touchName, secondName) {
     this.fillBode(placeName, secondName);
-    const unit = UNITS[this.factor];
+    const unit = this.chosenUnit.text;
+    const { of } = this.chosenUnit;
+    for (const chart of [this.orbit, this.poincare]) {
+      chart.plot.below[0].axis_label = `Horizontal [${of}]`;
+      chart.plot.left[0].axis_label = `Vertical [${of}]`;
+    }
+    this.base.plot.left[0].axis_label = `Displacement [${of}]`;
     this.spectrum.plot.left[0].axis_label = `Amplitude [${unit}]`;
     this.polar.plot.below[0].axis_label = `1x of x, real part [${unit}]`;
     this.polar.plot.left[0].axis_label = `imaginary part [${unit}]`;
@@ -253,7 +272,7 @@ class OverSpeed {
       part.phaseY.data = this.broken(x, yRe, yIm);
       part.polar.data = { x: xRe.map((v) => this.factor * v), y: xIm.map((v) => this.factor * v) };
       part.whirl.data = { x: run.whirl[this.across], y: place.sense };
-      part.points.data = { x: place.points.re, y: place.points.im };
+      part.points.data = this.sized(place.points.re, place.points.im);
       part.ring.data = this.circle(place.clearance);
       const touch = run.touches.find((t) => t.name === touchName);
       part.force.data = touch ? this.parted(touch[this.across], touch.peak) : { x: [], y: [] };
@@ -294,10 +313,16 @@ class OverSpeed {
     return { x, low, high };
   }
 
+  // Displacements in the unit that is shown.
+  sized(x, y) {
+    return { x: x.map((v) => this.small * v), y: y.map((v) => this.small * v) };
+  }
+
   circle(radius) {
     if (radius === null) return { x: [], y: [] };
     const turn = Array.from({ length: 121 }, (_, i) => (i * Math.PI) / 60);
-    return { x: turn.map((a) => radius * Math.cos(a)), y: turn.map((a) => radius * Math.sin(a)) };
+    const long = radius * this.small;
+    return { x: turn.map((a) => long * Math.cos(a)), y: turn.map((a) => long * Math.sin(a)) };
   }
 
   // Names of lines that every run has, in the run's colour.
@@ -372,7 +397,7 @@ class OverSpeed {
       dw: [last - first + 2 * half], dh: [high - low || 1],
     };
     this.cascade.plot.left[0].axis_label = run.isOneWay ? HERTZ : "Time [s]";
-    this.cascade.name([[`from 0 to ${shown(this.factor * largest ** 2)} ${UNITS[this.factor]}`, "ground"]]);
+    this.cascade.name([[`from 0 to ${shown(this.factor * largest ** 2)} ${this.chosenUnit.text}`, "ground"]]);
     this.shownRun = r;
   }
 
@@ -387,7 +412,7 @@ class OverSpeed {
       const [now, t] = [run.stations.hz[at], run.stations.t[at]];
       const size = run.orbit.turns * run.orbit.points;
       const slice = (values) => values.subarray(at * size, (at + 1) * size);
-      const [x, y] = [slice(place.orbits.re), slice(place.orbits.im)];
+      const { x, y } = this.sized(slice(place.orbits.re), slice(place.orbits.im));
       part.orbit.data = { x, y };
       const marks = (values) => values.filter((_, i) => i % run.orbit.points === 0);
       part.marks.data = { x: marks(x), y: marks(y) };
@@ -396,7 +421,7 @@ class OverSpeed {
       part.baseMarks.data = { x: marks(turns), y: marks(x) };
       const second = this.others[r]?.orbits;
       part.otherOrbit.data = second
-        ? { x: slice(second.re), y: slice(second.im) } : { x: [], y: [] };
+        ? this.sized(slice(second.re), slice(second.im)) : { x: [], y: [] };
       const width = run.orders.length;
       const top = place.cascade.slice(at * width, (at + 1) * width).map((v) => this.factor * v);
       part.spectrum.data = { x: run.orders.map((k) => k * Math.abs(now)), top, order: run.orders };
@@ -406,7 +431,7 @@ class OverSpeed {
       const turn = nearestSorted(run.turns.t, t);
       const whirl = nearestSorted(run.whirl.t, t);
       const few = (values) => values.subarray(Math.max(turn - 8, 0), turn + 8);
-      part.pointsNow.data = { x: few(place.points.re), y: few(place.points.im) };
+      part.pointsNow.data = this.sized(few(place.points.re), few(place.points.im));
       if (r === 0) for (const span of this.spans) span.location = run.stations[this.across][at];
       if (r === this.shownRun) this.row.location = run.isOneWay ? now : t;
       return {

@@ -12,7 +12,7 @@ function sentence(found, run, several) {
   return (
     `${several ? `${run.name}, ` : ""}${found.label} at ${shown(found.hz)} Hz ` +
     `(${Math.round(60 * found.hz)} rpm), t = ${shown(found.t)} s: ` +
-    `1x of x ${shown(found.x)} ${UNITS[over.factor]} at ${Math.round(found.phaseX)}°, ` +
+    `1x of x ${shown(found.x)} ${over.chosenUnit.text} at ${Math.round(found.phaseX)}°, ` +
     `of y ${shown(found.y)} at ${Math.round(found.phaseY)}°; ` +
     `largest line ${shown(run.orders[found.peak])}x${whirling(found.sense)}`
   );
@@ -75,6 +75,7 @@ async function showOverSpeed(runs) {
     over.scaleSpeed(Number(field("turns").value));
     pick(Number(field("station").value));
   };
+  over.chosenUnit = UNITS[Number(field("unit").value)];
   over.fillBode(field("place").value);
   await over.bode.show();
   performance.mark("first picture");
@@ -83,7 +84,7 @@ async function showOverSpeed(runs) {
   refill();
   for (const id of ["place", "second", "touch", "shown", "turns"]) field(id).addEventListener("change", refill);
   field("unit").addEventListener("change", () => {
-    over.factor = Number(field("unit").value);
+    over.chosenUnit = UNITS[Number(field("unit").value)];
     refill();
   });
   field("station").addEventListener("input", () => pick(Number(field("station").value)));

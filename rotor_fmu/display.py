@@ -1,0 +1,107 @@
+"""The units in which tables, pictures and pages show speeds and displacements, chosen once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+
+from .errors import InputError
+
+INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
+
+
+@dataclass(frozen=True)
+class Display:
+    """Names of units, and what one SI unit is in each: of speeds [rad/s], displacements [m],
+    lengths [m], masses [kg], forces [N]; whether amplitudes are peak-to-peak."""
+
+    speed_unit: str = "Hz"
+    speed: float = 1 / (2 * math.pi)
+    small_unit: str = "µm"
+    small: float = 1e6
+    length_unit: str = "mm"
+    length: float = 1e3
+    mass_unit: str = "kg"
+    mass: float = 1.0
+    force_unit: str = "N"
+    force: float = 1.0
+    is_pp: bool = False
+
+    @property
+    def amplitude(self) -> float:
+        """Factor from m 0-p to the unit of amplitudes."""
+        return self.small * (2 if self.is_pp else 1)
+
+    @property
+    def amplitude_unit(self) -> str:
+        """Unit of amplitudes, with what is measured."""
+        return f"{self.small_unit} {'pp' if self.is_pp else '0-p'}"
+
+    @property
+    def speed_label(self) -> str:
+        """Label of an axis of speeds."""
+        return f"Rotational speed n [{self.speed_unit}]"
+
+
+_RPM = {"speed_unit": "rpm", "speed": 30 / math.pi}
+_MIL = {"small_unit": "mil", "small": 1e3 / INCH}
+_INCHES = {
+    **{"length_unit": "in", "length": 1 / INCH},
+    **{"mass_unit": "lb", "mass": 1 / POUND, "force_unit": "lbf", "force": 1 / LBF},
+}
+# What each word of `--units` changes.
+_WORDS: dict[str, dict[str, object]] = {
+    "si": {},
+    "us": _RPM | _MIL | _INCHES,
+    "Hz": {"speed_unit": "Hz", "speed": 1 / (2 * math.pi)},
+    "rpm": _RPM,
+    "um": {"small_unit": "µm", "small": 1e6},
+    "mil": _MIL,
+    "0-p": {"is_pp": False},
+    "pp": {"is_pp": True},
+}
+_current: ContextVar[Display] = ContextVar("display", default=Display())  # noqa: B039
+
+
+def current() -> Display:
+    """Return the units that are shown now."""
+    return _current.get()
+
+
+def display_of(shown: str, text: str) -> Display:
+    """Return the units of words such as `us` or `rpm, mil, pp`; shown: what gives them. Raises
+    `InputError` for another word."""
+    result = Display()
+    known = {word.lower(): change for word, change in _WORDS.items()}
+    for word in text.replace(",", " ").split():
+        if word.lower() not in known:
+            near = get_close_matches(word.lower(), known, 1)
+            meant = f"; did you mean {near[0]}?" if near else ""
+            raise InputError(f"{shown} {text}: {word!r} must be one of {', '.join(_WORDS)}{meant}")
+        result = replace(result, **known[word.lower()])  # type: ignore[arg-type]
+    return result
+
+
+def frequency_unit() -> str:
+    """Return the unit of frequencies beside speeds that are shown in Hz or rpm."""
+    return "cpm" if current().speed_unit == "rpm" else current().speed_unit
+
+
+@contextmanager
+def restored() -> Iterator[None]:
+    """Whatever units are chosen within are chosen for that long."""
+    token = _current.set(_current.get())
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+def choose(option: str | None, of_file: str = "") -> None:
+    """Show the units of `--units`, else those that a machine's file says."""
+    given = ("--units", option) if option is not None else ("units =", of_file)
+    _current.set(display_of(*given))

@@ -1,0 +1,129 @@
+"""Units of tables, pictures and pages, chosen once; the factors are the units' definitions."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import rig, rig_toml
+from rotor_fmu.model.structure.beam import shaft_element
+
+from rotor_fmu.cli import app
+from rotor_fmu.display import choose, current, display_of, restored
+from rotor_fmu.errors import InputError
+from rotor_fmu.linear import answers
+from rotor_fmu.linear.linear_plots import _deflection
+from rotor_fmu.report.measuring_points import Recorded
+from rotor_fmu.report.page import runs_page
+from rotor_fmu.report.signal_plots import bode, orbit
+from rotor_fmu.report.view import View
+
+from .recordings import recorded
+
+
+@pytest.fixture
+def command(tmp_path, capsys):
+    def run(*arguments):
+        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
+        return capsys.readouterr().out
+
+    return run
+
+
+def test_us_units_are_by_definition_and_words_go_together():
+    us, mixed = display_of("--units", "us"), display_of("--units", "rpm, um, PP")
+    assert (us.speed_unit, us.small_unit, us.length_unit) == ("rpm", "mil", "in")
+    assert us.speed * 100 * math.pi == pytest.approx(3000)
+    ones = [us.small * 25.4e-6, us.length * 0.0254, us.mass * 0.45359237]
+    assert ones == pytest.approx([1, 1, 1])
+    assert us.force * 4.4482216152605 == pytest.approx(1)
+    assert mixed.amplitude == pytest.approx(2e6)
+    assert mixed.amplitude_unit == "µm pp"
+
+
+def test_a_word_that_is_none_is_refused_with_its_nearest():
+    with pytest.raises(
+        InputError, match=r"--units mils: 'mils' must be one of .*did you mean mil\?"
+    ):
+        choose("mils")
+
+
+def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(command):
+    text = command("show", "--units", "us")
+    assert "zigulic2003: 8 nodes, 12.992 in, 12.4" in text
+    assert "z [in]" in text
+    assert "zigulic2003: 8 nodes, 330 mm, 5.6" in command("show")
+
+
+def test_the_machine_file_may_say_the_units(command, tmp_path):
+    file = tmp_path / "rig.toml"
+    file.write_text(f'units = "rpm, mil, pp"\n{rig_toml()}')
+    given = ("--rotor", str(file), "--speed", "30Hz", "--node", "5")
+    mine, si = command("unbalance", *given), command("unbalance", *given, "--units", "si")
+    assert "x [mil pp]" in mine
+    assert "x [um 0-p]" in si
+    numbers = [[float(word) for word in text.splitlines()[2].split()] for text in (mine, si)]
+    assert numbers[0][2] == pytest.approx(60 * numbers[1][2], rel=1e-4)
+    assert numbers[0][3] == pytest.approx(2 / 25.4 * numbers[1][3], rel=1e-3)
+
+
+def test_pictures_are_in_the_units_that_were_chosen():
+    with restored():
+        choose("rpm,mil,pp")
+        view = View(Recorded(recorded(), "one"))
+        above, below = bode(view).axes
+        round_about = orbit(view).axes[0]
+        response = answers.unbalance_response(rig(), np.linspace(10.0, 300.0, 20)).figure().axes
+    assert current().speed_unit == "Hz"
+    assert above.get_ylabel() == "Amplitude [mil pp]"
+    assert below.get_xlabel() == "Rotational speed n [rpm]"
+    assert round_about.get_xlabel() == "Horizontal displacement [mil]"
+    # 1x of x is |80 exp(-0.6 i) + 20| um 0-p
+    drawn = above.lines[0].get_ydata()
+    assert np.nanmedian(drawn) == pytest.approx(abs(80 * np.exp(-0.6j) + 20) * 2 / 25.4, rel=1e-3)
+    assert response[0].get_ylabel() == "Amplitude [mil pp]"
+    assert response[0].get_title("left").startswith("zigulic2003: Steady response")
+    assert response[0].get_xlim()[1] > 2000
+
+
+def test_the_unbalance_picture_says_that_amplitudes_are_0_p():
+    figure = answers.unbalance_response(rig(), np.linspace(10.0, 300.0, 20)).figure()
+    assert figure.axes[0].get_ylabel() == "Amplitude [µm 0-p]"
+
+
+def test_a_page_begins_in_the_units_that_were_chosen():
+    runs = [Recorded(recorded(), "one")]
+    with restored():
+        choose("rpm,mil")
+        page = runs_page(runs, [{}])
+    assert '<option value="60" selected>rpm' in page
+    assert '<option value="2" selected>mil 0-p' in page
+    assert "<h1>closed form</h1>" in page
+    assert "selected" not in runs_page(runs, [{}]).split("<script")[0]
+
+
+def test_a_shape_is_drawn_with_the_elements_own_cubic():
+    """Within it a cantilevered element under a force at its end has what Timoshenko's beam has;
+    a cubic with the sections' rotations for slopes has not."""
+    section = rig().sections[0]
+    stiffness = shaft_element(section).stiffness[np.ix_((2, 3), (2, 3))]
+    w, rotation = np.linalg.solve(stiffness, [1.0, 0.0])
+    length, phi = section.length, answers._shear(section)
+    inertia = math.pi / 64 * section.outer_left**4
+    bending = section.material.young * inertia
+    sheared = phi * length**2 / 12  # E I / (kappa G A)
+    assert w == pytest.approx(length**3 / 3 / bending + length * sheared / bending, rel=1e-9)
+    z, deflections, rotations = (
+        np.array([0.0, length]),
+        np.array([0.0, w]),
+        np.array([0.0, rotation]),
+    )
+    x = length / 4
+    truth = (x**2 * (3 * length - x) / 6 + x * sheared) / bending
+    assert _deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
+    assert abs(_deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
+
+
+def test_json_stays_in_si(command):
+    one, two = (json.loads(command("show", "--json", *more)) for more in ((), ("--units", "us")))
+    assert one == two
