@@ -15,6 +15,8 @@ from .stability.matrices import OPEN
 from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
+from .step.laws import law_breaks, relative
+from .step.step import BROKEN
 from .time_loop import equilibrium, time_loop
 from .time_loop.control import CONTROLLED, FIXED
 
@@ -37,6 +39,10 @@ def no_rest(run, status, arguments):
     arguments[0] = _held_nodes(structure)
     if arguments[0] < 2.0:
         return messages.NOT_HELD
+    broken = _broken(run)
+    if broken > 0:
+        arguments[0], arguments[1] = broken, run.memory.record[0].omega
+        return messages.FILM_AT_REST
     if status == equilibrium.UNSTABLE:
         return messages.ON_A_HUMP
     stiffest, mass = 0.0, 0.0
@@ -49,6 +55,19 @@ def no_rest(run, status, arguments):
         return messages.LOST_IN_ROUNDING
     arguments[0] = numbers.bound
     return messages.TOO_FAR if status == equilibrium.NOT_HELD else messages.NO_REST
+
+
+@jit
+def _broken(run):
+    """Return the node, from 1, of a law that breaks where the last step led; 0 if there is none."""
+    structure = run.structure
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if law_breaks(structure.laws, interface, relative(interface, run.trial.q)):
+            for i in range(len(structure.deflections)):
+                if structure.deflections[i, 0] == interface.dof:
+                    return structure.deflections[i, 1]
+    return 0
 
 
 @jit
@@ -186,6 +205,9 @@ def failure(run, status, arguments):
     arguments[0], arguments[1], arguments[2] = r.failed_at, r.omega, r.failed_h
     if status == time_loop.NOT_CONVERGED:
         return messages.NOT_CONVERGED
+    if status == BROKEN:
+        arguments[3] = _broken(run)
+        return messages.FILM_BROKEN
     if status == time_loop.UNFINISHED:
         arguments[3] = r.max_iterations
         return messages.STOPPED

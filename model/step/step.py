@@ -19,10 +19,11 @@ from ..parts.housing import masses
 from ..parts.law import Weights
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
-from .laws import kinematics, law_force, law_rates, relative
+from .laws import kinematics, law_breaks, law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
 
-DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2  # what becomes of a step
+# What becomes of a step; broken: it ends where a law means nothing.
+DONE, NOT_CONVERGED, NOT_FINITE, BROKEN = 0, 1, 2, 4
 
 
 class Motion(NamedTuple):
@@ -65,7 +66,7 @@ def by_axis(x_factor, y_factor, z):
 
 
 @jit
-def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
+def add_internal(structure, spin, factor, damping, q, v, scratch, out):
     """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
     n = len(out)
     for i in range(n):
@@ -103,7 +104,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     for i in range(n):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
-    _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
+    add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
         q, v = motion.q[n + j], damping * motion.v[n + j]
@@ -206,7 +207,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
         free[i] *= share
         scratch[i] = af * old.v_dot[i] - am * old.a[i]
     add_product(structure.M, scratch, free)
-    _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
+    add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
@@ -248,7 +249,7 @@ def _predict_internal_state(scheme, h, old, free):
 
 
 @jit
-def _is_sane(x, bound):
+def is_sane(x, bound):
     """Return whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
@@ -258,8 +259,8 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
 
-    Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces or `NOT_FINITE` or past the bound,
-    and the Newton iterations. Whatever the status, `old` is untouched.
+    Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
+    or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
     """
     n = structure.M.shape[0]
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
@@ -272,7 +273,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         problem.d0[j] = relative(interfaces[j], new.q)
         problem.d0_dot[j] = relative(interfaces[j], new.v)
         problem.w_free[j] = relative(interfaces[j], new.a)
-        is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
+        is_finite = is_finite and is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return NOT_FINITE, 0
     b_rate = _predict_internal_state(scheme, h, old, problem.free)
@@ -297,8 +298,11 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
                 new.a[wall] -= by_axis(work.housing[wall - n, 0], work.housing[wall - n, 1], force)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
-        if not _is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
+        if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
+    for j in range(len(interfaces)):
+        if law_breaks(structure.laws, interfaces[j], relative(interfaces[j], new.q)):
+            return BROKEN, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.internal_state) > 0:
         for i in range(len(problem.internal_state)):
