@@ -1,5 +1,6 @@
 """The messages about a run, each sentence once: a code is its place in `SENTENCES`, behind those of
-the settings (see `spelling`). `{where}` stands for the machine's own list of contact states.
+the settings (see `spelling`). `{where}` stands for the machine's own list of contact states,
+`{names}` for that of its contacts.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from .warnings import RUN_WARNINGS, UNFINISHED
 GOOD = settings.GOOD
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
 _NO_REST = "no static equilibrium under gravity and the loads at the start"
+_LIMIT, _UNIT = choice(("limit.displacement", "limit.force")), choice((" m", " N"))
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 
 
@@ -48,6 +50,8 @@ _SENTENCES = {
     "change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
+    "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, that of the rest under "
+    "the loads at the start",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
     "DIVERGED": f"{_DIVERGED}try a smaller solver.h; if it diverges at every step length, the "
@@ -56,6 +60,9 @@ _SENTENCES = {
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
     "STOPPED": f"{_WHERE}{UNFINISHED}",
+    "PAST_LIMIT": f"t = {{.9g}} s: the next step passes {_LIMIT} = {{.6g}}{_UNIT}, with {{.6g}}"
+    f"{_UNIT}",
+    "CONTACT_CHANGED": f"t = {{.9g}} s: {{names}} {choice(('closed', 'opened'))}",
     "OSCILLATES_AT_REST": _positional(whirls.AT_REST, how=whirls.OSCILLATES),
     "MOVES_AT_REST": _positional(whirls.AT_REST, how=whirls.MOVES_AWAY),
     "HIDES": _positional(whirls.HIDES, way=_WAY, does=_DOES),
@@ -80,11 +87,14 @@ _FIRST = len(settings.SENTENCES)
     LOST_IN_ROUNDING,
     ON_A_HUMP,
     START_BEYOND,
+    LIMITED,
     NOT_CONVERGED,
     DIVERGED,
     DIVERGED_UNSTABLE,
     WHIRLED_APART,
     STOPPED,
+    PAST_LIMIT,
+    CONTACT_CHANGED,
     OSCILLATES_AT_REST,
     MOVES_AT_REST,
     HIDES,

@@ -8,6 +8,7 @@ from .conditions import Base, Start
 from .disc import Coupling, Disc
 from .housing import Housing
 from .law import Law
+from .line import Line
 from .linear_bearing import LinearBearing, Seal
 from .port import Port, Sensor
 from .support import Support
