@@ -33,8 +33,8 @@ from rotor_fmu.output_options import with_output_options
 from rotor_fmu.runs.job import write_json
 
 START, TORQUE = 60.0, 0.4  # speed [rad/s] and torque of the motor [N.m]
-J_MOTOR, STIFFNESS, DAMPING = 1e-3, 400.0, 0.0  # [kg.m2], [N.m/rad], [N.m.s/rad]
-STEPS = (1e-4, 5e-4, 2e-3, 5e-3, 1.5e-2)  # communication steps [s]
+J_MOTOR, STIFFNESS, DAMPING = 1e-3, 400.0, 0.03  # [kg.m2], [N.m/rad], [N.m.s/rad]
+STEPS = (1e-4, 5e-4, 3e-3, 5e-3, 1.5e-2)  # communication steps [s]
 REFERENCE = 5e-5
 ITERATIONS = 20
 WILD = 1e3  # a torque or a speed that says that the coupling has diverged [N.m, rad/s]
@@ -104,13 +104,15 @@ def _shaft(motor: Motor, phi: float, w: float) -> float:
 @dataclass(frozen=True)
 class Point:
     """The motor, the shaft's torque over the last step, or what its ends sent each other, `tau` to
-    the rotor and `back` [N.m], and the energy that left the motor and entered the rotor [J]."""
+    the rotor and `back` [N.m], and the energy that left the motor, entered the rotor, and
+    that its damper took [J]."""
 
     motor: Motor
     tau: float = 0.0
     back: float = 0.0
     out: float = 0.0
     entered: float = 0.0
+    damped: float = 0.0
 
 
 def explicit(rotor: Rotor, t: float, h: float, at: Point) -> Point:
@@ -189,15 +191,19 @@ def _passed(
     rotor: Rotor, t: float, h: float, at: Point, tau: float, slope: float | None = None
 ) -> Point:
     motor = at.motor.stepped(h, tau, slope or 0.0)
+    (before,) = rotor.read("phi")
     rotor.step(t, h, tau, slope)
-    (entered,) = rotor.read("step_work")
+    phi, entered = rotor.read("phi", "step_work")
+    turned = motor.phi - at.motor.phi
+    twisted = turned - (phi - before)
     mean = tau + 0.5 * h * (slope or 0.0)
     return replace(
         at,
         motor=motor,
         tau=tau,
-        out=at.out + mean * (motor.phi - at.motor.phi),
+        out=at.out + mean * turned,
         entered=at.entered + entered,
+        damped=at.damped + DAMPING * twisted * twisted / h,
     )
 
 
@@ -256,7 +262,7 @@ def couple(folder: str, method: str, h: float, stop: float) -> Result:
     is_whole = len(speeds) == round(stop / STEPS[-1])
     (phi,) = rotor.read("phi")
     kept = _stored(at, phi, h, is_line) - stored
-    lost = abs(at.out - at.entered - kept) / max(abs(at.entered), 1e-12)
+    lost = abs(at.out - at.entered - at.damped - kept) / max(abs(at.entered), 1e-12)
     rotor.fmu.freeInstance()
     short = round(stop / STEPS[-1]) - len(speeds)
     lost = lost if is_whole else math.inf

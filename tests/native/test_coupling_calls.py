@@ -227,7 +227,7 @@ def test_fmi_3_returns_early_where_a_contact_closes(make):
 
 
 def test_a_parameter_that_may_change_does_so_between_two_steps(extracted):
-    host = Host(extracted, {"speed": 200.0})
+    host = Host(extracted, {"speed": 200.0, "solver.tolerance": 1e-6})
     for _ in range(20):
         host.step()
     state = host.fmu.state()
