@@ -191,7 +191,7 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
     assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
-    assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,bearing[1].psi")
+    assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,tau_wave,step_work")
     assert len(rows) == 1 + 101
 
 
