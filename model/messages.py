@@ -50,8 +50,15 @@ _SENTENCES = {
     "change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
+    "IN_STAGES": "solver.sensitivities, tau_impedance: a method of stages has none; take another "
+    "solver.method",
     "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, that of the rest under "
     "the loads at the start",
+    "FILM_AT_REST": f"{_NO_REST}: the oil film at node {{d}} does not carry them at {{.4g}} rad/s; "
+    "take a larger length, viscosity or speed, or give the bearing a contact stiffness k: then a "
+    "journal that stands still lies on its wall",
+    "FILM_BROKEN": f"{_WHERE}the oil film at node {{d}} is thinner than its roughness; give the "
+    "bearing a contact stiffness k: then the surfaces touch",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
     "DIVERGED": f"{_DIVERGED}try a smaller solver.h; if it diverges at every step length, the "
@@ -87,7 +94,10 @@ _FIRST = len(settings.SENTENCES)
     LOST_IN_ROUNDING,
     ON_A_HUMP,
     START_BEYOND,
+    IN_STAGES,
     LIMITED,
+    FILM_AT_REST,
+    FILM_BROKEN,
     NOT_CONVERGED,
     DIVERGED,
     DIVERGED_UNSTABLE,

@@ -15,6 +15,8 @@ from .stability.matrices import OPEN
 from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
+from .step.laws import law_breaks, relative
+from .step.step import BROKEN
 from .time_loop import early_return, equilibrium, time_loop
 from .time_loop.control import CONTROLLED, FIXED
 
@@ -34,6 +36,8 @@ def no_rest(run, status, arguments):
         arguments[1] = modulus(run.motion.q[structure.deflections[farthest, 0]])
         arguments[2] = numbers.bound
         return messages.START_BEYOND
+    if status == early_return.IN_STAGES:
+        return messages.IN_STAGES
     if status == early_return.LIMITED:
         r = run.memory.record[0]
         is_force = r.failed_at == early_return.PAST_FORCE
@@ -44,6 +48,10 @@ def no_rest(run, status, arguments):
     arguments[0] = _held_nodes(structure)
     if arguments[0] < 2.0:
         return messages.NOT_HELD
+    broken = _broken(run)
+    if broken > 0:
+        arguments[0], arguments[1] = broken, run.memory.record[0].omega
+        return messages.FILM_AT_REST
     if status == equilibrium.UNSTABLE:
         return messages.ON_A_HUMP
     stiffest, mass = 0.0, 0.0
@@ -56,6 +64,19 @@ def no_rest(run, status, arguments):
         return messages.LOST_IN_ROUNDING
     arguments[0] = numbers.bound
     return messages.TOO_FAR if status == equilibrium.NOT_HELD else messages.NO_REST
+
+
+@jit
+def _broken(run):
+    """Return the node, from 1, of a law that breaks where the last step led; 0 if there is none."""
+    structure = run.structure
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if law_breaks(structure.laws, interface, relative(interface, run.trial.q)):
+            for i in range(len(structure.deflections)):
+                if structure.deflections[i, 0] == interface.dof:
+                    return structure.deflections[i, 1]
+    return 0
 
 
 @jit
@@ -193,10 +214,13 @@ def failure(run, status, arguments):
     arguments[0], arguments[1], arguments[2] = r.failed_at, r.omega, r.failed_h
     if status == time_loop.NOT_CONVERGED:
         return messages.NOT_CONVERGED
+    if status == BROKEN:
+        arguments[3] = _broken(run)
+        return messages.FILM_BROKEN
     if status == time_loop.UNFINISHED:
         arguments[3] = r.max_iterations
         return messages.STOPPED
-    ended = status - time_loop.UNFINISHED
+    ended = status - time_loop.ENDED_EARLY
     if ended > early_return.GOES_ON:
         arguments[1] = r.failed_value
         if ended < early_return.CLOSED:

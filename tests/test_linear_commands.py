@@ -146,3 +146,28 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
     with pytest.raises(InputError) as refused:
         machine_text("--rotor", own)
     assert expected in str(refused.value)
+
+
+def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
+    """The amplitudes are those of the answer; an unbalance may be given in g mm."""
+    given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")
+    command("unbalance", *given)
+    head, *rows = (tmp_path / "out" / "unbalance.csv").read_text().splitlines()
+    assert head.startswith("speed [rad/s],node[5].x [m],node[5].y [m],node[5].x_phase [rad]")
+    speeds = np.linspace(40 * math.pi, 80 * math.pi, 5)
+    result = answers.unbalance_response(rig(), speeds, unbalances=[(4, 5e-5, math.pi / 2)])
+    numbers = np.array([list(map(float, row.split(","))) for row in rows])
+    np.testing.assert_allclose(numbers[:, 0], speeds, rtol=1e-8)
+    np.testing.assert_allclose(numbers[:, 1], np.abs(result.x[:, 4]), rtol=1e-8)
+    np.testing.assert_allclose(numbers[:, 5], result.major[:, 4], rtol=1e-8)
+
+
+def test_a_result_is_a_line_in_a_console():
+    for result in (
+        answers.modes(rig()),
+        answers.static(rig()),
+        answers.campbell(rig(), [0.0, 100.0]),
+        answers.unbalance_response(rig(), [50.0, 100.0]),
+    ):
+        assert "\n" not in repr(result)
+        assert len(repr(result)) < 120

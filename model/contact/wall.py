@@ -103,6 +103,19 @@ def elastic(part, delta):
     return slope * delta, slope * part.exponent
 
 
+@jit
+def pressed(part, delta, rate):
+    """Return the normal force of a penetration [m] that grows at a rate [m/s], its elastic part
+    [N], and its derivatives by both [N/m], [N.s/m]."""
+    n_k, stiffness = elastic(part, delta)
+    share = min(1.0, delta / part.delta_c)
+    damping = part.c * share
+    n = n_k + damping * rate
+    if share < 1.0:
+        stiffness += part.c / part.delta_c * rate
+    return max(0.0, n), n_k, stiffness, damping
+
+
 class Touch(NamedTuple):
     """How a journal touches its wall, in the frame along e: penetration delta [m] and its rate
     [m/s]; normal force n [N], 0 without contact, its elastic part, its derivatives by delta,
@@ -137,15 +150,10 @@ def touch(part, kinematics):
     velocity = e.conjugate() * kinematics.velocity
     gradient = complex(1.0, -s_1 / r)
     rate = velocity.real + gradient.imag * velocity.imag
-    n_k, stiffness = elastic(part, delta)
-    share = min(1.0, delta / part.delta_c)
-    damping = part.c * share
-    n = n_k + damping * rate
-    if share < 1.0:
-        stiffness += part.c / part.delta_c * rate
+    n, n_k, stiffness, damping = pressed(part, delta, rate)
     skew, curvature = s_1 / (r * r), 1.0 / r - s_2 / (r * r)
     return Touch(
-        *(delta, rate, max(0.0, n), n_k, stiffness, damping),
+        *(delta, rate, n, n_k, stiffness, damping),
         *(e, velocity, gradient, skew, curvature),
     )
 

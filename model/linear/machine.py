@@ -11,7 +11,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,9 +21,10 @@ from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.base import Interface, Mount, Spring
 from ..parts.housing import masses
+from ..parts.linear_bearing import LINEAR_BEARING
 from ..structure.assembly import assemble
 from ..structure.elastic import factorized, strains
-from ..structure.parameters import elastic_share
+from ..structure.parameters import elastic_share, lengths_of
 from ..structure.structure import Structure
 from .linearized import Linear, LinearError, Strain
 from .tangents import Tangents, tangents
@@ -32,7 +33,8 @@ OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
-_ITERATIONS = 50
+_ITERATIONS = 200
+_SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
@@ -68,6 +70,7 @@ class LinearMachine:
         self.contacts = contacts
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
+        self._is_curved = ~_are_linear(self.rotor)
         size = len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
@@ -81,7 +84,9 @@ class LinearMachine:
         self.across = _differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
         self._strained = (self._full.strained @ self.expand).tocsr()
-        self.is_held = self._holds(self.at_zero_load(0.0))
+        self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
+        turning = s.numbers[0].lowest_omega
+        self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
 
     @property
     def has_contacts(self) -> bool:
@@ -100,9 +105,9 @@ class LinearMachine:
 
     def at(self, speed: float) -> Linear:
         """Return the machine at a speed [rad/s], linearized where gravity holds it; where nothing
-        does, or no law needs it, at no displacement. Raises `LinearError` if Newton's method finds
-        no equilibrium."""
-        needs_rest = self.is_held and self._acts.any()
+        does, or all laws are linear, at no displacement. Raises `LinearError` if Newton's method
+        finds no equilibrium."""
+        needs_rest = (self._acts & self._is_curved).any() and self.holds_at(speed)
         return self.loaded(speed) if needs_rest else self.at_zero_load(speed)
 
     def at_zero_load(self, speed: float) -> Linear:
@@ -112,7 +117,7 @@ class LinearMachine:
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
         loads: x, y of every dof, shape (2 size,) [N, N.m]."""
-        if not self.is_held:
+        if not self.holds_at(speed):
             raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
         force = self.expand.T @ given
@@ -124,12 +129,58 @@ class LinearMachine:
             # of large ones where the shaft is stiff
             of_laws = linear.laws.force - to_complex(self._tangent(linear.laws.by_d, rest))
             result, pull = linear.factorized()(force + self._across.T @ in_plane(of_laws))
+            result = self._within_films(rest, result)
             change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
             rest = result
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
                 return linear._replace(rest=rest, pull=pull)
             before = change
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
+
+    def undamped(self, supports: Sequence[int], is_rigid: bool) -> Undamped:
+        """Return the undamped machine on some of its supports, whose stiffness is yet to be given.
+
+        supports: places in the order of `support_dofs`; is_rigid: whether housings are taken as
+        ground. All other springs to ground and interfaces are left out.
+        """
+        s = self.structure
+        ground, n = self.expand.shape[0] // 2 - 1, self.expand.shape[1]
+        kept = sp.eye_array(n, 2 * len(s.weight) if is_rigid else n, format="csr")
+        of_springs = [(dof, ground) for dof in s.springs.dof]
+        of_interfaces = [
+            (dof, ground if is_rigid else end % (ground + 1))
+            for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)
+        ]
+        across = _differences(ground + 1, of_springs + of_interfaces) @ self.expand @ kept
+        springs = across[: 2 * len(of_springs)]
+        K = kept.T @ self._K @ kept
+        if len(of_springs):
+            own = sp.diags_array(np.repeat(s.springs.stiffness, 2))
+            K = K - springs.T @ own @ springs
+        rows = np.array([[2 * i, 2 * i + 1] for i in supports], int).ravel()
+        return Undamped(
+            M=(kept.T @ self.M @ kept).toarray(),
+            gyroscopic=(kept.T @ self._gyroscopic @ kept).toarray(),
+            own_K=K.tocsc(),
+            strained=self._strained @ kept,
+            flexibility=Strain(
+                self._strained, self._full.stiffness, np.eye(2), np.zeros((2, 2))
+            ).flexibility(np.eye(2)),
+            across=across[rows],
+        )
+
+    def holds_at(self, speed: float) -> bool:
+        """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
+        return self._is_held_at_rest or (self.is_held and speed != 0.0)
+
+    def _within_films(self, rest: np.ndarray, result: np.ndarray) -> np.ndarray:
+        """Return a result of Newton's method no further from `rest` than a share of the clearance
+        of each film, whose force grows without limit beyond it."""
+        lengths = np.where(self._acts, lengths_of(self.structure), 0.0)
+        moved = np.abs(to_complex(self._across @ (result - rest)))
+        bounded = (lengths > 0.0) & (moved > 0.0)
+        share = np.min(_SHARE * lengths[bounded] / moved[bounded], initial=1.0)
+        return result if share == 1.0 else rest + share * (result - rest)
 
     @property
     def weight(self) -> np.ndarray:
@@ -234,6 +285,29 @@ class LinearMachine:
         )
 
 
+class Undamped(NamedTuple):
+    """The undamped machine without the stiffness of its supports: real matrices of the unknowns,
+    shape (N, N), own_K without what the shaft's strain adds; the shaft's strains by the unknowns
+    and each element's flexibility; x, y of each support's displacement by the unknowns."""
+
+    M: np.ndarray
+    gyroscopic: np.ndarray
+    own_K: sp.csc_array
+    strained: sp.csr_array
+    flexibility: np.ndarray
+    across: sp.csr_array
+
+    def over_stiffness(self, matrix: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+        """Return K^-1 of a matrix, with the isotropic stiffness of each support, shape (supports,)
+        [N/m]; `LinearError` where nothing holds the machine."""
+        K = self.own_K + self.across.T @ sp.diags_array(np.repeat(stiffness, 2)) @ self.across
+        try:
+            solve = factorized(K, self.strained, self.flexibility)
+        except RuntimeError as error:
+            raise LinearError("the machine is not held by its bearings") from error
+        return solve(matrix.real)[0] + 1j * solve(matrix.imag)[0]
+
+
 class _Full(NamedTuple):
     """Matrices of x, y of every dof, housing and ground, before anything is pinned, C and K without
     what the shaft's strain adds; its strains by them, and each element's stiffness."""
@@ -314,6 +388,12 @@ def in_plane(z: np.ndarray) -> np.ndarray:
 def to_complex(u: np.ndarray) -> np.ndarray:
     """Return x + i y of x, y in turn, shape (n,)."""
     return u[::2] + 1j * u[1::2]
+
+
+def _are_linear(rotor: Rotor) -> np.ndarray:
+    """Return which interfaces have a force that is linear in displacement and velocity."""
+    elements = (e for w, part in rotor.named_parts() for e in part.elements(w, 1.0))
+    return np.array([e.law is LINEAR_BEARING for e in elements if isinstance(e, Interface)], bool)
 
 
 def _supports(rotor: Rotor) -> Supports:

@@ -7,6 +7,7 @@ from .clearance_contact import ClearanceContact
 from .conditions import Base, Start
 from .disc import Coupling, Disc
 from .housing import Housing
+from .journal_bearing import JournalBearing
 from .law import Law
 from .line import Line
 from .linear_bearing import LinearBearing, Seal

@@ -11,6 +11,7 @@ their names, and of the node's `Kinematics` relative to the housing:
     observe(part, tables, kinematics, own, out)
     opening(part, displacement)                                 -> distance
     length(part)                                                -> scale
+    breaks(part, tables, displacement)                          -> whether it does
 
 F: complex force on the node [N], the housing gets -F. tangent: the change of F for `Weights` of its
 derivatives, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of what is
@@ -18,7 +19,8 @@ stored [J], in the order of `Law.stores`. dissipate: fills `out` with the powers
 the `places` of `Law.losses`; returns the torque that brakes the rotor [N.m]. observe: fills `out`
 at the places of `Law.outputs`. gap: how far the displacement is from where the force begins
 [m], negative where it acts. length: displacement that matters [m], 0 for that of the machine; of a
-law with a wall the wall's radius.
+law with a wall the wall's radius. breaks: whether a displacement lies where the law means nothing,
+so that a run stops there.
 
 tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
 with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
@@ -76,6 +78,12 @@ def always_acts(part, displacement):
 
 
 @jit
+def never_breaks(part, tables, displacement):
+    """Return that a law acts at every displacement."""
+    return False
+
+
+@jit
 def no_rates(part, tables, kinematics, internal_state, out):
     """Do nothing: the rates of a law without states."""
     return
@@ -99,8 +107,9 @@ class Law:
         Energies that it stores [J], in the order in which `energy` returns them.
     losses : tuple of Output
         Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
-    opening, length, rates : callable
-        Compiled functions of a law with a wall, with a length of its own, with states.
+    opening, length, rates, breaks : callable
+        Compiled functions of a law with a wall, with a length of its own, with states, with
+        displacements that it does not allow.
     states : tuple of float
         Values of its states at the start.
     has_wall : bool
@@ -126,6 +135,7 @@ class Law:
     gap: Callable[..., Any] = always_acts
     length: Callable[..., Any] = no_length
     rates: Callable[..., Any] = no_rates
+    breaks: Callable[..., Any] = never_breaks
     states: tuple[float, ...] = ()
     has_wall: bool = False
     turns: bool = False

@@ -29,7 +29,7 @@ from .matrices import (
     take_vector,
 )
 from .memory import MOST_WHIRLS, WHIRL, Survey
-from .resolution import is_stable, resolving_step
+from .resolution import is_stable, resolving_step, resolving_step_in_stages
 
 # Less than this share of a growth left by the integrator is called hidden; what a step that
 # resolves it must leave, and more of it where a tolerance is small.
@@ -206,7 +206,10 @@ def _longest_step(run, root):
     """Longest step that leaves a growth its share [s]; root: over the lowest frequency."""
     method = run.method.numbers[0]
     share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
-    return resolving_step(method, root * run.structure.numbers[0].lowest_omega, share)
+    root = root * run.structure.numbers[0].lowest_omega
+    if method.stages > 0:
+        return resolving_step_in_stages(root, share)
+    return resolving_step(method, root, share)
 
 
 @jit

@@ -11,6 +11,7 @@ from ..parts.law import Kinematics, Law, dispatcher
 from ..structure.ledger import FLOWS, STORES
 
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
+MOST_STATES = max(len(law.states) for law in LAWS)
 
 
 def _storing(law: Law) -> Callable:
@@ -43,6 +44,7 @@ def _dissipating(law: Law) -> Callable:
 law_force = dispatcher([law.force for law in LAWS])
 law_tangent = dispatcher([law.tangent for law in LAWS])
 law_gap = dispatcher([law.gap for law in LAWS], takes_tables=False)
+law_breaks = dispatcher([law.breaks for law in LAWS])
 law_rates = dispatcher([law.rates for law in LAWS])
 law_observe = dispatcher([law.observe for law in LAWS])
 add_energy = dispatcher([_storing(law) for law in LAWS])

@@ -19,10 +19,11 @@ from ..parts.housing import masses
 from ..parts.law import Weights
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
-from .laws import kinematics, law_force, law_rates, relative
+from .laws import kinematics, law_breaks, law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
 
-DONE, NOT_CONVERGED, NOT_FINITE = 0, 1, 2  # what becomes of a step
+# What becomes of a step; broken: it ends where a law means nothing.
+DONE, NOT_CONVERGED, NOT_FINITE, BROKEN = 0, 1, 2, 4
 
 
 class Motion(NamedTuple):
@@ -248,7 +249,7 @@ def predict_internal_state(scheme, h, old, free):
 
 
 @jit
-def _is_sane(x, bound):
+def is_sane(x, bound):
     """Return whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
@@ -269,8 +270,8 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
 
-    Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces or `NOT_FINITE` or past the bound,
-    and the Newton iterations. Whatever the status, `old` is untouched.
+    Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
+    or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
     """
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
         _factor_step_matrix(structure, scheme, fit, spin, h, work, problem)
@@ -282,7 +283,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         problem.d0[j] = relative(interfaces[j], new.q)
         problem.d0_dot[j] = relative(interfaces[j], new.v)
         problem.w_free[j] = relative(interfaces[j], new.a)
-        is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
+        is_finite = is_finite and is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return NOT_FINITE, 0
     b_rate = predict_internal_state(scheme, h, old, problem.free)
@@ -303,8 +304,11 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
             add_interface_force(structure, work, j, force, new.a)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
-        if not _is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
+        if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
+    for j in range(len(interfaces)):
+        if law_breaks(structure.laws, interfaces[j], relative(interfaces[j], new.q)):
+            return BROKEN, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.internal_state) > 0:
         for i in range(len(problem.internal_state)):

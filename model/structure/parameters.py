@@ -5,10 +5,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ..kernels.functions import direction
-from ..kernels.jit import jit
+from ..kernels.jit import interpreted, jit
 from ..parts import LAWS
 from ..parts.law import dispatcher
+from .structure import Structure
 
 WEIGHT = 9.81  # m/s2; whether gravity or a base that is accelerated gives it
 
@@ -40,6 +43,12 @@ def prepare(structure):
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].length == 0.0:
             structure.interfaces[j].length = numbers.clearance
+
+
+def lengths_of(structure: Structure) -> np.ndarray:
+    """Return the length of its own that each interface's law has [m], 0 of those without."""
+    length = interpreted(_length_of)
+    return np.array([length(structure.laws, i) for i in structure.interfaces], dtype=float)
 
 
 @jit

@@ -12,6 +12,7 @@ from ..schemes.family import Scheme
 from ..stability.memory import Survey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
 from ..step.laws import MOST_LOSSES
+from ..step.stages import Stages
 from ..step.step import Motion, Workspace
 from ..step.tangent import Tangent, TangentWork
 from ..structure.ledger import FLOWS, STORES
@@ -21,7 +22,7 @@ from .control import Control
 from .memory import Memory
 from .recorder import Recorder
 
-_INTEGERS = ("mode", "indicator", "norm", "is_fitted")
+_INTEGERS = ("mode", "indicator", "norm", "is_fitted", "stages")
 # What is found out during a run stands in its memory instead.
 _CHOSEN = tuple(n for n in Control._fields if n not in Control._field_defaults)
 METHOD = np.dtype(
@@ -57,6 +58,7 @@ class RunData(NamedTuple):
     trial: Motion
     work: Workspace
     problem: InterfaceProblem
+    stages: Stages
     reading: Reading
     recorder: Recorder
     survey: Survey
@@ -105,6 +107,7 @@ LAYOUT = Layout(
         Group("trial", Motion, {}),
         Group("work", Workspace, {}),
         Group("problem", InterfaceProblem, {}),
+        Group("stages", Stages, {}),
         Group("reading", Reading, {}),
         Group("recorder", Recorder, {}),
         Group("survey", Survey, {}),
@@ -151,4 +154,5 @@ def new_block(
     run.survey.basis[:], run.survey.mass[:] = basis, mass
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
+    run.stages.key[:] = np.nan
     return block

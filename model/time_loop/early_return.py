@@ -7,8 +7,8 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..step.excitation import at_place
 from .equilibrium import MOVED
 
-# Of a start: the rest lies past a limit.
-LIMITED = 1 + MOVED
+# Of a start: the rest lies past a limit; the method of stages has no tangents and no line.
+LIMITED, IN_STAGES = 1 + MOVED, 2 + MOVED
 # Of a step: goes on; past the displacement, past the force; a contact closed, opened.
 GOES_ON, PAST_DISPLACEMENT, PAST_FORCE, CLOSED, OPENED = 0, 1, 2, 3, 4
 

@@ -13,7 +13,7 @@ from ..structure.parameters import prepare
 from . import derivatives, recorder, time_loop
 from .block import LAYOUT
 from .control import Control
-from .early_return import LIMITED, rests_past_limit
+from .early_return import IN_STAGES, LIMITED, rests_past_limit
 from .energy import FLOW, total_energy
 from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
 from .error_control import first_size
@@ -45,6 +45,7 @@ def _control(numbers, r):
         numbers.tolerance,
         numbers.error_constant,
         numbers.is_fitted != 0,
+        numbers.stages,
         r.h_in_contact,
         r.h_in_the_open,
         r.overdamping,
@@ -62,6 +63,9 @@ def start(block, speed, drive, rate):
     prepare(run.structure)
     r = run.memory.record[0]
     r.omega = speed
+    if run.method.numbers[0].stages > 0 and (r.has_sensitivities == 1 or r.drive_impedance > 0.0):
+        return IN_STAGES
+    run.stages.key[0] = -1.0
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
         if is_beyond(run.structure, run.motion):
@@ -106,6 +110,7 @@ def advance(block, t_end, drive, rate):
         run.memory,
         run.work,
         run.problem,
+        run.stages,
         run.reading,
         run.recorder,
         tangents,
@@ -140,6 +145,7 @@ def refresh_outputs(block):
     """`observe` alone; what depends on the state but is not in it is made anew."""
     run = _view(block)
     run.work.key[0] = -1.0
+    run.stages.key[0] = -1.0
     _observe(run, _tangents(run))
 
 
@@ -152,6 +158,7 @@ def retune(block, is_changed):
     if is_changed != 0:
         prepare(run.structure)
         run.work.key[0] = -1.0
+        run.stages.key[0] = -1.0
     energy = total_energy(run.structure, spin_now(run.memory.record), run.motion, run.work.stores)
     if is_changed != 0:
         run.memory.work[FLOW.external] += energy - r.energy_before

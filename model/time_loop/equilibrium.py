@@ -31,7 +31,9 @@ _FALLS = 12  # steps that fail
 # A change that no longer shrinks and is below this is rounding too; in long steps that of a shaft
 # that is stiff by many decades, which the last steps leave behind.
 _STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
-_EPSILON = 2.0**-53  # of the stiffest element's force, against that of the softest mode
+# Of the stiffest element's force, against that of the softest mode; what rounding may take from a
+# rest before it is none.
+_EPSILON, _WORST = 2.0**-53, 1e-4
 # A step's rounding is that of a fall through its length: the last ones are short.
 _POLISH, _POLISHES = 1.0, 24
 # Off a hump: how often; the push, of a clearance, and the share of it that tilts; the first step,
@@ -206,6 +208,7 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
         stiffest = max(stiffest, structure.K[i, 0])
         mass += structure.one_body[0, i] * structure.mass_sum[i]
     of_stiffness = _EPSILON * len(structure.weight) * stiffest / (mass * lowest * lowest)
+    of_stiffness = min(of_stiffness, _WORST)
     radians = _FIRST
     before = 0.0
     falls = 0

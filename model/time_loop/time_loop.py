@@ -12,7 +12,7 @@ import math
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, fitted, unfitted
-from ..step.step import DONE, NOT_CONVERGED, NOT_FINITE, accelerate, try_step
+from ..step.step import DONE, NOT_CONVERGED, accelerate, try_step
 from .control import CONTROLLED, FIXED, propose_step, retry_step, step_error
 from .early_return import CLOSED, GOES_ON, is_watched, what_ends
 from .energy import FLOW, has_power, port_power, powers, total_energy
@@ -26,18 +26,20 @@ from .monitors import (
 )
 from .recorder import is_due, write
 from .sensitivities import begin_tangents, propagate
+from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error, turn_in_stages
 
 # What becomes of an advance: as of a step, or UNFINISHED, after `max_iterations` of the interfaces'
 # problem, a step counting for one at least.
-UNFINISHED = 1 + max(DONE, NOT_CONVERGED, NOT_FINITE)
-# Or UNFINISHED plus what ended it early, see `early_return`.
+UNFINISHED = 3
+# Or this plus what ended it early, see `early_return`.
+ENDED_EARLY = 8
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 
 
 @jit_inlined
-def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
+def _commit(h, structure, control, motion, trial, memory, work, stages, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
     for i in range(len(motion.q)):
@@ -54,13 +56,18 @@ def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
         motion.internal_rate[i] = trial.internal_rate[i]
     r.steps += 1
     r.h_last = h
+    if control.stages > 0:
+        pass_stages(structure, h, motion, trial, memory, stages)
     r.omega = spin.omega
     r.theta = spin.theta
     r.alpha = spin.alpha
     r.torque = torque
-    for i in range(len(memory.power)):
-        memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
-        memory.power[i] = work.powers[i]
+    if control.stages > 0:
+        add_stage_work(h, memory, stages)
+    else:
+        for i in range(len(memory.power)):
+            memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
+            memory.power[i] = work.powers[i]
     for i in range(len(memory.loads)):
         if has_power(structure, i, memory.loads[i]) or memory.load_power[i] != 0.0:
             power = port_power(structure, spin, i, memory.loads[i], motion.v)
@@ -193,6 +200,7 @@ def _time_loop(
     memory,
     work,
     problem,
+    stages,
     reading,
     recorder,
     tangents,
@@ -225,16 +233,36 @@ def _time_loop(
             t = t_end if parts == 1.0 else r.t + h
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
-            status, iterations, fit, spin, torque = _turn(
-                structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
-            )
+            fit = unfitted()
+            if control.stages > 0:
+                status, iterations, spin, torque = turn_in_stages(
+                    structure,
+                    control,
+                    t,
+                    h,
+                    motion,
+                    trial,
+                    memory,
+                    work,
+                    stages,
+                    SPIN_ITERATIONS,
+                    SPIN_TOLERANCE,
+                )
+            else:
+                status, iterations, fit, spin, torque = _turn(
+                    structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
+                )
             r.newton += iterations
             taken += max(1, iterations)
             error = 0.0
             if status == DONE:
                 frequency = math.copysign(math.sqrt(r.characteristic_frequency_squared), spin.omega)
                 measures = measure(structure.weights, direction(frequency * h), motion, trial)
-                local = local_error(structure, control, r.motion_size, frequency, h, measures)
+                size = r.motion_size
+                if control.stages > 0:
+                    local = stage_error(structure, control, size, frequency, h, motion, stages)
+                else:
+                    local = local_error(structure, control, size, frequency, h, measures)
                 error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break
@@ -254,7 +282,7 @@ def _time_loop(
         ends = what_ends(structure, motion, trial, r) if is_watched(r) else GOES_ON
         if GOES_ON < ends < CLOSED:
             r.failed_at = r.t
-            return UNFINISHED + ends
+            return ENDED_EARLY + ends
         if r.has_sensitivities == 1:
             ratio = h / h_before if control.mode == CONTROLLED and h_before > 0.0 else 1.0
             propagate(
@@ -286,13 +314,26 @@ def _time_loop(
         r.error = error
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
         r.h_largest = max(r.h_largest, proposed)
-        _commit(h, structure, control, motion, trial, memory, work, spin, torque)
-        if len(recorder.rows) > 0 and is_due(structure, memory.record, recorder.head):
-            write(structure, motion, memory, work, recorder, reading.observed)
+        _commit(h, structure, control, motion, trial, memory, work, stages, spin, torque)
+        if len(recorder.rows) > 0:
+            if control.stages > 0:
+                record_stages(
+                    structure,
+                    h,
+                    motion,
+                    trial,
+                    memory,
+                    work,
+                    stages,
+                    recorder,
+                    reading.observed,
+                )
+            elif is_due(structure, memory.record, recorder.head):
+                write(structure, motion, memory, work, recorder, reading.observed)
         parts = parts - 1.0
         if ends >= CLOSED and parts >= 1.0:
             r.failed_at = r.t
-            return UNFINISHED + ends
+            return ENDED_EARLY + ends
         if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
     return DONE
@@ -331,6 +372,7 @@ def advance(
     memory,
     work,
     problem,
+    stages,
     reading,
     recorder,
     tangents,
@@ -355,6 +397,7 @@ def advance(
         memory,
         work,
         problem,
+        stages,
         reading,
         recorder,
         tangents,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..machine_file.reading import si_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
+from ..model.simulation import RotorWarning
 from ..model.time_loop.recorder import recordable
 from ..runs.job import load_rotor
 from .pictures import png, shown
@@ -230,6 +233,10 @@ class Machine:
         return png(self.show())
 
 
+def _ask(question: str) -> None:
+    warnings.warn(RotorWarning(question), stacklevel=4)
+
+
 def load(path: Path | str | None = None) -> Machine:
     """Read a machine's file, one of this project's or one that ROSS saved.
 
@@ -248,6 +255,11 @@ def load(path: Path | str | None = None) -> Machine:
     InputError
         If the file cannot be read or describes an impossible machine.
 
+    Warns
+    -----
+    RotorWarning
+        If a value is probably meant in another unit.
+
     Examples
     --------
     >>> import rotor_fmu as rf
@@ -255,7 +267,7 @@ def load(path: Path | str | None = None) -> Machine:
     'zigulic2003'
     """
     try:
-        toml, rotor = load_rotor(None if path is None else Path(path))
+        toml, rotor = load_rotor(None if path is None else Path(path), _ask)
     except InputError as error:
         raise InputError(str(error).removeprefix("--rotor ")) from error
     return Machine(rotor, toml)
@@ -288,6 +300,7 @@ def parse(toml: str) -> Machine:
     rotor_fmu.errors.InputError: bearing[1].clearance = -1e-06 m: must be > 0 and finite
     """
     try:
-        return Machine(parse_rotor(toml), toml)
+        plain = si_text(toml)
+        return Machine(parse_rotor(plain), plain)
     except QuantityError as error:
         raise InputError(str(error)) from error

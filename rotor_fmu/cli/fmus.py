@@ -11,7 +11,7 @@ from ..errors import InputError, writable_folder
 from ..fmi.packing.native_fmu import build_native
 from ..fmi.packing.python_fmu import SYSTEMS
 from ..fmi.packing.python_fmu import build as build_python
-from ..library.build import PLATFORMS, library
+from ..library.build import LIBRARIES, PLATFORMS, WASM, library
 from ..linear.machine_warnings import machine_warnings
 from ..model.kernels.library import here
 from ..output_options import with_output_options
@@ -20,7 +20,12 @@ from .runs import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[
-    list[str] | None, typer.Option("--platform", help=f"{_ONE_OF}; default: all.")
+    list[str] | None,
+    typer.Option(
+        "--platform",
+        help=f"One of {', '.join(LIBRARIES)}, or here: this machine's; default: all. "
+        f"{WASM.name} is what a page carries.",
+    ),
 ]
 Carried = Annotated[
     list[str] | None,
@@ -75,12 +80,12 @@ def build(
 
 @with_output_options
 def core(platforms: Platforms = None) -> dict[str, Any]:
-    """Build the solver library of each platform ahead of runs and FMUs.
+    """Build the solver library of each platform ahead of runs, FMUs and pages.
 
     Without it every run compiles the solver first, and `build` makes the libraries that it needs.
     """
-    names = _known(platforms, tuple(PLATFORMS)) or list(PLATFORMS)
-    made = {name: library(PLATFORMS[name]) for name in names}
+    names = _known(platforms, tuple(LIBRARIES)) or list(LIBRARIES)
+    made = {name: library(LIBRARIES[name]) for name in names}
     for library_file in made.values():
         typer.echo(library_file)
     return made

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -20,14 +21,18 @@ from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
 from .linear_tables import hertz, turns
 
-PURPLE = "#cc79a7"
+PURPLE, RANGE = "#cc79a7", "#56b4e9"
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
 _WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _MOST_SHAPES = 6
+_REACH = 4.0  # of the line of the excitation: frequencies that are shown
 _FINE = 12  # points an element of a curve through the nodes
 
 
-def _figure(width: float, height: float, rows: int, columns: int = 1, **options) -> tuple:
+def new_figure(
+    width: float, height: float, rows: int, columns: int = 1, **options: Any
+) -> tuple[Figure, np.ndarray]:
+    """Return a figure with a grid of axes, shape (rows, columns); size in inches."""
     figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(rows, columns, squeeze=False, **options)
@@ -49,7 +54,7 @@ def modes_figure(result: Modes) -> Figure:
     shown = min(_MOST_SHAPES, len(result.eigenvalues))
     columns = 2 if shown > 1 else 1
     rows = max(1, -(-shown // columns))
-    figure, grid = _figure(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, sharex=True)
+    figure, grid = new_figure(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, sharex=True)
     for i, axes in enumerate(grid.flat):
         if i >= shown:
             axes.set_visible(False)
@@ -91,7 +96,7 @@ def modes_figure(result: Modes) -> Figure:
 
 def campbell_figure(result: Campbell) -> Figure:
     """Draw frequencies with the excitation and their intersections, and logarithmic decrements."""
-    figure, grid = _figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
+    figure, grid = new_figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
     frequency = result.damped / (2 * math.pi)
@@ -131,8 +136,10 @@ def campbell_figure(result: Campbell) -> Figure:
     label = f"{times}the speed"
     handles.append(Line2D([], [], color="black", lw=1.0, ls=(0, (4, 3)), label=label))
     above.legend(handles=handles, frameon=False, loc="upper left", fontsize=8)
-    highest = np.nanmax(frequency, initial=0.0)
-    above.set_ylim(0, 1.05 * max(highest, 1e-9))
+    highest = 1.05 * np.nanmax(frequency, initial=0.0)
+    # not so far that the line of the speed, and what it meets, becomes flat
+    reach = max(_REACH * result.harmonic * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
+    above.set_ylim(0, max(min(highest, reach), 1e-9))
     above.set_xlim(speed[0], speed[-1])
     above.set_ylabel("Frequency [Hz]")
     below.set_ylabel("Logarithmic decrement [1]")
@@ -146,6 +153,13 @@ def campbell_figure(result: Campbell) -> Figure:
     return figure
 
 
+def shade(panels: Sequence[Axes] | np.ndarray, operating: tuple[float, float] | None) -> None:
+    """Shade the operating range [rad/s] of axes over the speed in Hz."""
+    if operating is not None:
+        for axes in panels:
+            axes.axvspan(hertz(operating[0]), hertz(operating[1]), color=RANGE, alpha=0.25, lw=0)
+
+
 def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
     """A line in pieces of the colour of its whirl."""
     for i in range(len(speed) - 1):
@@ -154,11 +168,17 @@ def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence
         axes.plot(speed[i : i + 2], values[i : i + 2], color=_WHIRL.get(word, GREY), lw=1.6)
 
 
-def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
-    """Draw semi-axes and phases of nodes (from 1) over the speed."""
-    figure, grid = _figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
+def unbalance_figure(
+    result: UnbalanceResponse,
+    nodes: Sequence[int],
+    operating: tuple[float, float] | None = None,
+) -> Figure:
+    """Draw semi-axes and phases of nodes (from 1) over the speed; operating: the range [rad/s],
+    which is shaded."""
+    figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
+    shade(grid[:, 0], operating)
     mark = "o" if len(speed) < 3 else ""
     for node, color in zip(nodes, _COLORS, strict=False):
         at = node - 1
@@ -199,7 +219,7 @@ def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
 
 def static_figure(result: Static) -> Figure:
     """Draw the deflection along the shaft, with the loads on the supports beside their names."""
-    figure, grid = _figure(6.8, 3.8, 1)
+    figure, grid = new_figure(6.8, 3.8, 1)
     axes = grid[0, 0]
     axes.axhline(0, color=GREY, lw=0.8)
     z, y = _curve(result.z, result.y * 1e6, result.slope_y * 1e6)

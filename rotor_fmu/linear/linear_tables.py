@@ -15,6 +15,12 @@ from ..model.linear.modes import Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
 
+# properties that stand beside the fields of a result
+_DERIVED = (
+    *("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"),
+    *("amplification", "is_one_sided", "is_met", "ratio", "is_level_2_required"),
+    *("residual", "conclusion"),
+)
 _MOST_SPEEDS = 12  # of a table of the response
 
 
@@ -162,7 +168,7 @@ def numbers(result: Any) -> dict[str, object]:
     """Return all numbers of a linear analysis, in SI units, for JSON: complex numbers as [real,
     imaginary]."""
     fields = {name: getattr(result, name) for name in result.__dataclass_fields__}
-    for name in ("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"):
+    for name in _DERIVED:
         if hasattr(result, name):
             fields[name] = getattr(result, name)
     return {name: _plain(value) for name, value in fields.items()}
@@ -173,6 +179,8 @@ def _plain(value: object) -> object:
         return [_plain(item) for item in value.tolist()]
     if hasattr(value, "__dataclass_fields__"):
         return numbers(value)
+    if hasattr(value, "_asdict"):
+        return {name: _plain(item) for name, item in value._asdict().items()}
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
     if isinstance(value, complex):

@@ -5,7 +5,8 @@
 #include <stdint.h>
 
 enum { BROKEN = 1 << 20 };
-enum { UNFINISHED = 3 }; /* of rotor_advance, and what else ends it early behind it (`model/time_loop`) */
+/* Of rotor_advance, and what else ends it early is above this (`model/time_loop/time_loop.py`). */
+enum { UNFINISHED = 3, ENDED_EARLY = 8 };
 
 int32_t rotor_resolve_settings_kernel(int64_t *, void **, uint8_t *, double *, double *);
 int32_t rotor_settings_warning_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);

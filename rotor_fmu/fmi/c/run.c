@@ -262,7 +262,8 @@ Status advance_to(Instance *m, double current, double size)
         if (code < t->sentences)
             spell(why, sentence(t, code), numbers);
         add_start(m, why);
-        return status >= UNFINISHED ? stop_early(m, why) : fail(m, why);
+        int is_early = status == UNFINISHED || (status > ENDED_EARLY && status != BROKEN);
+        return is_early ? stop_early(m, why) : fail(m, why);
     }
     forget_slopes(m);
     s->failure[0] = 0;

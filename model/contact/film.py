@@ -1,0 +1,262 @@
+"""A bearing's oil film: the force of all its pads on the journal, its tangent, and what it takes.
+
+A pad is an arc of a circle of the radius R + c_p, whose centre lies c_p - c beyond the bearing's,
+away from the pad's pivot: c_p = c / (1 - preload). So the journal's displacement from the pad's
+centre is d + (c_p - c) exp(i pivot), and the film is `film_zone`'s.
+
+A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and the work array.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.functions import angle, direction, modulus
+from ..kernels.jit import jit, jit_not_inlined
+from ..quantities import places
+from .film_zone import (
+    VECTORS,
+    Film,
+    floored,
+    solve_zone,
+    vectors,
+    zone_bound,
+    zone_load,
+    zone_tangent,
+)
+from .short_film import blunted, shear, short_load
+
+# first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
+# bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle
+PAD = places(("first", "last", "x", "y", "clearance", "is_whole"))
+_TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
+
+
+class Pad(NamedTuple):
+    """A pad's `Film`; clearance [m]; the journal from its centre [m]; load: factor of the integral
+    of P exp(i theta) [N.s]; pressure: of P [Pa.s]."""
+
+    film: Film
+    clearance: float
+    displacement: complex
+    load: float
+    pressure: float
+
+
+@jit
+def pad_count(part, tables):
+    """Return how many pads a bearing has."""
+    return int(tables[part.table])
+
+
+@jit
+def pad_of(part, tables, viscosity, kinematics, i):
+    """Return the `Pad` number i, and the work array of its zones."""
+    at = part.table + 1 + len(PAD) * i
+    c = part.clearance * tables[at + PAD.clearance]
+    d = kinematics.displacement + part.clearance * complex(tables[at + PAD.x], tables[at + PAD.y])
+    inverse = 1.0 / c
+    D, V = d * inverse, kinematics.velocity * inverse
+    S = 2.0 * V + complex(kinematics.speed * D.imag, -kinematics.speed * D.real)
+    R, L = part.journal_radius, part.length
+    ratio = 2.0 * R / L
+    film = Film(
+        *(D, S, 2.5 * ratio * ratio, part.roughness * inverse),
+        *(tables[at + PAD.first], tables[at + PAD.last], tables[at + PAD.is_whole] > 0.0),
+        int(part.points),
+    )
+    pressure = 6.0 * viscosity * (R * inverse) * (R * inverse)
+    work = part.table + 1 + len(PAD) * pad_count(part, tables)
+    size = VECTORS * (film.n + 1)
+    load = 2.0 / 3.0 * L * R * pressure
+    return Pad(film, c, d, load, pressure), tables[work : work + size]
+
+
+@jit
+def _short_share(part):
+    """Return P over f / H^3 of Ocvirk's film [1]."""
+    ratio = part.length / part.journal_radius
+    return 0.125 * ratio * ratio
+
+
+@jit_not_inlined
+def film_force(part, tables, viscosity, kinematics):
+    """Return the film's force on the journal [N]; viscosity [Pa.s]."""
+    force = 0.0j
+    for i in range(pad_count(part, tables)):
+        pad, work = pad_of(part, tables, viscosity, kinematics, i)
+        film = pad.film
+        if film.S == 0.0:
+            continue
+        sense = angle(film.S)
+        for turn in _TURNS:
+            acts, bound = zone_bound(film, sense, turn)
+            if not acts:
+                continue
+            if part.short > 0.0:
+                load, _, _, _, _ = short_load(
+                    film.D, film.S, film.floor, bound.low[1], bound.high[0]
+                )
+                force -= pad.load * _short_share(part) * load
+            else:
+                zone = solve_zone(film, bound, work)
+                force -= pad.load * zone_load(film, zone, work)
+    return force
+
+
+@jit
+def _sensed(film):
+    """Return the film, and the angle about which its pressure builds up; one that does not move at
+    all yields first where the journal would sink."""
+    if film.S != 0.0:
+        return film, angle(film.S), 1.0
+    along = film.D if film.D != 0.0 else -1.0j
+    moving = Film(
+        *(film.D, along, film.a, film.floor, film.first, film.last, film.is_whole, film.n)
+    )
+    return moving, angle(along), 0.0
+
+
+@jit_not_inlined
+def film_tangent(part, tables, viscosity, kinematics, weights):
+    """Return the film's force on the journal [N] and its tangent p, q; see `parts.law`."""
+    force = p = q = 0.0j
+    by_d, by_v = weights.displacement, weights.velocity
+    turn_d = complex(0.0, kinematics.speed * by_d)
+    for i in range(pad_count(part, tables)):
+        pad, work = pad_of(part, tables, viscosity, kinematics, i)
+        film, sense, moves = _sensed(pad.film)
+        for turn in _TURNS:
+            acts, bound = zone_bound(film, sense, turn)
+            if not acts:
+                continue
+            scale = pad.load
+            if part.short > 0.0:
+                scale *= _short_share(part)
+                load, p_D, q_D, p_S, q_S = short_load(
+                    film.D, film.S, film.floor, bound.low[1], bound.high[0]
+                )
+            else:
+                zone = solve_zone(film, bound, work)
+                load = zone_load(film, zone, work)
+                p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
+            force -= moves * scale * load
+            # dS = 2 dV - i omega dD
+            scale /= pad.clearance
+            by_d_now = moves * by_d
+            p -= scale * (by_d_now * p_D + p_S * (2.0 * by_v - turn_d))
+            q -= scale * (by_d_now * q_D + q_S * (2.0 * by_v + turn_d))
+    return force, p, q
+
+
+class FilmState(NamedTuple):
+    """What a film does at an instant: force on the journal [N], torque that brakes it [N.m], the
+    thinnest film [m] and its angle [rad], largest pressure [Pa], side flow [m3/s]."""
+
+    force: complex
+    torque: float
+    thinnest: float
+    where: float
+    largest: float
+    flow: float
+
+
+@jit
+def thinnest(pad):
+    """Return the thinnest film of a pad, as its surfaces are [m], its direction, and how that turns
+    by a displacement across it [1/m]: not at all at the pad's edge."""
+    film = pad.film
+    e = modulus(film.D)
+    along = film.D * (1.0 / e) if e > 0.0 else 1.0 + 0.0j
+    curvature = 1.0 / (pad.clearance * e) if e > 0.0 else 0.0
+    if film.is_whole:
+        return pad.clearance * (1.0 - e), along, curvature
+    middle = direction(0.5 * (film.first + film.last))
+    if abs(angle(along * middle.conjugate())) < 0.5 * (film.last - film.first):
+        return pad.clearance * (1.0 - e), along, curvature
+    first, last = direction(film.first), direction(film.last)
+    near, far = (film.D.conjugate() * first).real, (film.D.conjugate() * last).real
+    if near > far:
+        return pad.clearance * (1.0 - near), first, 0.0
+    return pad.clearance * (1.0 - far), last, 0.0
+
+
+@jit
+def _sheared(D, upstream, first, last):
+    """Return the integral of the shear over a ruptured arc, where the film is in strips as wide as
+    it was at the angle `upstream` [1]."""
+    if last - first <= 0.0:
+        return 0.0
+    at = direction(upstream)
+    return (1.0 - (at.conjugate() * D).real) * shear(D, first, last)[1]
+
+
+@jit
+def _short_pressure(film, share, theta):
+    """Return the pressure P of Ocvirk's film [1/s] and H^3 at an angle."""
+    e = direction(theta)
+    h = floored(1.0 - (e.conjugate() * film.D).real, film.floor).thickness
+    return share * (e.conjugate() * film.S).real / (h * h * h), h * h * h
+
+
+@jit_not_inlined
+def film_state(part, tables, viscosity, kinematics):
+    """Return the `FilmState` of a bearing."""
+    force = 0.0j
+    torque = flow = largest = 0.0
+    least, where = math.inf, 1.0 + 0.0j
+    R, L, speed = part.journal_radius, part.length, kinematics.speed
+    share = _short_share(part)
+    for i in range(pad_count(part, tables)):
+        pad, work = pad_of(part, tables, viscosity, kinematics, i)
+        film = pad.film
+        gap, direct, _ = thinnest(pad)
+        if gap < least:
+            least, where = gap, direct
+        D, _, _ = blunted(film.D, film.floor)
+        volume = pad.clearance * pad.clearance * pad.clearance
+        sheared, load = 0.0, 0.0j
+        reached = ended = film.first
+        begun = film.last
+        if film.S != 0.0:
+            sense = angle(film.S)
+            for turn in _TURNS:
+                acts, bound = zone_bound(film, sense, turn)
+                if not acts:
+                    continue
+                first, last = bound.low[1], bound.high[0]
+                if part.short > 0.0:
+                    load += share * short_load(film.D, film.S, film.floor, first, last)[0]
+                    step = (last - first) / film.n
+                    for j in range(1, film.n):
+                        P, cube = _short_pressure(film, share, first + j * step)
+                        largest = max(largest, pad.pressure * P)
+                        flow += volume * pad.pressure * P * cube * step
+                else:
+                    zone = solve_zone(film, bound, work)
+                    load += zone_load(film, zone, work)
+                    first, last = zone.first, zone.last
+                    step = (last - first) / film.n
+                    at = vectors(film, work)
+                    for j in range(1, film.n):
+                        P, h = pad.pressure * at.P[j], at.thickness[j]
+                        largest = max(largest, P)
+                        flow += volume * P * h * h * h * step
+                sheared += shear(D, first, last)[0]
+                if film.is_whole:
+                    reached, begun = last, first + 2.0 * math.pi
+                    ended = last
+                else:
+                    upstream = reached if speed >= 0.0 else first
+                    sheared += _sheared(D, upstream, reached, first)
+                    reached, begun = last, film.last
+                    ended = last
+        sheared += _sheared(D, ended if speed >= 0.0 else begun, reached, begun)
+        load *= pad.load
+        force -= load
+        torque += viscosity * R * R * R * L / pad.clearance * speed * sheared
+        torque += 0.5 * (pad.displacement * load.conjugate()).imag
+    # the side flow is 2 / 3 R / (mu L) times the integral of h^3 p
+    flow *= 2.0 * R / (3.0 * viscosity * L)
+    return FilmState(force, torque, least, angle(where), largest, flow)

@@ -1,0 +1,87 @@
+"""A journal that presses through its film: where the film is thinner than the surfaces are rough,
+they touch, pad by pad, by the law of `wall` with the friction of `rubbing`."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..kernels.jit import jit, jit_not_inlined
+from .film import pad_count, pad_of, thinnest
+from .rubbing import Friction, contact_tangent, friction
+from .wall import Touch, elastic, pressed
+
+
+@jit
+def _touch(part, pad, kinematics):
+    """Return the `Touch` of a journal at a pad; everything but the penetration is 0 where it does
+    not touch."""
+    gap, along, curvature = thinnest(pad)
+    delta = part.roughness - gap
+    if delta <= 0.0 or part.k == 0.0:
+        return Touch(-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0)
+    velocity = along.conjugate() * kinematics.velocity
+    n, n_k, stiffness, damping = pressed(part, delta, velocity.real)
+    return Touch(
+        *(delta, velocity.real, n, n_k, stiffness, damping),
+        *(along, velocity, 1.0 + 0.0j, 0.0, curvature),
+    )
+
+
+class WallState(NamedTuple):
+    """How a journal rubs on its pads: force [N], normal force and friction, which brakes it, of all
+    pads [N], and the powers of the contact's damping and of friction [W]."""
+
+    force: complex
+    normal: float
+    friction: float
+    damped: float
+    rubbed: float
+
+
+@jit_not_inlined
+def wall_state(part, tables, kinematics):
+    """Return the `WallState` of a bearing."""
+    force, normal, braking, damped, rubbed = 0.0j, 0.0, 0.0, 0.0, 0.0
+    for i in range(pad_count(part, tables)):
+        pad, _ = pad_of(part, tables, 0.0, kinematics, i)
+        at = _touch(part, pad, kinematics)
+        if at.penetration <= 0.0:
+            continue
+        sliding = at.velocity.imag + part.journal_radius * kinematics.sliding_speed
+        rubs = friction(part, sliding)[0] * at.normal
+        force -= complex(at.normal, rubs) * at.direction
+        normal += at.normal
+        braking += rubs
+        damped += (at.normal - at.elastic) * at.rate
+        rubbed += rubs * sliding
+    return WallState(force, normal, braking, damped, rubbed)
+
+
+@jit_not_inlined
+def wall_tangent(part, tables, kinematics, weights):
+    """Return the force of the wall on the journal [N] and its tangent p, q; see `parts.law`."""
+    force = p = q = 0.0j
+    for i in range(pad_count(part, tables)):
+        pad, _ = pad_of(part, tables, 0.0, kinematics, i)
+        at = _touch(part, pad, kinematics)
+        if at.penetration <= 0.0 or at.normal <= 0.0:
+            continue
+        sliding = at.velocity.imag + part.journal_radius * kinematics.sliding_speed
+        mu, slope = friction(part, sliding)
+        force -= complex(at.normal, mu * at.normal) * at.direction
+        p_pad, q_pad = contact_tangent(at, Friction(mu, slope, mu, 0.0), 1.0, weights)
+        p += p_pad
+        q += q_pad
+    return force, p, q
+
+
+@jit
+def wall_energy(part, tables, kinematics):
+    """Return the elastic energy of the contacts [J]."""
+    energy = 0.0
+    for i in range(pad_count(part, tables)):
+        pad, _ = pad_of(part, tables, 0.0, kinematics, i)
+        delta = part.roughness - thinnest(pad)[0]
+        if delta > 0.0 and part.k > 0.0:
+            energy += elastic(part, delta)[0] * delta / (part.exponent + 1.0)
+    return energy

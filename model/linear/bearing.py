@@ -1,0 +1,261 @@
+"""A bearing alone: where its journal rests under a load, its eight coefficients there, and the mass
+that they carry without whirling."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels.jit import interpreted
+from ..machine.rotor import Rotor
+from ..parts.base import Interface
+from ..parts.journal_bearing import JournalBearing
+from ..parts.law import Kinematics, Weights
+from ..quantities import quantities
+from .film_in_plane import film_in_plane
+from .machine import LinearError, LinearMachine
+
+_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
+_ITERATIONS, _CHANGE = 200, 1e-12
+_SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
+_HALVINGS = 30
+
+
+class BearingAlone:
+    """A journal bearing whose journal is moved by hand at a speed [rad/s].
+
+    part: the bearing; where: its name, for messages.
+    """
+
+    def __init__(self, part: JournalBearing, speed: float, where: str = "journal_bearing") -> None:
+        element = next(e for e in part.elements(where, 0.0) if isinstance(e, Interface))
+        self.part, self.speed, self.where, self._law = part, float(speed), where, element.law
+        assert self._law.table is not None
+        self._tables = self._law.table(part).ravel()
+        numbers = [float(getattr(part, name)) for name in quantities(self._law.kind)]
+        row = (*numbers, 0, len(self._tables))
+        self._record = np.array([row], self._law.dtype).view(np.recarray)[0]
+        self._none = np.zeros(0)
+
+    def _moving(self, d: complex, v: complex) -> Kinematics:
+        return Kinematics(complex(d), complex(v), self.speed, self.speed)
+
+    def force(self, d: complex, v: complex = 0j) -> complex:
+        """Return the force on the journal [N] at a displacement [m] and a velocity [m/s]."""
+        force = interpreted(self._law.force)
+        return complex(force(self._record, self._tables, self._moving(d, v), self._none))
+
+    def tangent(self, d: complex, v: complex, weights: Weights) -> np.ndarray:
+        """Return the force's derivative for `Weights`, shape (2, 2)."""
+        tangent = interpreted(self._law.tangent)
+        moving, none = self._moving(d, v), self._none
+        _, p, q = tangent(self._record, self._tables, moving, weights, none, none)
+        return np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+
+    def outputs(self, d: complex, v: complex = 0j) -> dict[str, float]:
+        """Return the outputs of the part by their names."""
+        out = np.zeros(len(self._law.outputs))
+        observe = interpreted(self._law.observe)
+        observe(self._record, self._tables, self._moving(d, v), self._none, out)
+        return {o.name: float(value) for o, value in zip(self._law.outputs, out, strict=True)}
+
+    def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
+        """Return K [N/m] and C [N.s/m] of the journal at rest at a displacement, each of shape
+        (2, 2)."""
+        return -self.tangent(d, 0j, _BY_D), -self.tangent(d, 0j, _BY_V)
+
+    def rest(self, load: complex, start: complex | None = None) -> complex:
+        """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
+        `LinearError` with the load and what the film carries."""
+        d = self._rest(load, start)
+        if d is None or self._is_broken(d):
+            raise LinearError(
+                f"{self.where}: no equilibrium at {self.speed:g} rad/s: its load is "
+                f"{abs(load):.4g} N, and its film carries {self._capacity(load):.4g} N in that "
+                f"direction when it is as thin as its roughness, {self.part.roughness:g} m"
+            )
+        return d
+
+    def _rest(self, load: complex, start: complex | None = None) -> complex | None:
+        c = self.part.clearance
+        if self.speed == 0.0 and self.part.k == 0.0:
+            return None
+        turned = -1j if self.speed > 0 else 1j if self.speed < 0 else 0.0
+        ahead = load / abs(load) if load != 0.0 else 0j
+        d = 0.3 * c * ahead * (1.0 - turned) if start is None else start
+        for _ in range(_ITERATIONS):
+            left = self.force(d) + load
+            try:
+                change = np.linalg.solve(self.tangent(d, 0j, _BY_D), [-left.real, -left.imag])
+            except np.linalg.LinAlgError:
+                return None
+            step = complex(*change)
+            size = abs(step)
+            if not math.isfinite(size):
+                return None
+            step *= min(1.0, _SHARE * c / size) if size > 0.0 else 1.0
+            d += step
+            if size <= _CHANGE * c:
+                return d
+        return None
+
+    def _is_broken(self, d: complex) -> bool:
+        breaks = interpreted(self._law.breaks)
+        return bool(breaks(self._record, self._tables, complex(d)))
+
+    def _capacity(self, load: complex) -> float:
+        """Return the largest share of a load that the film carries [N]."""
+        low, high = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            d = self._rest(middle * load)
+            low, high = (low, middle) if d is None or self._is_broken(d) else (middle, high)
+        return low * abs(load)
+
+
+def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
+    """Return the mass above which a rigid rotor on a bearing whirls [kg], infinite if none does,
+    and at what frequency [rad/s]; K [N/m], C [N.s/m] of shape (2, 2).
+
+    Lund and Thomsen (1978); the mass hangs on one bearing.
+    """
+    of_both = K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]
+    stiffness = of_both / np.trace(C)
+    square = (stiffness - K[0, 0]) * (stiffness - K[1, 1]) - K[0, 1] * K[1, 0]
+    square /= np.linalg.det(C)
+    if square <= 0.0:
+        return math.inf, 0.0
+    return float(stiffness / square), math.sqrt(square)
+
+
+@dataclass(frozen=True)
+class BearingCurves:
+    """A journal bearing over n speeds [rad/s].
+
+    bearing: its name; clearance [m]; load: on the journal, to the right and upwards, shape (n, 2)
+    [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa], torque [N.m], power
+    [W], flow [m3/s], shape (n,); K [N/m], C [N.s/m], shape (n, 2, 2); mass: that the load weighs
+    [kg]; critical_mass [kg], whirl: frequency at that mass [rad/s]; threshold: speed above which
+    `mass` whirls [rad/s], None if it does at none; plane_error: of the load, against a
+    two-dimensional solution [1].
+    """
+
+    bearing: str
+    clearance: float
+    speeds: np.ndarray
+    load: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    eccentricity: np.ndarray
+    attitude: np.ndarray
+    film: np.ndarray
+    pressure: np.ndarray
+    torque: np.ndarray
+    power: np.ndarray
+    flow: np.ndarray
+    K: np.ndarray
+    C: np.ndarray
+    mass: float
+    critical_mass: np.ndarray
+    whirl: np.ndarray
+    threshold: float | None
+    plane_error: np.ndarray
+
+
+def journal_bearings(rotor: Rotor) -> dict[str, JournalBearing]:
+    """Return the journal bearings of a machine by their names."""
+    return {where: p for where, p in rotor.named_parts() if isinstance(p, JournalBearing)}
+
+
+def bearing_curves(
+    rotor: Rotor,
+    speeds: Sequence[float] | np.ndarray,
+    *,
+    bearing: str | None = None,
+    load: float | None = None,
+) -> BearingCurves:
+    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s].
+
+    bearing: its name, the first by default; load: downwards [N], by default what the machine's
+    weight puts on it. Raises `LinearError` if there is no such bearing or no equilibrium.
+    """
+    known = journal_bearings(rotor)
+    if not known:
+        raise LinearError("the machine has no [[journal_bearing]]")
+    name = bearing or next(iter(known))
+    if name not in known:
+        raise LinearError(f"bearing = {name}: must be one of {', '.join(known)}")
+    loads = _loads(rotor, name, speeds) if load is None else [complex(0.0, -load)] * len(speeds)
+    rows = []
+    start = None
+    for speed, on in zip(speeds, loads, strict=True):
+        alone = BearingAlone(known[name], speed, name)
+        start = alone.rest(on, None if on == 0.0 else start)
+        rows.append(_row(alone, start, on))
+    columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
+    mass = float(abs(loads[0])) / (rotor.gravity or 9.81)
+    masses = columns["critical_mass"]
+    above = np.flatnonzero((masses[1:] < mass) & (masses[:-1] >= mass))
+    threshold = None
+    if masses[0] < mass:
+        threshold = float(speeds[0])
+    elif len(above):
+        i = int(above[0])
+        ends = (float(speeds[i]), float(speeds[i + 1]))
+        threshold = _threshold(known[name], name, ends, (loads[i], loads[i + 1]), mass)
+    return BearingCurves(
+        bearing=name,
+        clearance=known[name].clearance,
+        speeds=np.array(speeds, dtype=float),
+        load=np.array([[on.real, on.imag] for on in loads]),
+        mass=mass,
+        threshold=threshold,
+        **columns,
+    )
+
+
+def _loads(rotor: Rotor, name: str, speeds: Sequence[float] | np.ndarray) -> list[complex]:
+    """Return the load on a bearing at each speed, as the machine rests [N]."""
+    machine = LinearMachine(rotor)
+    place = machine.supports.interfaces.index(name)
+    return [-complex(machine.loaded(float(s)).laws.force[place]) for s in speeds]
+
+
+def _row(alone: BearingAlone, d: complex, load: complex) -> dict[str, object]:
+    K, C = alone.coefficients(d)
+    mass, whirl = critical_mass(K, C)
+    known = alone.outputs(d)
+    names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
+    in_plane = film_in_plane(alone.part, alone.speed, d)
+    error = abs(alone.force(d) - in_plane) / abs(in_plane) if in_plane != 0.0 else math.nan
+    return {name: known[name] for name in names} | {
+        "x": d.real,
+        "y": d.imag,
+        "K": K,
+        "C": C,
+        "critical_mass": mass,
+        "whirl": whirl,
+        "plane_error": error,
+    }
+
+
+def _threshold(
+    part: JournalBearing,
+    name: str,
+    speeds: tuple[float, float],
+    loads: tuple[complex, complex],
+    mass: float,
+) -> float:
+    """Return the speed between two at which a mass begins to whirl [rad/s]."""
+    (low, high), (first, last) = speeds, loads
+    begin, span = low, high - low
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        load = first + (middle - begin) / span * (last - first)
+        alone = BearingAlone(part, middle, name)
+        is_stable = critical_mass(*alone.coefficients(alone.rest(load)))[0] >= mass
+        low, high = (middle, high) if is_stable else (low, middle)
+    return 0.5 * (low + high)

@@ -1,0 +1,221 @@
+"""The film of a journal bearing: against closed forms, a grid's solution, its own differences."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear.bearing import BearingAlone, critical_mass
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
+from rotor_fmu.model.parts.law import Weights
+from rotor_fmu.model.quantities import QuantityError
+
+_PI = math.pi
+BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
+_AXIAL_GROOVES = {"pads": (_PI / 2, 1.5 * _PI), "arc": _PI - math.radians(20)}
+_SHAPES = {
+    "plain": {},
+    "one groove": {"pads": (1.5 * _PI,), "arc": 2 * _PI - 0.3},
+    "axial grooves": _AXIAL_GROOVES,
+    "lemon": {**_AXIAL_GROOVES, "preload": 0.5},
+    "three lobes": {"pads": tuple(_PI / 2 + i * 2 * _PI / 3 for i in range(3)), "arc": 1.8}
+    | {"preload": (0.3, 0.4, 0.5)},
+    "offset halves": {**_AXIAL_GROOVES, "preload": 0.4, "offset": 1.0},
+}
+
+
+def _bearing(**values):
+    given = {"node": 1, "journal_radius": 0.05, "length": 0.03, "clearance": 1e-4}
+    return JournalBearing(**{**given, "viscosity": 0.1, **values})
+
+
+def test_short_bearing_of_friswell_et_al_5_5_1():
+    film = BearingAlone(_bearing(short=True), 1500 * _PI / 30)
+    d = film.rest(-525j)
+    K, C = film.coefficients(d)
+    assert abs(d) / 1e-4 == pytest.approx(0.266298, rel=1e-4)
+    # the book's u is our x; the cross terms' signs are those of x right, y up, load downwards
+    np.testing.assert_allclose(K, [[12.8080e6, 16.3936e6], [-25.0604e6, 8.8153e6]], rtol=1e-4)
+    np.testing.assert_allclose(C, [[232.897e3, -81.924e3], [-81.924e3, 294.912e3]], rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("e", "threshold", "whirl"),
+    [
+        *((0.1, 2.7413, 0.5029), (0.2, 2.6814, 0.5106), (0.3, 2.6058, 0.5194)),
+        *((0.4, 2.5446, 0.5238), (0.5, 2.5417, 0.5146), (0.6, 2.7010, 0.4740)),
+        *((0.7, 3.6278, 0.3446), (0.75, 9.744, 0.1267), (1e-3, 2.7640, 0.5)),
+    ],
+)
+def test_threshold_of_a_rigid_rotor(e, threshold, whirl):
+    c, speed = 1e-4, 200.0
+    film = BearingAlone(_bearing(short=True), speed)
+    force = film.force(e * c)
+    mass, frequency = critical_mass(*film.coefficients(e * c * 1j * abs(force) / force))
+    # speed sqrt(c / g), where the load is m g
+    assert speed * math.sqrt(mass * c / abs(force)) == pytest.approx(threshold, rel=1e-4)
+    assert frequency / speed == pytest.approx(whirl, rel=3e-4)
+
+
+def test_no_threshold_above_an_eccentricity_of_0_756():
+    film = BearingAlone(_bearing(short=True), 200.0)
+    force = film.force(0.757e-4)
+    mass, _ = critical_mass(*film.coefficients(0.757e-4 * 1j * abs(force) / force))
+    assert mass == math.inf
+
+
+# L/D, e: S, attitude, K c / W, C c speed / W, of a grid of 360 x 20
+_GRID = {
+    (1, 0.2): (0.6249, 77.66, (2.125, 4.652, -5.448, 1.192), (9.784, -2.140, -2.140, 10.705)),
+    (1, 0.5): (0.1792, 58.68, (2.017, 1.116, -3.208, 1.950), (3.468, -2.110, -2.110, 5.966)),
+    (1, 0.8): (0.0448, 36.79, (1.915, -0.472, -3.935, 5.260), (1.586, -2.120, -2.120, 7.009)),
+    (0.5, 0.2): (2.0344, 76.14, (2.369, 4.562, -5.642, 1.393), (9.654, -2.381, -2.381, 10.887)),
+    (0.5, 0.5): (0.5109, 55.34, (2.143, 0.950, -3.651, 2.524), (3.207, -2.217, -2.217, 6.396)),
+    (0.5, 0.8): (0.0919, 32.99, (1.848, -0.553, -4.510, 6.950), (1.314, -2.024, -2.024, 7.711)),
+    (0.25, 0.5): (1.7937, 54.13, (2.189, 0.881, -3.868, 2.800), (3.095, -2.238, -2.238, 6.554)),
+}
+
+
+@pytest.mark.parametrize(("ratio", "e"), _GRID)
+def test_finite_bearing_against_a_grid(ratio, e):
+    S, attitude, K_grid, C_grid = _GRID[ratio, e]
+    c, speed, mu = 1e-4, 100.0, 0.1
+    film = BearingAlone(_bearing(length=0.1 * ratio), speed)
+    force = film.force(e * c)
+    load = abs(force)
+    # S = mu N L D / W (R / c)^2
+    assert mu * speed / (2 * _PI) * 0.01 * ratio / load * 500**2 == pytest.approx(S, rel=0.015)
+    assert math.degrees(film.outputs(e * c)["attitude"]) == pytest.approx(attitude, abs=0.3)
+    d = e * c * 1j * load / force  # the load downwards
+    assert film.force(d) == pytest.approx(1j * load, rel=1e-9)
+    K, C = film.coefficients(d)
+    K, C = K * c / load, C * c * speed / load
+    np.testing.assert_allclose(K.ravel(), K_grid, atol=0.03 * np.abs(K_grid).max())
+    np.testing.assert_allclose(C.ravel(), C_grid, atol=0.03 * np.abs(C_grid).max())
+
+
+@pytest.mark.parametrize(
+    ("ratio", "S", "e", "attitude"), [(0.5, 0.917, 0.372, 57.45), (1.0, 0.235, 0.460, 49.27)]
+)
+def test_axial_grooves_of_lund_and_thomsen(ratio, S, e, attitude):
+    speed, length = 100.0, 0.1 * ratio
+    load = 0.1 * speed / (2 * _PI) * length * 0.1 / S * 500**2
+    film = BearingAlone(_bearing(length=length, **_AXIAL_GROOVES), speed)
+    d = film.rest(-1j * load)
+    assert abs(d) / 1e-4 == pytest.approx(e, rel=0.06)
+    assert math.degrees(film.outputs(d)["attitude"]) == pytest.approx(attitude, rel=0.06)
+
+
+def _states(count, seed):
+    """Bearings of every shape with a journal anywhere that moves in any direction."""
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        shape = list(_SHAPES.values())[random.integers(len(_SHAPES))]
+        part = _bearing(
+            length=float(random.uniform(0.02, 0.15)),
+            short=bool(random.random() < 0.3),
+            points=float(random.choice([12, 24, 48])),
+            roughness=3e-6,
+            k=float(random.choice([0.0, 1e9])),
+            **shape,
+        )
+        d = 1.02e-4 * math.sqrt(random.random()) * np.exp(2j * _PI * random.random())
+        v = 3e-3 * complex(*random.normal(size=2))
+        yield BearingAlone(part, float(random.choice([0.0, 100.0, -100.0]))), d, v
+
+
+def test_tangent_is_the_derivative_of_the_force():
+    for film, d, v in _states(120, 1):
+        for weights, h in ((BY_D, 1e-10), (BY_V, 3e-7)):
+            by_d, by_v = weights.displacement * h, weights.velocity * h
+            seen = []
+            for z in (1, 1j):
+                change = film.force(d + by_d * z, v + by_v * z) - film.force(
+                    d - by_d * z, v - by_v * z
+                )
+                seen.append([change.real / (2 * h), change.imag / (2 * h)])
+            tangent = film.tangent(d, v, weights)
+            np.testing.assert_allclose(tangent, np.transpose(seen), atol=2e-6 * abs(tangent).max())
+
+
+def test_force_does_not_jump_as_the_rupture_moves():
+    for name, shape in _SHAPES.items():
+        film = BearingAlone(_bearing(length=0.06, points=24.0, **shape), 100.0)
+        path = 0.6e-4 * np.exp(1j * np.linspace(0.0, 2 * _PI, 400))
+        # around the bearing the force follows its tangent, from each state to the next
+        for d, after in pairwise(path):
+            step = after - d
+            mean = 0.5 * (film.tangent(d, 0j, BY_D) + film.tangent(after, 0j, BY_D))
+            change = film.force(after) - film.force(d)
+            left = np.array([change.real, change.imag]) - mean @ [step.real, step.imag]
+            assert np.abs(left).max() < 2e-4 * abs(film.force(d)), name
+
+
+def test_friction_of_a_centred_journal_is_petroffs():
+    speed = 100.0
+    film = BearingAlone(_bearing(short=True), speed)
+    petroff = 2 * _PI * 0.1 * speed * 0.05**3 * 0.03 / 1e-4
+    assert film.outputs(0j)["torque"] == pytest.approx(petroff, rel=1e-9)
+
+
+def test_a_film_dissipates_what_goes_into_it():
+    for film, d, v in _states(60, 2):
+        assert film.outputs(d, v)["power"] >= 0.0
+
+
+_MACHINE = """
+[material]
+young = 2.1e11
+density = 7850
+poisson = 0.3
+[shaft]
+nodes = [0.0, 0.1, 0.2]
+diameters = [0.1, 0.1]
+[[point_mass]]
+node = 2
+mass = 100.0
+[[journal_bearing]]
+node = 1
+journal_radius = 0.05
+length = 0.03
+clearance = 1e-4
+viscosity = 0.1
+{more}
+[[journal_bearing]]
+node = 3
+journal_radius = 0.05
+length = 0.03
+clearance = 1e-4
+viscosity = 0.1
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("length = 0.21", "length = 0.21 m: must be at most 2 diameters, 0.2 m"),
+        ("preload = 1.0\npads = [0.0]\narc = 1.0", "preload = 1: must be from 0 to 0.99"),
+        ("pads = [0.0, 1.0]\narc = 1.5", "pads: pads 1 and 2 overlap"),
+        ("pads = [0.0, 6.0]\narc = 0.6", "pads: pads 1 and 2 overlap"),
+        ("arc = 1.0", "pads: none is given for an arc or a preload"),
+        ("pads = [0.0, 3.0]\narc = [1.0]", "arc: 1 given, 2 needed, as many as"),
+        ("pads = 1.0\narc = 1.0", "pads = 1.0: must be a list of numbers"),
+        ("roughness = 6e-5", "roughness = 6e-05 m: must be below half the clearance, 5e-05 m"),
+        ("points = 24.5", "points = 24.5: must be a whole number"),
+        ("viscosity = -0.1", "viscosity = -0.1 Pa.s: must be > 0 and finite"),
+        ("clearence = 1e-4", "clearence: unknown key; did you mean clearance?"),
+    ],
+)
+def test_bad_bearing_is_refused(more, message):
+    name = more.split(" = ")[0]
+    text = _MACHINE.replace("{more}", more)
+    if name in ("length", "viscosity"):
+        text = text.replace(f"{name} = 0.03\n", "", 1).replace(f"{name} = 0.1\n", "", 1)
+    with pytest.raises(QuantityError) as raised:
+        parse_rotor(text)
+    assert str(raised.value).startswith("journal_bearing[1].")
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
