@@ -91,7 +91,7 @@ def test_a_response_without_a_peak_has_no_critical_speed():
     ],
 )
 def test_required_margins_are_those_of_api_617(factor, is_above, expected):
-    """API 617, 7th edition, part 1, 2.6.2.10."""
+    """API 617, 7th edition, part 1, 2.6.2."""
     assert required_margin(factor, is_above) == pytest.approx(expected, abs=1e-12)
 
 

@@ -51,6 +51,26 @@ def test_each_command_tells_a_table_and_writes_a_picture(command, tmp_path, argu
     assert json.loads((tmp_path / "out" / f"{name}.json").read_text())
 
 
+def test_campbell_has_critical_speeds_of_several_orders(command, tmp_path):
+    """Of twice the speed those whose doubles are frequencies of the diagram."""
+    said = command(
+        *("campbell", "--rotor", str(ROSS / "under_tension.toml"), "--speed", "0:150:7"),
+        *("--harmonic", "1", "--harmonic", "2", "--range", "50:80", "--count", "4"),
+    )
+    assert "Critical speeds of 1, 2 times the speed" in said
+    critical = json.loads((tmp_path / "out" / "campbell.json").read_text())["critical"]
+    assert {c["harmonic"] for c in critical} == {1.0, 2.0}
+    rotor = answers.rotor_of(ROSS / "under_tension.toml")
+    for c in critical:
+        damped = answers.modes(rotor, c["speed"], count=4).damped
+        assert np.abs(damped / (c["harmonic"] * c["speed"]) - 1).min() < 1e-9
+
+
+def test_mode_shapes_are_drawn_in_space_too(command, tmp_path):
+    command("modes", "--speed", "3000rpm", "--count", "2")
+    assert (tmp_path / "out" / "modes_3d.png").read_bytes().startswith(PNG)
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_numbers_of_the_rig_are_those_of_the_paper(command):
     """Its 29.4 and 32.5 Hz."""

@@ -15,12 +15,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
+_HOW_TO = ("studies", "check_by_api_617", "native", "page", "couple_an_fmu", "choose_a_coupling")
 SECTIONS = {
     "Tutorials": [f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS],
-    "How to": [
-        f"docs/how_to/{name}.md"
-        for name in ("studies", "native", "page", "couple_an_fmu", "choose_a_coupling")
-    ],
+    "How to": [f"docs/how_to/{name}.md" for name in _HOW_TO],
     "Examples": ["examples/*/README.md"],
     "Reference": ["docs/reference/*.md"],
     "Explanation": ["docs/explanation/*.md"],

@@ -3,11 +3,11 @@
 A critical speed is a peak of the response; with the speeds N1 below and N2 above it at which the
 response has fallen to 0.707 of the peak, the amplification factor is
 
-    AF = Nc / (N2 - N1)                                      (API 684, 2nd edition, 2.1; figure 2-1)
+    AF = Nc / (N2 - N1)                                      (API 684, 2nd edition, chapter 2)
 
 which tends to 1 / (2 zeta) as the damping ratio zeta of the mode becomes small. The separation that
 is required, a share of the minimum operating speed for a critical speed below it, of the maximum
-continuous speed for one above it (API 617, 7th edition, part 1, 2.6.2.10), is none for AF < 2.5 and
+continuous speed for one above it (API 617, 7th edition, part 1, 2.6.2), is none for AF < 2.5 and
 
     below:  min(0.16, 0.17 (1 - 1 / (AF - 1.5)))
     above:  min(0.26, 0.10 + 0.17 (1 - 1 / (AF - 1.5)))

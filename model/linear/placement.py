@@ -3,7 +3,7 @@ them, and the limit of vibration at the probes.
 
 The residual unbalance of a plane that bears the mass W is 4 W / N oz.in (W in lb, N in rev/min),
 in SI units 6350 W / N g.mm (W in kg), and W / 3.937 g.mm from 25 000 rev/min on (API 617, 7th
-edition, part 1, 2.6.2.7 and 2.6.6.2); the analysis takes twice as much in all:
+edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
 
 - bending to one side between the bearings: one unbalance where that is largest, W the static load
   of all bearings;
@@ -52,7 +52,7 @@ def residual_unbalance(mass: float, speed: float) -> float:
 
 def vibration_limit(speed: float) -> float:
     """Return the limit of vibration at a probe [m], peak-to-peak: 25.4 um sqrt(12000 / N), at most
-    25.4 um (API 617, 7th edition, part 1, 2.6.8.8); N: maximum continuous speed [rad/s]."""
+    25.4 um (API 617, 7th edition, part 1, 2.6.8); N: maximum continuous speed [rad/s]."""
     rpm = speed * 60 / (2 * math.pi)
     return 25.4e-6 * min(1.0, math.sqrt(12_000 / rpm))
 

@@ -2,7 +2,7 @@
 cross-coupled stiffness, and level 2, what each seal and the cross coupling do to it.
 
 The cross coupling q that a stage brings follows from Alford's formula as API 617 changed it (7th
-edition, part 1, 2.6.5; API 684, 2nd edition, 3.5), in SI units
+edition, part 1, 2.6.5; API 684, 2nd edition, chapter 3), in SI units
 
     q = B P / (Omega D H) (rho_d / rho_s),    B = 3,
 

@@ -22,7 +22,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..parts.law import Kinematics, Weights
 from .excitation import add_load
-from .interface_problem import solve_dense
+from .interface_problem import solve_columns
 from .laws import kinematics, law_rates, law_tangent, relative
 from .linear_step import balance, balance_back, correct, predict
 from .step import (
@@ -66,6 +66,7 @@ class TangentWork(NamedTuple):
     below: Annotated[np.ndarray, float, "internal_states"]
     matrix: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     right: Annotated[np.ndarray, float, "2 * interfaces"]
+    places: Annotated[np.ndarray, np.int64, "2 * interfaces"]
     flows: Annotated[np.ndarray, float, "flows"]
     ledger: Annotated[np.ndarray, float, "flows"]
     loads: Annotated[np.ndarray, complex, "loads"]
@@ -390,7 +391,9 @@ def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work
             right[i] += w_x * known.real + w_y * known.imag
             matrix[i, 2 * j] -= w_x * t_xx + w_y * t_yx
             matrix[i, 2 * j + 1] -= w_x * t_xy + w_y * t_yy
-    solve_dense(matrix, right)
+    for i in range(2 * m):
+        work.places[i] = i
+    solve_columns(matrix, work.places, right)
     for j in range(m):
         by = work.by_law[j]
         w = complex(right[2 * j], right[2 * j + 1])

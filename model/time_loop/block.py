@@ -92,7 +92,7 @@ _SIZES = (
         "most_losses",
         "outputs",
     ),
-    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width"),
+    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width", "alone", "few"),
     *(f"rows_{law.name}" for law in LAWS),
 )
 _LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
@@ -124,7 +124,7 @@ def new_block(
 ) -> np.ndarray:
     """Return a block for runs of a machine, its structure copied in; outputs: how many can be read;
     channels and an even number of rows: of the recorder."""
-    basis, mass = coarse_shaft(structure)
+    shaft = coarse_shaft(structure)
     sizes = sizes_of(structure) | {
         "all_stores": len(STORES),
         "flows": len(FLOWS),
@@ -132,9 +132,11 @@ def new_block(
         "outputs": outputs,
         "channels": channels,
         "recorder_rows": recorder_rows,
-        "basis": basis.shape[1],
-        "coarse": len(mass),
-        "coarse_width": mass.shape[1],
+        "basis": shaft.basis.shape[1],
+        "coarse": len(shaft.mass),
+        "coarse_width": shaft.mass.shape[1],
+        "alone": len(shaft.alone),
+        "few": shaft.alone.shape[2],
     }
     block = LAYOUT.new(sizes)
     run = LAYOUT.view_in_python(block)
@@ -151,7 +153,8 @@ def new_block(
         run.memory.record[0][warning.since] = np.nan
     for name, value in Control._field_defaults.items():
         run.memory.record[0][name] = value
-    run.survey.basis[:], run.survey.mass[:] = basis, mass
+    for name, values in shaft._asdict().items():
+        getattr(run.survey, name)[...] = values
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
     run.stages.key[:] = np.nan

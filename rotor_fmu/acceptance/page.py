@@ -84,7 +84,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
         "At rest": _static(rotor),
         "Critical speeds": [
             _html(diagram.table()),
-            figure_html(diagram.figure(), "Campbell diagram"),
+            figure_html(diagram.figure((low, high)), "Campbell diagram"),
             _html(over_stiffness.table()),
             figure_html(over_stiffness.figure(), "Undamped critical speed map"),
         ],
@@ -210,7 +210,11 @@ def _conclusions(
         else f"All probes stay below {check.limit * 1e6:.3g} um peak-to-peak.",
         f"More than 75 % of a clearance is taken: {', '.join(tight)}."
         if tight
-        else "No clearance is taken by more than 75 %.",
+        else (
+            "No clearance is taken by more than 75 %."
+            if check.clearances
+            else "No clearance was checked: no open contact and no --clearance is there."
+        ),
         f"Stability: log dec {level_2.cases[-1].log_dec:.3g} with all that acts"
         + (", which is enough." if level_2.is_met else "; at least 0.1 is required.")
         + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),

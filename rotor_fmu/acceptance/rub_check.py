@@ -100,7 +100,7 @@ class RubCheck:
         largest = max(touched, key=lambda c: c.force)
         force = f"The largest contact force is {largest.force:.4g} N, of {largest.name}."
         if not lasting:
-            return f"The rub ends before the operating range is reached. {force}"
+            return f"The machine rubs, but not for long in the operating range. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))
         up, down = (
             max((c.share_in_range for c in run.contacts), default=0.0) > _LASTING

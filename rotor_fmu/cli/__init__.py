@@ -42,6 +42,7 @@ COMMANDS = {
         "unbalance": "linear:unbalance",
         "stability": "acceptance:stability",
         "balance": "balancing:balance",
+        "frequency-response": "frequency:frequency_response",
         "static": "linear:static",
         "response": "periodic:response",
         "import-ross": "linear:import_ross",

@@ -8,14 +8,10 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import InputError, writable_folder
-from ..fmi.packing.native_fmu import build_native
 from ..fmi.packing.python_fmu import SYSTEMS
-from ..fmi.packing.python_fmu import build as build_python
 from ..library.build import LIBRARIES, PLATFORMS, WASM, library
-from ..linear.machine_warnings import machine_warnings
 from ..model.kernels.library import here
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
 from .runs import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
@@ -61,6 +57,12 @@ def build(
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
+    # imported when it is called: the help needs none of it
+    from ..fmi.packing.native_fmu import build_native
+    from ..fmi.packing.python_fmu import build as build_python
+    from ..linear.machine_warnings import machine_warnings
+    from ..runs.job import load_rotor
+
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
         raise InputError(f"--fmi {fmi}: must be 2 or 3")

@@ -103,21 +103,30 @@ def campbell(
     count: Count = 8,
     contacts: Contacts = None,
     harmonic: Annotated[
-        float, typer.Option(help="Multiple of the speed of rotation that excites.")
-    ] = 1.0,
+        list[float] | None,
+        typer.Option(
+            help="Multiple of the speed of rotation that excites, its order; repeatable; default 1."
+        ),
+    ] = None,
+    operating: OperatingRange = None,
+    rated: Rated = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
 ) -> dict[str, Any]:
     """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
     speeds, (_, machine) = speed_range(speed, 41), load_rotor(rotor)
+    ends = operating_range(operating, rated)
     from ..linear import answers
 
     _check_count(count)
     if len(speeds) == 1:
         raise InputError(f"--speed {speed}: must be FROM:TO, more than one speed")
     if len(speeds) == 0:
-        speeds = np.linspace(0.0, _highest(machine, contacts), 41)
-    result = answers.campbell(machine, speeds, count=count, contacts=contacts, harmonic=harmonic)
-    return print_answer(result, result.table(), result.figure(), out, "campbell")
+        top = _highest(machine, contacts) if ends is None else 1.25 * ends[1]
+        speeds = np.linspace(0.0, top, 41)
+    result = answers.campbell(
+        machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
+    )
+    return print_answer(result, result.table(), result.figure(ends), out, "campbell")
 
 
 @with_output_options

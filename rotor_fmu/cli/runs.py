@@ -10,32 +10,11 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import writable_folder
-from ..fmi.interface import interface
-from ..fmi.packing.variable_table import markdown
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options
-from ..report.page import write_report
-from ..report.verification import text_of
-from ..runs.host_env import host_environment
-from ..runs.job import (
-    clear,
-    difference,
-    execute,
-    execute_recorded,
-    fmu_in,
-    load_rotor,
-    prepare,
-    verified,
-    write_csv,
-    write_json,
-)
-from ..runs.ramp import RampGiven
-from ..runs.run_plots import write_run_pictures
-from ..runs.sentences import sentences
-from ..runs.summary import summary
-from ..runs.verification import finer_job
 from .completion import one_of, settable
 
+# What a command calls is imported when it is called: its help needs none of it.
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
@@ -115,39 +94,50 @@ def _run(
     ] = None,
 ) -> dict[str, Any]:
     """Make a run, write its results and return its figures."""
+    from ..report.page import write_report
+    from ..report.verification import text_of
+    from ..runs import job as jobs
+    from ..runs.ramp import RampGiven
+    from ..runs.run_plots import write_run_pictures
+    from ..runs.sentences import sentences
+    from ..runs.summary import summary
+    from ..runs.verification import finer_job
+
     begun = time.perf_counter()
     kind = "run-up" if is_up else "run-down"
     name = kind.replace("-", "_")
     out = out or Path("out") / name
     ramp = RampGiven(is_up, first, last, rate, hold)
-    job = prepare(rotor, preset, sets or [], signals, stop, step, ramp)
+    job = jobs.prepare(rotor, preset, sets or [], signals, stop, step, ramp)
     if verify:
         finer_job(job)  # refused before anything is run
     writable_folder(out)
-    fmu = None if direct else fmu_in(out, job.toml, job.settings.reduction)
-    clear(out)
+    fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
+    jobs.clear(out)
     label = f"{kind}, {preset or 'default'}"
-    driven = None if fmu is None else execute(job, fmu, label)
-    recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
+    driven = None if fmu is None else jobs.execute(job, fmu, label)
+    recorded, recording = jobs.execute_recorded(
+        job, f"{label}, recorded", is_silent=driven is not None
+    )
     # an FMU holds its loads between two communication points
     result = driven if driven is not None and job.signals.is_held else recorded
     if verify:
-        recorded, recording = verified(job, recorded, recording, f"{label}, finer")
+        recorded, recording = jobs.verified(job, recorded, recording, f"{label}, finer")
         if "verification" in recording.about:
             result = replace(result, status=recorded.status)
     report = summary(result) | {
         "recorded_steps": len(recording.t),
-        "recorded_apart": driven and difference(driven, recorded),
+        "recorded_apart": driven and jobs.difference(driven, recorded),
         "verification": recording.about.get("verification"),
     }
-    write_csv(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
+    jobs.write_csv(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
     recording.save(out / "recording.npz")
     title = f"{job.rotor.name}, preset {preset}" if preset else job.rotor.name
     is_adaptive = job.settings.mode == "adaptive"
     write_run_pictures(result, recording, report, title, is_adaptive, out, name)
     write_report(recording, report, out / "report.html")
     report["wall_s"] = time.perf_counter() - begun
-    write_json(report, out / "summary.json")
+    jobs.write_json(report, out / "summary.json")
     if apart := report["recorded_apart"]:
         why = "" if job.signals.is_held else ", which holds its inputs over a communication step"
         typer.echo(
@@ -185,6 +175,10 @@ def run_up(**options: Any) -> dict[str, Any]:
 @with_output_options
 def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
     """Print the FMU's variables as a Markdown table."""
+    from ..fmi.interface import interface
+    from ..fmi.packing.variable_table import markdown
+    from ..runs.job import load_rotor
+
     table = interface(load_rotor(rotor)[1], is_free)
     typer.echo(markdown(table), nl=False)
     return {variable.name: asdict(variable) for variable in table}
@@ -192,5 +186,7 @@ def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
 
 def host_env() -> None:
     """Print the environment that a C host needs to run the FMU on this machine."""
+    from ..runs.host_env import host_environment
+
     for name, value in host_environment().items():
         typer.echo(f'export {name}="{value}"')

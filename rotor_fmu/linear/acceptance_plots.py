@@ -58,7 +58,7 @@ def critical_map_figure(result: CriticalMap) -> Figure:
     axes.set_ylim(rpm(low) * 0.8, rpm(high) * 1.25)
     axes.set_xlim(result.stiffness[0], result.stiffness[-1])
     for axis in (axes.xaxis, axes.yaxis):
-        _plain_ticks(axis)
+        plain_ticks(axis)
     axes.set_xlabel("Stiffness of every bearing [N/m]")
     what = "critical speed" if result.synchronous else "natural frequency at standstill"
     axes.set_ylabel(f"Undamped {what} [rev/min]")
@@ -68,7 +68,7 @@ def critical_map_figure(result: CriticalMap) -> Figure:
     return figure
 
 
-def _plain_ticks(axis: Axis) -> None:
+def plain_ticks(axis: Axis) -> None:
     """Write the numbers at a logarithmic axis without formulas, which these figures do not draw."""
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}".replace("e+0", "e")))
     low, high = axis.get_view_interval()
@@ -90,7 +90,7 @@ def peaks_figure(criticals: Sequence[ProbeCritical]) -> Figure:
     axes.set_xlabel("Rotational speed [rev/min]")
     axes.set_title("Critical speeds (circles x, squares y)", loc="left", fontsize=10)
     axes.set_xlim(left=0)
-    _plain_ticks(axes.yaxis)
+    plain_ticks(axes.yaxis)
     return figure
 
 
@@ -126,7 +126,7 @@ def unbalance_check_figure(result: UnbalanceCheck) -> Figure:
         fontsize=9,
     )
     axes.set_xlim(left=0)
-    _plain_ticks(axes.yaxis)
+    plain_ticks(axes.yaxis)
     return figure
 
 

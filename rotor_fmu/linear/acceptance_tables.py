@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import CriticalMap
 from ..model.linear.stability_levels import (
     LEAST_LOG_DEC,
@@ -77,6 +78,13 @@ def unbalance_check_table(result: UnbalanceCheck) -> Table:
     return Table(title, heads, list(_check_rows(result)))
 
 
+def _why_none(amplification: float) -> str:
+    """Return why a peak needs no separation."""
+    if math.isnan(amplification):
+        return "flat"
+    return "damped" if amplification < DAMPED else "yes"
+
+
 def _scaled(result: UnbalanceCheck) -> str:
     if not 1 < result.scale < math.inf:
         return ""
@@ -88,7 +96,7 @@ def _check_rows(result: UnbalanceCheck) -> Iterable[tuple[object, ...]]:
         node, axis, *numbers = _peak(c)
         if c.margin is not None:
             needed, there = 100 * c.margin.required, 100 * c.margin.actual
-            met = _MET[c.margin.is_met] if needed else "damped"
+            met = _MET[c.margin.is_met] if needed else _why_none(c.peak.amplification)
             yield (f"node {node} {axis}", *numbers, needed, there, met)
     for p in result.probes:
         met = _MET[p.peak_to_peak <= result.limit]

@@ -90,15 +90,20 @@ class Campbell(Displayed, linear.Campbell):
         """
         return linear_tables.campbell_table(self)
 
-    def figure(self) -> Figure:
+    def figure(self, operating: tuple[float, float] | None = None) -> Figure:
         """Draw the result.
+
+        Parameters
+        ----------
+        operating : (float, float), optional
+            The operating range [rad/s], which is shaded.
 
         Returns
         -------
         matplotlib.figure.Figure
             The diagram.
         """
-        return linear_plots.campbell_figure(self)
+        return linear_plots.campbell_figure(self, operating)
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):

@@ -94,18 +94,21 @@ def modes_figure(result: Modes) -> Figure:
     return figure
 
 
-def campbell_figure(result: Campbell) -> Figure:
-    """Draw frequencies with the excitation and their intersections, and logarithmic decrements."""
+def campbell_figure(result: Campbell, operating: tuple[float, float] | None = None) -> Figure:
+    """Draw frequencies with the excitation and their intersections, and logarithmic decrements;
+    operating: the range [rad/s], which is shaded."""
     figure, grid = new_figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
     frequency = result.damped / (2 * math.pi)
+    shade(grid[:, 0], operating)
     for mode in range(frequency.shape[1]):
         for axes, values in ((above, frequency[:, mode]), (below, result.log_dec[:, mode])):
             _whirling(axes, speed, values, [of[mode] for of in result.whirl])
-    above.plot(speed, result.harmonic * np.abs(speed), color="black", lw=1.0, ls=(0, (4, 3)))
+    for order in result.harmonics:
+        above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=(0, (4, 3)))
     for c in result.critical:
-        place = hertz(c.speed), result.harmonic * hertz(c.speed)
+        place = hertz(c.speed), c.harmonic * hertz(c.speed)
         above.plot(*place, "o", color="black", mfc="white", ms=5)
         above.annotate(
             f"{place[0]:.4g}",
@@ -132,13 +135,13 @@ def campbell_figure(result: Campbell) -> Figure:
         )
     seen = {word for words in result.whirl[1:] for word in words if word}
     handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
-    times = "" if result.harmonic == 1 else f"{result.harmonic:g} times "
-    label = f"{times}the speed"
+    orders = ", ".join(f"{order:g}" for order in result.harmonics)
+    label = "the speed" if result.harmonics == (1.0,) else f"{orders} times the speed"
     handles.append(Line2D([], [], color="black", lw=1.0, ls=(0, (4, 3)), label=label))
-    above.legend(handles=handles, frameon=False, loc="upper left", fontsize=8)
+    above.legend(handles=handles, framealpha=0.9, edgecolor="none", loc="upper left", fontsize=8)
     highest = 1.05 * np.nanmax(frequency, initial=0.0)
     # not so far that the line of the speed, and what it meets, becomes flat
-    reach = max(_REACH * result.harmonic * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
+    reach = max(_REACH * max(result.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
     above.set_ylim(0, max(min(highest, reach), 1e-9))
     above.set_xlim(speed[0], speed[-1])
     above.set_ylabel("Frequency [Hz]")
@@ -149,8 +152,23 @@ def campbell_figure(result: Campbell) -> Figure:
     elif len(finite) and finite.max() > 3:
         below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
     below.set_xlabel("Rotational speed n [Hz]")
-    above.set_title(f"Campbell diagram, contacts {result.contacts}", loc="left", fontsize=10)
+    _in_rpm(above)
+    figure.suptitle(f"Campbell diagram, contacts {result.contacts}", fontsize=10, x=0.01, ha="left")
     return figure
+
+
+def _in_rpm(axes: Axes) -> None:
+    """Put an axis in rev/min above axes over the speed in Hz."""
+
+    def to_rpm(n: Any) -> Any:
+        return 60.0 * n
+
+    def to_hertz(rpm: Any) -> Any:
+        return rpm / 60.0
+
+    above = axes.secondary_xaxis("top", functions=(to_rpm, to_hertz))
+    above.set_xlabel("[rev/min]", fontsize=8)
+    above.tick_params(labelsize=8)
 
 
 def shade(panels: Sequence[Axes] | np.ndarray, operating: tuple[float, float] | None) -> None:
@@ -212,8 +230,9 @@ def unbalance_figure(
     below.set_ylim(-185, 185)
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_xlabel("Rotational speed n [Hz]")
+    _in_rpm(above)
     title = f"Steady response to unbalance, contacts {result.contacts}"
-    above.set_title(title, loc="left", fontsize=10)
+    figure.suptitle(title, fontsize=10, x=0.01, ha="left")
     return figure
 
 

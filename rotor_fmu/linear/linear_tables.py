@@ -95,9 +95,12 @@ def _clean(ratio: float) -> float:
 def campbell_table(result: Campbell) -> Table:
     """Return a table with one row for each critical speed; the threshold of stability in the
     heading."""
-    heads = ("mode", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
+    heads = ("mode", "order", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
     rows = [
-        (c.mode + 1, c.speed, hertz(c.speed), 60 * hertz(c.speed), _clean(c.log_dec), c.whirl)
+        (
+            *(c.mode + 1, c.harmonic, c.speed, hertz(c.speed), 60 * hertz(c.speed)),
+            *(_clean(c.log_dec), c.whirl),
+        )
         for c in result.critical
     ]
     between = f"{result.speeds[0]:.5g} and {result.speeds[-1]:.5g} rad/s"
@@ -106,7 +109,8 @@ def campbell_table(result: Campbell) -> Table:
         stability = f"unstable above {result.threshold:.6g} rad/s"
         if result.threshold == result.speeds[0]:
             stability = f"unstable already at {result.threshold:.6g} rad/s"
-    harmonic = "" if result.harmonic == 1 else f" of {result.harmonic:g} times the speed"
+    orders = ", ".join(f"{order:g}" for order in result.harmonics)
+    harmonic = "" if result.harmonics == (1.0,) else f" of {orders} times the speed"
     title = f"Critical speeds{harmonic} between {between}, contacts {result.contacts}; {stability}"
     return Table(title, heads, rows)
 

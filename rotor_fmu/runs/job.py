@@ -11,14 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from ..errors import InputError
 from ..files import unfinished, write_text
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
-from ..fmi.packing.machine_files import fmu_identifier
-from ..fmi.packing.python_fmu import build, is_current
 from ..fmi.solver_parameters import AS_PRESET, settings_of
 from ..fmi.variables import Variable
 from ..machine_file.plausibility import questions
@@ -163,6 +160,8 @@ def prepare(
     constants = {name: value for name, value in values.items() if name in inputs}
     recorded = read_signals(signal_file, table) if signal_file else None
     if recorded is not None and recorded.t[-1] < stop:
+        from rich.console import Console
+
         Console(stderr=True).print(
             f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
             f"held until --stop = {stop:g} s",
@@ -279,6 +278,10 @@ def difference(one: Run, other: Run) -> float:
 def fmu_in(out: Path, toml: str, reduction: int = 0) -> Path:
     """Return the FMU of this rotor in the folder `out`, built if it is not there or not up to date;
     reduction: component modes kept of the shaft."""
+    # no run without an FMU needs what builds one
+    from ..fmi.packing.machine_files import fmu_identifier
+    from ..fmi.packing.python_fmu import build, is_current
+
     fmu = out / f"{fmu_identifier(parse_rotor(toml))}.fmu"
     if is_current(fmu, toml, reduction=reduction):
         return fmu

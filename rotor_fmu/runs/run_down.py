@@ -23,6 +23,7 @@ from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.simulation import StepFailure
 from ..model.spelling import Message
+from ..model.structure.reduction_offer import reduction_offer
 from ..model.time_loop.recorder import Record, recordable
 from ..short_repr import ShortRepr
 from ..status import FAILED, messages_and_codes, status_of
@@ -242,6 +243,11 @@ def _time_loop(
             print(f"rotor-fmu: {level}: {message}", file=sys.stderr, flush=True)
 
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
+    if simulation.settings.reduction == 0:
+        fastest = float(np.abs(signals.values.get("speed", values["speed"])).max())
+        offer = reduction_offer(simulation.rotor, simulation.structure, fastest)
+        if offer is not None:
+            warn(offer)
     driver = Driver(signals, load_names(rotor), values["speed_continuation"] != 0)
 
     def values_now() -> Mapping[str, float]:
