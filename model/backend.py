@@ -35,6 +35,7 @@ class EntryPoints(NamedTuple):
     advance: Callable[[float, float, float], int]
     survey: Callable[[float, int], object]
     refresh_outputs: Callable[[], object]
+    differentiate: Callable[[int], object]
 
 
 @cache
@@ -81,6 +82,7 @@ def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoin
         entries.advance,
         entries.survey,
         entries.refresh_outputs,
+        entries.differentiate,
     )
     if backend is Backend.LIBRARY:
         made = library.loaded()
@@ -91,6 +93,7 @@ def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoin
             partial(made.rotor_advance, address),
             partial(made.rotor_survey, address),
             partial(made.rotor_refresh_outputs, address),
+            partial(made.rotor_differentiate, address),
         )
     if backend is Backend.NUMBA:
         return EntryPoints(*(partial(function.dispatcher, block) for function in functions))

@@ -1,5 +1,6 @@
 """The messages about a run, each sentence once: a code is its place in `SENTENCES`, behind those of
-the settings (see `spelling`). `{where}` stands for the machine's own list of contact states.
+the settings (see `spelling`). `{where}` stands for the machine's own list of contact states,
+`{names}` for that of its contacts.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from .warnings import RUN_WARNINGS, UNFINISHED
 GOOD = settings.GOOD
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
 _NO_REST = "no static equilibrium under gravity and the loads at the start"
+_LIMIT, _UNIT = choice(("limit.displacement", "limit.force")), choice((" m", " N"))
 _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not finite); "
 
 
@@ -48,6 +50,10 @@ _SENTENCES = {
     "change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
+    "IN_STAGES": "solver.sensitivities, tau_impedance: a method of stages has none; take another "
+    "solver.method",
+    "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, that of the rest under "
+    "the loads at the start",
     "FILM_AT_REST": f"{_NO_REST}: the oil film at node {{d}} does not carry them at {{.4g}} rad/s; "
     "take a larger length, viscosity or speed, or give the bearing a contact stiffness k: then a "
     "journal that stands still lies on its wall",
@@ -61,6 +67,9 @@ _SENTENCES = {
     "alpha_m <= alpha_f <= 0.5",
     "WHIRLED_APART": f"{_WHERE}{_positional(whirls.APART, way=_WAY, seen=_WAY)}",
     "STOPPED": f"{_WHERE}{UNFINISHED}",
+    "PAST_LIMIT": f"t = {{.9g}} s: the next step passes {_LIMIT} = {{.6g}}{_UNIT}, with {{.6g}}"
+    f"{_UNIT}",
+    "CONTACT_CHANGED": f"t = {{.9g}} s: {{names}} {choice(('closed', 'opened'))}",
     "OSCILLATES_AT_REST": _positional(whirls.AT_REST, how=whirls.OSCILLATES),
     "MOVES_AT_REST": _positional(whirls.AT_REST, how=whirls.MOVES_AWAY),
     "HIDES": _positional(whirls.HIDES, way=_WAY, does=_DOES),
@@ -85,6 +94,8 @@ _FIRST = len(settings.SENTENCES)
     LOST_IN_ROUNDING,
     ON_A_HUMP,
     START_BEYOND,
+    IN_STAGES,
+    LIMITED,
     FILM_AT_REST,
     FILM_BROKEN,
     NOT_CONVERGED,
@@ -92,6 +103,8 @@ _FIRST = len(settings.SENTENCES)
     DIVERGED_UNSTABLE,
     WHIRLED_APART,
     STOPPED,
+    PAST_LIMIT,
+    CONTACT_CHANGED,
     OSCILLATES_AT_REST,
     MOVES_AT_REST,
     HIDES,

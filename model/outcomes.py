@@ -17,7 +17,7 @@ from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import law_breaks, relative
 from .step.step import BROKEN
-from .time_loop import equilibrium, time_loop
+from .time_loop import early_return, equilibrium, time_loop
 from .time_loop.control import CONTROLLED, FIXED
 
 _TWO_PI = 2 * math.pi
@@ -36,6 +36,15 @@ def no_rest(run, status, arguments):
         arguments[1] = modulus(run.motion.q[structure.deflections[farthest, 0]])
         arguments[2] = numbers.bound
         return messages.START_BEYOND
+    if status == early_return.IN_STAGES:
+        return messages.IN_STAGES
+    if status == early_return.LIMITED:
+        r = run.memory.record[0]
+        is_force = r.failed_at == early_return.PAST_FORCE
+        arguments[0] = arguments[2] = arguments[4] = 1.0 if is_force else 0.0
+        arguments[1] = r.limit_force if is_force else r.limit_displacement
+        arguments[3] = r.failed_value
+        return messages.LIMITED
     arguments[0] = _held_nodes(structure)
     if arguments[0] < 2.0:
         return messages.NOT_HELD
@@ -211,6 +220,17 @@ def failure(run, status, arguments):
     if status == time_loop.UNFINISHED:
         arguments[3] = r.max_iterations
         return messages.STOPPED
+    ended = status - time_loop.ENDED_EARLY
+    if ended > early_return.GOES_ON:
+        arguments[1] = r.failed_value
+        if ended < early_return.CLOSED:
+            is_force = ended == early_return.PAST_FORCE
+            arguments[1] = arguments[3] = arguments[5] = 1.0 if is_force else 0.0
+            arguments[2] = r.limit_force if is_force else r.limit_displacement
+            arguments[4] = r.failed_value
+            return messages.PAST_LIMIT
+        arguments[2] = ended - early_return.CLOSED
+        return messages.CONTACT_CHANGED
     arguments[3] = run.structure.deflections[_farthest(run), 1]
     arguments[4] = run.structure.numbers[0].bound
     if not is_stable(run.method.numbers[0]):

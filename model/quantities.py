@@ -46,7 +46,7 @@ LARGEST = 1e30  # in size: beyond it, products of such numbers overflow
 class Quantity:
     """A number that a user gives: unit ("1" if it has none), description, allowed values, whether
     it is a parameter of the FMU, whether it is a Boolean, and whether a list of numbers, a column
-    of a table, may take its place."""
+    of a table, may take its place, and whether a parameter may change during a run."""
 
     unit: str
     text: str
@@ -54,6 +54,7 @@ class Quantity:
     is_parameter: bool = False
     is_switch: bool = False
     may_be_list: bool = False
+    is_tunable: bool = False
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,8 @@ class Output:
 
     kind: Real, Integer or Boolean; is_output: whether it is among the few that every run records;
     nominal: its usual size [unit], of a Real; reached_by: the inputs that change it at once, with
-    the motion unchanged: `NOTHING`, the machine's `SPEED`, or the speed and every load, `ALL`.
+    the motion unchanged: `NOTHING`, the machine's `SPEED`, or the speed and every load, `ALL`;
+    is_of_now: whether it follows from the motion of the instant, and not from what has been.
     """
 
     name: str
@@ -72,6 +74,7 @@ class Output:
     nominal: float | None = None
     kind: str = "Real"
     reached_by: str = NOTHING
+    is_of_now: bool = True
 
 
 def quantity(
@@ -82,9 +85,13 @@ def quantity(
     *,
     is_parameter: bool = False,
     may_be_list: bool = False,
+    is_tunable: bool = False,
 ) -> Any:
     """Return a field of a data class that is a `Quantity`."""
-    declared = Quantity(unit, text, rule, is_parameter, may_be_list=may_be_list)
+    is_parameter = is_parameter or is_tunable
+    declared = Quantity(
+        unit, text, rule, is_parameter, may_be_list=may_be_list, is_tunable=is_tunable
+    )
     return field(default=default, metadata={"quantity": declared})
 
 
@@ -92,6 +99,11 @@ def switch(text: str, default: Any = MISSING, *, is_parameter: bool = False) -> 
     """Return a field of a data class that is true or false."""
     declared = Quantity("1", text, ANY, is_parameter, is_switch=True)
     return field(default=default, metadata={"quantity": declared})
+
+
+def remembered(*outputs: Output) -> tuple[Output, ...]:
+    """Return outputs that do not follow from the motion of the instant alone."""
+    return tuple(replace(output, is_of_now=False) for output in outputs)
 
 
 def places(entries: Iterable[Output | str], first: int = 0, width: int = 1) -> Any:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from .errors import UserInputError
 from .kernels.jit import INTERPRETED_WARNING, interpreted
 from .machine.rotor import Rotor
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .spelling import MOST_ARGUMENTS, Message, spell
+from .spelling import MOST_ARGUMENTS, Message, choice, spell
 from .stability.whirls import Whirl, growing_whirls
 from .step.step import Motion
 from .structure.assembly import interface_names
@@ -54,6 +55,26 @@ def warn(message: Message, stacklevel: int = 3) -> None:
     warnings.warn(message, RotorNote if message.is_note else RotorWarning, stacklevel=stacklevel)
 
 
+@dataclass(frozen=True)
+class CouplingOptions:
+    """What a master of a coupled system may ask of a run; nothing by default.
+
+    has_sensitivities: whether sensitivities are propagated; limit_displacement, limit_force: of a
+    probe [m] and of an interface's force [N] at which an advance ends early, 0 for none;
+    stops_at_contact: whether it ends when a contact closes or opens; drive_impedance: of the line
+    through which a torque drives a free rotor [N.m.s/rad].
+    """
+
+    has_sensitivities: bool = False
+    limit_displacement: float = 0.0
+    limit_force: float = 0.0
+    stops_at_contact: bool = False
+    drive_impedance: float = 0.0
+
+
+NO_COUPLING = CouplingOptions()
+
+
 class Simulation:
     """One rotor in motion.
 
@@ -62,7 +83,8 @@ class Simulation:
     of the speed over the first interval; later ones continue the speed linearly from the last two
     values given, or, without `continues_speed`, hold the last. Given a `drive_torque` [N.m], the
     rotor is free: from that speed on the torque drives it. `record`: signals to record at every
-    step for `drain`, as names or a `Record`; it changes no number of the run. Warnings go to `warn`
+    step for `drain`, as names or a `Record`; it changes no number of the run. `coupling`: what a
+    master of a coupled system asks for. Warnings go to `warn`
     (default: a `RotorWarning`): settings that make oscillations grow, the false state, a missing
     compiler. Raises `EquilibriumError`, and `ValueError` for a signal that cannot be recorded.
     """
@@ -79,6 +101,7 @@ class Simulation:
         drive_torque: float | None = None,
         loads: np.ndarray | None = None,
         record: Record | Sequence[str] = (),
+        coupling: CouplingOptions = NO_COUPLING,
         warn: Callable[[Message], None] = warn,
     ) -> None:
         self._warn = warn
@@ -106,6 +129,8 @@ class Simulation:
         numbers.continues = continues_speed
         self._is_free = drive_torque is not None
         numbers.is_free = self._is_free
+        for name, value in asdict(coupling).items():
+            numbers[name] = value
         if loads is not None:
             self._run.memory.loads[:] = loads
         # views of single fields: a record's attributes cost a microsecond each
@@ -118,8 +143,13 @@ class Simulation:
         self._load_rates = self._run.memory.load_rates
         self._observed = self._run.reading.observed
         self._arguments = np.zeros(MOST_ARGUMENTS)
-        self._where = messages.closed_at(interface_names(rotor), self._run.structure.interfaces)
-        whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, "memory"))
+        contacts = interface_names(rotor)
+        self._places = {
+            "{where}": messages.closed_at(contacts, self._run.structure.interfaces),
+            "{names}": choice(contacts),
+        }
+        last = "tangent" if coupling.has_sensitivities else "memory"
+        whole = (LAYOUT.extent(self._block, "motion"), LAYOUT.extent(self._block, last))
         self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
         status = self._entry_points.start(float(speed), float(drive), float(rate))
@@ -211,6 +241,23 @@ class Simulation:
                 self._run_warnings.remove(entry)
                 self._warn(Message(warning.words.format(since[0]), warning.code))
 
+    def derivatives(self) -> np.ndarray:
+        """Return the first and the second derivatives by time of `observed`, at the time reached,
+        shape (2, observed) [1/s, 1/s2]; 0 of what stays as it is between two events."""
+        self._entry_points.differentiate(-1)
+        return self._run.reading.derivatives.copy()
+
+    def sensitivities(self, row: int) -> np.ndarray:
+        """Return how `observed` changes with an input over the last `advance`, shape (observed,);
+        row: 0 the drive, 1 + 2 i and 2 + 2 i load i along x and along y [per their units].
+
+        Raises `ValueError` where the coupling options do not ask for them.
+        """
+        if not self._run.memory.record[0].has_sensitivities:
+            raise ValueError("sensitivities: must be asked for by CouplingOptions")
+        self._entry_points.differentiate(row)
+        return self._run.reading.derivatives[0].copy()
+
     def snapshot(self) -> np.ndarray:
         """Return a copy of everything that `restore` needs to go on from here, bit for bit;
         bytes."""
@@ -285,5 +332,7 @@ class Simulation:
     def _sentence(self, kernel: Callable[..., int], *arguments: object) -> Message:
         """Return the sentence of a kernel of `outcomes`, "" if there is none."""
         code = interpreted(kernel)(*arguments, self._arguments)
-        text = spell(messages.SENTENCES[code].replace("{where}", self._where), self._arguments)
-        return Message(text, messages.CODES[code])
+        text = messages.SENTENCES[code]
+        for place, own in self._places.items():
+            text = text.replace(place, own)
+        return Message(spell(text, self._arguments), messages.CODES[code])

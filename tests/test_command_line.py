@@ -192,7 +192,7 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
     head = "time [s],phi [rad],w [rad/s],a [rad/s2],tau [N.m],tau_load [N.m],J [kg.m2],"
-    assert rows[0].startswith(f"{head}bearing[1].psi [rad],")
+    assert rows[0].startswith(f"{head}tau_wave [N.m],step_work [J],")
     assert len(rows) == 1 + 101
 
 

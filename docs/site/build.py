@@ -18,7 +18,7 @@ _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to
 _TEN_MINUTES = ("beginner", "compressor", "drive_train")
 _HOW_TO = (
     *("studies", "check_by_api_617", "native", "page", "couple_an_fmu"),
-    *("from_ross", "from_xltrc2"),
+    *("choose_a_coupling", "from_ross", "from_xltrc2"),
 )
 SECTIONS = {
     "Tutorials": [

@@ -38,8 +38,8 @@ class ContactQuantities:
     [N.s/m] of a journal that sticks."""
 
     journal_radius: float = quantity("m", "radius of the journal")
-    clearance: float = quantity("m", "radial clearance", is_parameter=True)
-    mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_parameter=True)
+    clearance: float = quantity("m", "radial clearance", is_tunable=True)
+    mu: float = quantity("1", "coefficient of friction", NOT_NEGATIVE, is_tunable=True)
     k: float = quantity("N/m", "contact stiffness", is_parameter=True)
     c: float = quantity("N.s/m", "contact damping", NOT_NEGATIVE, 100.0, is_parameter=True)
     delta_c: float = quantity(

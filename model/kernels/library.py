@@ -75,6 +75,7 @@ def loaded() -> ctypes.CDLL | None:
         library.rotor_advance.argtypes = (block, real, real, real)
         library.rotor_survey.argtypes = (block, real, ctypes.c_int64)
         library.rotor_refresh_outputs.argtypes = (block,)
+        library.rotor_differentiate.argtypes = (block, ctypes.c_int64)
     except (OSError, AttributeError) as error:
         warn_once("library", f"the library of the solver cannot be loaded: {error}")
         return None

@@ -46,7 +46,7 @@ _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually
 _TAKEN = (
     *("shaft", "solver", "energy"),
     *("time", "speed", "speed_rate", "speed_continuation", "tau_drive", "w_start", "gravity"),
-    *("phi", "w", "a", "tau", "tau_load", "J"),
+    *("phi", "w", "a", "tau", "tau_load", "J", "tau_wave", "tau_impedance", "step_work", "limit"),
 )
 
 

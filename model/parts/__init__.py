@@ -9,6 +9,7 @@ from .disc import Coupling, Disc
 from .housing import Housing
 from .journal_bearing import JournalBearing
 from .law import Law
+from .line import Line
 from .linear_bearing import LinearBearing, Seal
 from .port import Port, Sensor
 from .support import Support

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
-from ..quantities import Output, check_all
+from ..quantities import ALL, Output, check_all, remembered
 
 if TYPE_CHECKING:
     from .law import Law
@@ -56,11 +56,13 @@ class Unbalance(NamedTuple):
 
 class Port(NamedTuple):
     """A place where an external force acts, `offset` [m] beyond a node, with its name in texts; or
-    `BASE`, whose input is the acceleration of the foundation."""
+    `BASE`, whose input is the acceleration of the foundation. impedance: of a line, which takes
+    this much force per velocity off again [N.s/m]."""
 
     node: int
     where: str
     offset: float = 0.0
+    impedance: float = 0.0
 
 
 class Probe(NamedTuple):
@@ -116,13 +118,44 @@ _LEADS = "leads phi, in the sense of rotation: a lag is negative"
 PROBE_OUTPUTS = (
     Output("x", "m", "displacement to the right", True, 1e-4),
     Output("y", "m", "displacement upwards, negative at rest by the static sag", True, 1e-4),
-    Output("x_amp", "m", f"largest abs(x - x at rest) {_FROM_REST}", nominal=1e-4),
-    Output("y_amp", "m", f"largest abs(y - y at rest) {_FROM_REST}", nominal=1e-4),
-    Output("r_amp", "m", f"largest distance from rest in any direction {_LAST}", True, 1e-4),
-    Output("x_1x", "m", f"amplitude of the 1x component of x, {_ONCE}", nominal=1e-4),
-    Output("y_1x", "m", f"amplitude of the 1x component of y, {_ONCE}", nominal=1e-4),
-    Output("x_1x_phase", "rad", f"angle by which the 1x component of x {_LEADS}", nominal=1.0),
-    Output("y_1x_phase", "rad", f"angle by which the 1x component of y {_LEADS}", nominal=1.0),
+    *remembered(
+        Output("x_amp", "m", f"largest abs(x - x at rest) {_FROM_REST}", nominal=1e-4),
+        Output("y_amp", "m", f"largest abs(y - y at rest) {_FROM_REST}", nominal=1e-4),
+        Output("r_amp", "m", f"largest distance from rest in any direction {_LAST}", True, 1e-4),
+        Output("x_1x", "m", f"amplitude of the 1x component of x, {_ONCE}", nominal=1e-4),
+        Output("y_1x", "m", f"amplitude of the 1x component of y, {_ONCE}", nominal=1e-4),
+        Output("x_1x_phase", "rad", f"angle by which the 1x component of x {_LEADS}", nominal=1.0),
+        Output("y_1x_phase", "rad", f"angle by which the 1x component of y {_LEADS}", nominal=1.0),
+    ),
+)
+STEP_WORK = Output(
+    "step_work", "J", "energy that entered here over the last communication step", nominal=1e-3
+)
+_MOTIONS = (("x", "m/N", 1e-6), ("y", "m/N", 1e-6), ("vx", "m/N.s", 1e-3), ("vy", "m/N.s", 1e-3))
+PORT_OUTPUTS = remembered(
+    STEP_WORK,
+    *(
+        Output(
+            f"d{name}_df{axis}",
+            unit,
+            f"change of {name} here, at the end of the last communication step, by f{axis} during "
+            "it; 0 unless solver.sensitivities asks for it",
+            nominal=nominal,
+        )
+        for name, unit, nominal in _MOTIONS
+        for axis in "xy"
+    ),
+)
+WAVE_OUTPUTS = tuple(
+    Output(
+        f"wave_{axis}",
+        "N",
+        f"wave that goes back, f{axis} - 2 Z v{axis}",
+        True,
+        10.0,
+        reached_by=ALL,
+    )
+    for axis in "xy"
 )
 VELOCITY_OUTPUTS = (
     Output("vx", "m/s", "velocity to the right", True, 1e-2),
@@ -153,6 +186,9 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
         return VELOCITY_OUTPUTS
     if isinstance(element, Mount):
         return MOUNT_OUTPUTS
+    if isinstance(element, Port):
+        outputs = PORT_OUTPUTS[:1] if element.node == BASE else PORT_OUTPUTS
+        return (*outputs, *WAVE_OUTPUTS) if element.impedance > 0.0 else outputs
     return element.law.outputs if isinstance(element, Interface) else ()
 
 

@@ -35,7 +35,7 @@ class Body(of.Part):
     e: float = quantity(
         "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
     )
-    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_parameter=True)
+    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_tunable=True)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
         """A body with its unbalance, loaded and observed."""

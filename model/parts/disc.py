@@ -27,7 +27,7 @@ class Disc(Part):
     e: float = quantity(
         "m", "eccentricity of the centre of mass", NOT_NEGATIVE, 0.0, is_parameter=True
     )
-    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_parameter=True)
+    phase: float = quantity("rad", "angle of the eccentricity", ANY, 0.0, is_tunable=True)
 
     bore: float = quantity("m", "diameter of the bore", NOT_NEGATIVE, 0.0)
     material: Material | None = None

@@ -43,7 +43,7 @@ class RaceQuantities:
         "N.m", "constant drag of the race", NOT_NEGATIVE, 0.0, is_parameter=True
     )
     race_damping: float = quantity(
-        "N.m.s/rad", "viscous drag of the race", NOT_NEGATIVE, 0.0, is_parameter=True
+        "N.m.s/rad", "viscous drag of the race", NOT_NEGATIVE, 0.0, is_tunable=True
     )
     race_w_s: float = quantity("rad/s", "race speed below which its drag is smoothed", default=0.1)
 

@@ -19,8 +19,8 @@ class Unbalance(of.Part):
     TEXT: ClassVar[str] = "an unbalance at a node"
 
     node: int
-    amount: float = quantity("kg.m", "unbalance", NOT_NEGATIVE, is_parameter=True)
-    phase: float = quantity("rad", "angle of the unbalance", ANY, 0.0, is_parameter=True)
+    amount: float = quantity("kg.m", "unbalance", NOT_NEGATIVE, is_tunable=True)
+    phase: float = quantity("rad", "angle of the unbalance", ANY, 0.0, is_tunable=True)
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
         """One unbalance."""

@@ -88,14 +88,20 @@ def add_applied(structure, spin, loads, f):
         if unbalance.offset != 0.0:
             f[unbalance.slope] += unbalance.offset * force
     for i in range(len(loads)):
-        if structure.load_dof[i] >= 0:
-            f[structure.load_dof[i]] += loads[i]
-            arm = structure.load_arms[i]
-            if arm.offset != 0.0:
-                f[arm.slope] += arm.offset * loads[i]
-        else:
-            for j in range(len(structure.weight)):
-                f[j] -= structure.mass_sum[j] * loads[i]
+        add_load(structure, i, loads[i], f)
+
+
+@jit
+def add_load(structure, i, load, f):
+    """f += one external load, shape (n,) [N, N.m]."""
+    if structure.load_dof[i] >= 0:
+        f[structure.load_dof[i]] += load
+        arm = structure.load_arms[i]
+        if arm.offset != 0.0:
+            f[arm.slope] += arm.offset * load
+    else:
+        for j in range(len(structure.weight)):
+            f[j] -= structure.mass_sum[j] * load
 
 
 @jit

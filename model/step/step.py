@@ -87,7 +87,7 @@ def add_internal(structure, spin, factor, damping, q, v, scratch, out):
 
 
 @jit
-def _housing_forces(housing, g, q, v):
+def housing_forces(housing, g, q, v):
     """Return the force of springs, dampers and weight on a housing [N]; g: see
     `free_fall_acceleration` [m/s2]."""
     spring = by_axis(housing.kx, housing.ky, q)
@@ -108,7 +108,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
         q, v = motion.q[n + j], damping * motion.v[n + j]
-        motion.v_dot[n + j] = -_housing_forces(structure.housings[j], g, q, v)
+        motion.v_dot[n + j] = -housing_forces(structure.housings[j], g, q, v)
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         moving = kinematics(interface, spin, motion.q, motion.v)
@@ -214,7 +214,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
         housing = structure.housings[j]
         at = n + j
         v = fit.damping * new.v[at]
-        force = _housing_forces(housing, g, new.q[at], v)
+        force = housing_forces(housing, g, new.q[at], v)
         m_x, m_y = masses(housing)
         force += by_axis(m_x / share, m_y / share, am * old.a[at] - af * old.v_dot[at])
         new.a[at] = -by_axis(work.housing[j, 0], work.housing[j, 1], force)
@@ -235,7 +235,7 @@ def _expect(problem, interfaces, old, b_d):
 
 
 @jit
-def _predict_internal_state(scheme, h, old, free):
+def predict_internal_state(scheme, h, old, free):
     """Fill in what is known of the laws' states at the end of a step; returns the weight of their
     rates there. They follow the scheme as velocities do."""
     am, af, _, gamma = scheme
@@ -255,6 +255,17 @@ def is_sane(x, bound):
 
 
 @jit
+def add_interface_force(structure, work, j, force, a):
+    """Add to the accelerations what the force [N] of an interface makes of them."""
+    n = structure.M.shape[0]
+    for i in range(n):
+        a[i] += work.columns[j, i] * force
+    wall = structure.interfaces[j].end
+    if wall < n + len(structure.housings):
+        a[wall] -= by_axis(work.housing[wall - n, 0], work.housing[wall - n, 1], force)
+
+
+@jit
 def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
     `fit` what the scheme is fitted with.
@@ -262,7 +273,6 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
     or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
     """
-    n = structure.M.shape[0]
     if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
         _factor_step_matrix(structure, scheme, fit, spin, h, work, problem)
     _free_response(structure, scheme, fit, spin, h, loads, old, new, work)
@@ -276,7 +286,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         is_finite = is_finite and is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return NOT_FINITE, 0
-    b_rate = _predict_internal_state(scheme, h, old, problem.free)
+    b_rate = predict_internal_state(scheme, h, old, problem.free)
     weights_of_laws = Weights(scheme.beta * h * h, scheme.gamma * h, b_rate)
     for i in range(len(problem.internal_state)):
         problem.internal_state[i] = problem.free[i]
@@ -291,11 +301,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         force = problem.force[j]
         new.force[j] = force
         if force != 0.0:
-            for i in range(n):
-                new.a[i] += work.columns[j, i] * force
-            wall = interfaces[j].end
-            if wall < n + len(structure.housings):
-                new.a[wall] -= by_axis(work.housing[wall - n, 0], work.housing[wall - n, 1], force)
+            add_interface_force(structure, work, j, force, new.a)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
         if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):

@@ -96,7 +96,8 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].gravity = rotor.gravity
     down = -1j * cmath.exp(1j * rotor.gravity_angle) * rotor.weight_share
     numbers[0].down_x, numbers[0].down_y = down.real, down.imag
-    ports = [port for _, port in _of(Port, elements)]
+    placed_ports = _of(Port, elements)
+    ports = [port for _, port in placed_ports]
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]
     numbers[0].base_load = moved_bases[0] if moved_bases else -1
     numbers[0].own_inertia = inertia
@@ -120,7 +121,9 @@ def assemble(rotor: Rotor) -> Structure:
         one_body=_one_body(rotor, M),
         deflections=np.array([(2 * i, i + 1) for i in range(n // 2)], dtype=np.int64),
         load_dof=np.array([-1 if p.node == BASE else _dof(p) for p in ports], dtype=np.int64),
-        load_arms=_rows(LOAD, [(_slope(p), p.offset) for p in ports]),
+        load_arms=_rows(
+            LOAD, [(_slope(p), outputs[i], p.offset, p.impedance) for i, p in placed_ports]
+        ),
         probes=_rows(
             PROBE, [(_dof(p), _slope(p), outputs[i], p.offset) for i, p in _of(Probe, elements)]
         ),

@@ -20,7 +20,7 @@ SPRING = _record("dof", "stiffness damping")
 # `slope`: of the node, where there is an offset, otherwise `dof` again
 UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
 PROBE = _record("dof slope out", "offset")
-LOAD = _record("slope", "offset")
+LOAD = _record("slope out", "offset impedance")
 RELEASE = _record("", " ".join(Release._fields))
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last;

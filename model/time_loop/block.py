@@ -14,6 +14,7 @@ from ..step.interface_problem import InterfaceProblem
 from ..step.laws import MOST_LOSSES
 from ..step.stages import Stages
 from ..step.step import Motion, Workspace
+from ..step.tangent import Tangent, TangentWork
 from ..structure.ledger import FLOWS, STORES
 from ..structure.structure import Structure, sizes_of
 from ..warnings import RUN_WARNINGS
@@ -36,19 +37,24 @@ class Integrator(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """The observed quantities, in the order of `observe.observed`."""
+    """The observed quantities, in the order of `observe.observed`; scratch and result of
+    `derivatives`."""
 
     observed: Annotated[np.ndarray, float, "outputs"]
+    at: Annotated[np.ndarray, float, "outputs"]
+    derivatives: Annotated[np.ndarray, float, "2", "outputs"]
 
 
 class RunData(NamedTuple):
-    """All arrays of a run. `motion` and `memory` are its state; the arrays before them belong to
-    the machine, those behind are scratch that every call fills anew."""
+    """All arrays of a run. `motion` and `memory` are its state, and `tangent` where sensitivities
+    are asked for; the arrays before them belong to the machine, those behind are scratch that every
+    call fills anew."""
 
     structure: Structure
     method: Integrator
     motion: Motion
     memory: Memory
+    tangent: Tangent
     trial: Motion
     work: Workspace
     problem: InterfaceProblem
@@ -56,6 +62,9 @@ class RunData(NamedTuple):
     reading: Reading
     recorder: Recorder
     survey: Survey
+    tangent_after: Tangent
+    tangent_work: TangentWork
+    moved: Motion
 
 
 _SIZES = (
@@ -94,6 +103,7 @@ LAYOUT = Layout(
         Group("method", Integrator, {}),
         Group("motion", Motion, {}),
         Group("memory", Memory, {}),
+        Group("tangent", Tangent, {}),
         Group("trial", Motion, {}),
         Group("work", Workspace, {}),
         Group("problem", InterfaceProblem, {}),
@@ -101,6 +111,9 @@ LAYOUT = Layout(
         Group("reading", Reading, {}),
         Group("recorder", Recorder, {}),
         Group("survey", Survey, {}),
+        Group("tangent_after", Tangent, {}),
+        Group("tangent_work", TangentWork, {}),
+        Group("moved", Motion, {}),
     ],
     _SIZES,
 )

@@ -31,10 +31,7 @@ def powers(structure, spin, loads, motion, scratch, out):
     q, v = motion.q, motion.v
     external = 0.0
     for i in range(len(loads)):
-        if structure.load_dof[i] >= 0:
-            external += (loads[i].conjugate() * at_load(structure, i, v)).real
-        else:
-            external -= (loads[i].conjugate() * _momentum(structure, spin, v)).real
+        external += load_power(structure, spin, i, loads[i], v)
     structural = form(structure.C, v[:n], v[:n]).real
     internal = internal_torque(structure, q, v, spin.omega)
     if internal != 0.0:
@@ -59,6 +56,31 @@ def powers(structure, spin, loads, motion, scratch, out):
     out[FLOW.structure] = structural
     out[FLOW.housing] = housing
     return torque
+
+
+@jit
+def load_power(structure, spin, i, load, v):
+    """Return the power of one of the loads [W], by the velocities v [m/s]."""
+    if structure.load_dof[i] >= 0:
+        return (load.conjugate() * at_load(structure, i, v)).real
+    return -(load.conjugate() * _momentum(structure, spin, v)).real
+
+
+@jit
+def has_power(structure, i, load):
+    """Return whether power may enter with one of the loads."""
+    return load != 0.0 or structure.load_arms[i].impedance > 0.0
+
+
+@jit
+def port_power(structure, spin, i, load, v):
+    """Return the power that enters with one of the loads [W]: of a line without what goes back."""
+    power = load_power(structure, spin, i, load, v)
+    impedance = structure.load_arms[i].impedance
+    if impedance > 0.0:
+        velocity = at_load(structure, i, v)
+        power -= impedance * (velocity.real * velocity.real + velocity.imag * velocity.imag)
+    return power
 
 
 @jit

@@ -8,13 +8,18 @@ from ..kernels.jit import jit
 from ..schemes.family import Scheme
 from ..stability.whirls import find_growing_whirls
 from ..step.excitation import at_place
+from ..step.tangent import Tangents
 from ..structure.parameters import prepare
-from . import recorder, time_loop
+from . import derivatives, recorder, time_loop
 from .block import LAYOUT
 from .control import Control
+from .early_return import IN_STAGES, LIMITED, rests_past_limit
+from .energy import FLOW, total_energy
 from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
 from .error_control import first_size
+from .memory import spin_now
 from .observe import observe
+from .sensitivities import observe_sensitivities
 
 _view = LAYOUT.view
 
@@ -58,6 +63,8 @@ def start(block, speed, drive, rate):
     prepare(run.structure)
     r = run.memory.record[0]
     r.omega = speed
+    if run.method.numbers[0].stages > 0 and (r.has_sensitivities == 1 or r.drive_impedance > 0.0):
+        return IN_STAGES
     run.stages.key[0] = -1.0
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
@@ -69,6 +76,8 @@ def start(block, speed, drive, rate):
         )
         if status != HELD:
             return status
+    if rests_past_limit(run.structure, run.motion, r):
+        return LIMITED
     for i in range(len(run.structure.probes)):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
     time_loop.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
@@ -86,13 +95,16 @@ def advance(block, t_end, drive, rate):
     rate: of `drive`, or NaN where a speed goes on as the last two say and a torque stays."""
     run = _view(block)
     numbers = run.method.numbers[0]
+    r, tangents = run.memory.record[0], _tangents(run)
+    continues = math.isnan(rate)
     status = time_loop.advance(
         run.structure,
         _scheme(numbers),
-        _control(numbers, run.memory.record[0]),
+        _control(numbers, r),
         t_end,
         drive,
-        time_loop.continued_rate(run.memory.record, drive) if math.isnan(rate) else rate,
+        time_loop.continued_rate(run.memory.record, drive) if continues else rate,
+        time_loop.rate_by_drive(run.memory.record) if continues else 0.0,
         run.motion,
         run.trial,
         run.memory,
@@ -101,9 +113,24 @@ def advance(block, t_end, drive, rate):
         run.stages,
         run.reading,
         run.recorder,
+        tangents,
     )
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
+    _observe(run, tangents)
     return status
+
+
+@jit
+def _tangents(run):
+    return Tangents(run.tangent, run.tangent_after, run.tangent_work, run.moved)
+
+
+@jit
+def _observe(run, tangents):
+    """Fill in all that can be read."""
+    out = run.reading.observed
+    observe(run.structure, run.motion, run.memory, run.work, out, True)
+    if run.memory.record[0].has_sensitivities == 1:
+        observe_sensitivities(run.structure, run.motion, run.memory, run.work, tangents, out)
 
 
 @jit
@@ -119,4 +146,31 @@ def refresh_outputs(block):
     run = _view(block)
     run.work.key[0] = -1.0
     run.stages.key[0] = -1.0
-    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
+    _observe(run, _tangents(run))
+
+
+@jit
+def retune(block, is_changed):
+    """Take up parameters that change during a run: called before they change, and after. What this
+    does to the machine's energy counts as work of external loads."""
+    run = _view(block)
+    r = run.memory.record[0]
+    if is_changed != 0:
+        prepare(run.structure)
+        run.work.key[0] = -1.0
+        run.stages.key[0] = -1.0
+    energy = total_energy(run.structure, spin_now(run.memory.record), run.motion, run.work.stores)
+    if is_changed != 0:
+        run.memory.work[FLOW.external] += energy - r.energy_before
+    r.energy_before = energy
+
+
+@jit
+def differentiate(block, row):
+    """Fill reading.derivatives with those by time, of first and second order, or, row >= 0, with
+    the sensitivities to the input of a row of the tangents."""
+    run = _view(block)
+    if row < 0:
+        derivatives.by_time(run, _tangents(run))
+    else:
+        derivatives.by_input(run, _tangents(run), row)

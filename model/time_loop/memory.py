@@ -56,6 +56,8 @@ RECORD = np.dtype(
             "leaky_vibration",
             "failed_at",  # time of the step that failed [s], and its length [s]
             "failed_h",
+            "energy_before",  # of the machine before parameters change [J]
+            "failed_value",  # of what ended an advance early, see `early_return`
             "h_in_contact",  # see `Control`
             "h_in_the_open",
             "overdamping",
@@ -63,6 +65,10 @@ RECORD = np.dtype(
             "surveyed_from",  # of speed below and above which they are looked for anew
             "surveyed_to",
             "max_iterations",  # that an advance may take
+            "drive_work_ref",  # of the ledger at t_ref [J]
+            "drive_impedance",  # of the line that drives a free rotor [N.m.s/rad]
+            "limit_displacement",  # of a probe from the axis [m] and of an interface's force [N] at
+            "limit_force",  # which an advance ends early, 0 for none; see `early_return`
         )
     ]
     + [
@@ -72,6 +78,9 @@ RECORD = np.dtype(
             "error_touched",  # whether a wall was touched in the present revolution
             "varies",  # whether loads or the torque on a free rotor change between t_ref and later
             "cycle_newton",  # iterations when the present cycle began
+            "stops_at_contact",  # whether an advance ends early when a contact closes or opens
+            "is_past_limit",  # whether a limit is passed that an advance has ended early at
+            "has_sensitivities",  # whether tangents are propagated (`sensitivities`)
         )
     ]
 )
@@ -96,7 +105,7 @@ class Memory(NamedTuple):
     (cos, sin), steps since then, score of crossings; rest: the probes under the loads at the start
     [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
     base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
-    in time [N, N/s].
+    in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]
@@ -110,6 +119,8 @@ class Memory(NamedTuple):
     loads: Annotated[np.ndarray, complex, "loads"]
     load_refs: Annotated[np.ndarray, complex, "loads"]
     load_rates: Annotated[np.ndarray, complex, "loads"]
+    load_work: Annotated[np.ndarray, float, "loads"]
+    load_power: Annotated[np.ndarray, float, "loads"]
 
 
 @jit

@@ -10,9 +10,17 @@ from typing import NamedTuple
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import jit, jit_inlined
 from ..machine.rotor import Name, Rotor, spelled
-from ..parts.base import MOUNT_OUTPUTS, PROBE_OUTPUTS, VELOCITY_OUTPUTS, outputs_of
-from ..quantities import ALL, SPEED, Output, places
-from ..step.excitation import at_place
+from ..parts.base import (
+    MOUNT_OUTPUTS,
+    PORT_OUTPUTS,
+    PROBE_OUTPUTS,
+    STEP_WORK,
+    VELOCITY_OUTPUTS,
+    WAVE_OUTPUTS,
+    outputs_of,
+)
+from ..quantities import ALL, SPEED, Output, places, remembered
+from ..step.excitation import at_load, at_place
 from ..step.laws import kinematics, law_observe
 from ..structure.ledger import (
     INFLOWS,
@@ -53,8 +61,29 @@ SHAFT = (
         "moment of inertia about the axis of rotation, including eccentric masses",
         nominal=0.01,
     ),
+    Output(
+        "tau_wave",
+        "N.m",
+        "wave that goes back through the line of the drive, tau_drive - 2 Z w; tau without a line",
+        nominal=0.1,
+        reached_by=ALL,
+    ),
+    *remembered(
+        replace(STEP_WORK, reached_by=SPEED),
+        *(
+            Output(
+                f"d{name}_ddrive",
+                "1",
+                f"change of {name}, at the end of the last communication step, by the speed or the "
+                "torque that was given for it, in SI units; 0 unless solver.sensitivities asks "
+                "for it",
+                nominal=1.0,
+            )
+            for name in ("phi", "w", "tau", "tau_load")
+        ),
+    ),
 )
-SOLVER = (
+SOLVER = remembered(
     Output("h_last", "s", "length of the last step", nominal=1e-3),
     Output("steps", "1", "steps taken", kind="Integer"),
     Output("rejected", "1", "steps rejected and repeated", kind="Integer"),
@@ -91,8 +120,10 @@ SOLVER = (
         nominal=1.0,
     ),
 )
-_RESIDUAL = Output(
-    "residual", "J", "energy error of the integrator: gained, or, negative, lost", nominal=0.1
+(_RESIDUAL,) = remembered(
+    Output(
+        "residual", "J", "energy error of the integrator: gained, or, negative, lost", nominal=0.1
+    )
 )
 
 
@@ -132,14 +163,16 @@ def _ledger(rotor: Rotor) -> list[Output]:
     inflows = [replace(inflow, name=f"{inflow.name}_work") for inflow in INFLOWS]
     dissipated = (*MACHINE_LOSSES, *(LAW_LOSSES[i] for i in losses))
     lost = [replace(loss, name=f"{loss.name}_loss") for loss in dissipated]
-    return [*MACHINE_STORES, *(LAW_STORES[i] for i in stores), *inflows, *lost, _RESIDUAL]
+    stored = [*MACHINE_STORES, *(LAW_STORES[i] for i in stores)]
+    return [*stored, *remembered(*inflows, *lost), _RESIDUAL]
 
 
 # Places in `out` where the parts' outputs begin; and how many the solver has.
-_PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
+PARTS_AT, _SOLVERS = len(SHAFT), len(SOLVER)
 _MACHINE_STORES, _MACHINE_FLOWS, _INFLOWS = len(MACHINE_STORES), len(MACHINE_FLOWS), len(INFLOWS)
+_WAVE = places(WAVE_OUTPUTS, len(PORT_OUTPUTS))
 _SHAFT, _SOLVER, _PROBE = places(SHAFT), places(SOLVER), places(PROBE_OUTPUTS)
-_VELOCITY, _MOUNT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS)
+_VELOCITY, _MOUNT, _PORT = places(VELOCITY_OUTPUTS), places(MOUNT_OUTPUTS), places(PORT_OUTPUTS)
 
 
 @jit_inlined
@@ -161,7 +194,9 @@ def observe(structure, motion, memory, work, out, has_energies):
     out[_SHAFT.tau] = r.torque
     out[_SHAFT.tau_load] = r.torque - inertia * r.alpha
     out[_SHAFT.J] = inertia
-    _observe_parts(structure, motion, memory, out[_PARTS_AT:])
+    out[_SHAFT.tau_wave] = r.torque - r.drive_impedance * r.omega
+    out[_SHAFT.step_work] = memory.work[FLOW.drive] - r.drive_work_ref
+    _observe_parts(structure, motion, memory, out[PARTS_AT:])
     energies = energies_at(structure, out)
     _observe_solver(r, out[energies - _SOLVERS : energies])
     if has_energies:
@@ -213,6 +248,14 @@ def _observe_parts(structure, motion, memory, out):
         probe[_PROBE.y_1x] = modulus(y)
         probe[_PROBE.x_1x_phase] = angle(x)
         probe[_PROBE.y_1x_phase] = angle(y)
+    for i in range(len(structure.load_dof)):
+        port = out[structure.load_arms[i].out :]
+        port[_PORT.step_work] = memory.load_work[i]
+        impedance = structure.load_arms[i].impedance
+        if impedance > 0.0:
+            wave = memory.loads[i] - 2.0 * impedance * at_load(structure, i, motion.v)
+            port[_WAVE.wave_x] = wave.real
+            port[_WAVE.wave_y] = wave.imag
     for i in range(len(structure.velocities)):
         at = structure.velocities[i].out
         v = motion.v[structure.velocities[i].dof]

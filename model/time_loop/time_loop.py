@@ -14,7 +14,8 @@ from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, fitted, unfitted
 from ..step.step import DONE, NOT_CONVERGED, accelerate, try_step
 from .control import CONTROLLED, FIXED, propose_step, retry_step, step_error
-from .energy import FLOW, powers, total_energy
+from .early_return import CLOSED, GOES_ON, is_watched, what_ends
+from .energy import FLOW, has_power, port_power, powers, total_energy
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
 from .memory import PEAK, move_loads, spin_at, spin_now, take_loads
 from .monitors import (
@@ -24,11 +25,14 @@ from .monitors import (
     open_window,
 )
 from .recorder import is_due, write
+from .sensitivities import begin_tangents, propagate
 from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error, turn_in_stages
 
 # What becomes of an advance: as of a step, or UNFINISHED, after `max_iterations` of the interfaces'
 # problem, a step counting for one at least.
 UNFINISHED = 3
+# Or this plus what ended it early, see `early_return`.
+ENDED_EARLY = 8
 # A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
 # SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
 SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
@@ -64,6 +68,11 @@ def _commit(h, structure, control, motion, trial, memory, work, stages, spin, to
         for i in range(len(memory.power)):
             memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
             memory.power[i] = work.powers[i]
+    for i in range(len(memory.loads)):
+        if has_power(structure, i, memory.loads[i]) or memory.load_power[i] != 0.0:
+            power = port_power(structure, spin, i, memory.loads[i], motion.v)
+            memory.load_work[i] += 0.5 * h * (memory.load_power[i] + power)
+            memory.load_power[i] = power
     monitor_step(structure, control, spin, motion, memory, work)
 
 
@@ -81,6 +90,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     before = total_energy(structure, spin_now(memory.record), motion, work.stores)
     r.t_ref = r.t
     r.theta_ref = r.theta
+    r.drive_work_ref = memory.work[FLOW.drive]
     take_loads(memory, drive, rate)
     if r.is_free == 0:
         r.omega = drive
@@ -92,6 +102,12 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
         open_window(structure, memory)
     else:
         memory.work[FLOW.drive] += after - before
+    for i in range(len(loads)):
+        memory.load_work[i] = 0.0
+        memory.load_power[i] = 0.0
+        if has_power(structure, i, loads[i]):
+            spin = spin_now(memory.record)
+            memory.load_power[i] = port_power(structure, spin, i, loads[i], motion.v)
     for i in range(len(motion.a)):
         motion.a[i] -= motion.v_dot[i]
     for i in range(len(motion.internal_state)):
@@ -100,7 +116,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
         spin = spin_now(memory.record)
         accelerate(structure, spin, r.damping, loads, motion, work)
         r.torque = powers(structure, spin, loads, motion, work.losses, memory.power)
-        change = _imbalance(structure, memory.record, r.torque)
+        change = _imbalance(structure, memory.record, r.omega, r.torque, 0.0)
         if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
             break
         r.alpha += change
@@ -113,11 +129,14 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
 
 
 @jit
-def _imbalance(structure, record, torque):
-    """Return the change of a free rotor's rate [rad/s2] that makes its drive `torque`; of another
-    rotor not at all."""
+def _imbalance(structure, record, omega, torque, h):
+    """Return the change of a free rotor's rate [rad/s2], at the end of a step of length h [s], that
+    makes its drive less the share of its line's impedance `torque`; of another rotor not at all."""
     r = record[0]
-    return (r.drive - torque) / structure.numbers[0].inertia if r.is_free == 1 else 0.0
+    if r.is_free == 0:
+        return 0.0
+    drive = r.drive - r.drive_impedance * omega
+    return (drive - torque) / (structure.numbers[0].inertia + 0.5 * h * r.drive_impedance)
 
 
 @jit_inlined
@@ -143,7 +162,7 @@ def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, 
         if status != DONE:
             break
         torque = powers(structure, spin, loads, trial, work.losses, work.powers)
-        change = _imbalance(structure, memory.record, torque)
+        change = _imbalance(structure, memory.record, spin.omega, torque, h)
         is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
         if r.is_free == 0 or (is_small and correction > 0):
             break
@@ -184,6 +203,7 @@ def _time_loop(
     stages,
     reading,
     recorder,
+    tangents,
 ):
     """Return the loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
@@ -201,6 +221,7 @@ def _time_loop(
         h = (t_end - r.t) / parts
         proposed = r.h
         was_rejected = False
+        h_before = r.h_carried
         measures, local = NOTHING, 0.0
         while True:
             if varies:
@@ -258,6 +279,26 @@ def _time_loop(
             proposed = retry_step(structure, control, h, error, status == DONE, motion, trial)
             parts = max(1.0, math.ceil((t_end - r.t) / proposed - 1e-6))
             h = (t_end - r.t) / parts
+        ends = what_ends(structure, motion, trial, r) if is_watched(r) else GOES_ON
+        if GOES_ON < ends < CLOSED:
+            r.failed_at = r.t
+            return ENDED_EARLY + ends
+        if r.has_sensitivities == 1:
+            ratio = h / h_before if control.mode == CONTROLLED and h_before > 0.0 else 1.0
+            propagate(
+                structure,
+                scheme,
+                fit,
+                spin,
+                h,
+                ratio,
+                t,
+                trial,
+                memory,
+                work,
+                problem,
+                tangents,
+            )
         r.characteristic_frequency_squared = characteristic_frequency_after(
             structure, spin.omega, h, measures, r.characteristic_frequency_squared
         )
@@ -290,6 +331,9 @@ def _time_loop(
             elif is_due(structure, memory.record, recorder.head):
                 write(structure, motion, memory, work, recorder, reading.observed)
         parts = parts - 1.0
+        if ends >= CLOSED and parts >= 1.0:
+            r.failed_at = r.t
+            return ENDED_EARLY + ends
         if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
     return DONE
@@ -306,6 +350,14 @@ def continued_rate(record, drive):
     return (drive - r.omega_ref) / since if since > 0.0 else r.alpha
 
 
+@jit
+def rate_by_drive(record):
+    """Return the derivative of `continued_rate` by the speed given [1/s]."""
+    r = record[0]
+    since = r.t - r.t_ref
+    return 0.0 if r.is_free == 1 or r.continues == 0 or not since > 0.0 else 1.0 / since
+
+
 @jit_inlined
 def advance(
     structure,
@@ -314,6 +366,7 @@ def advance(
     t_end,
     drive,
     rate,
+    d_rate,
     motion,
     trial,
     memory,
@@ -322,14 +375,18 @@ def advance(
     stages,
     reading,
     recorder,
+    tangents,
 ):
     """Advance to t_end [s]; returns DONE or why not.
 
-    drive: the speed now [rad/s], of a free rotor the torque [N.m]; rate: of either [rad/s2, N.m/s];
-    memory.loads: now [N], with memory.load_rates [N/s]. All are linear in time until t_end.
+    drive: the speed now [rad/s], of a free rotor the torque [N.m]; rate: of either [rad/s2, N.m/s],
+    and its derivative by the speed [1/s]; memory.loads: now [N], with memory.load_rates
+    [N/s]. All are linear in time until t_end.
     On failure the state is that after the last accepted step.
     """
     begin_interval(structure, drive, rate, False, motion, memory, work)
+    if memory.record[0].has_sensitivities == 1:
+        begin_tangents(structure, spin_now(memory.record), d_rate, motion, memory, work, tangents)
     status = _time_loop(
         structure,
         scheme,
@@ -343,6 +400,7 @@ def advance(
         stages,
         reading,
         recorder,
+        tangents,
     )
     if status != DONE:
         move_loads(memory, memory.record[0].t)

@@ -29,6 +29,7 @@ COMMANDS = {
     },
     _FMU: {
         "build": "fmus:build",
+        "ssp": "systems:ssp",
         "core": "fmus:core",
         "variables": "runs:variables",
         "host-env": "runs:host_env",

@@ -135,9 +135,11 @@ def _abilities(of: Described, **others: bool) -> dict[str, str]:
         "canHandleVariableCommunicationStepSize": True,
         "canBeInstantiatedOnlyOncePerProcess": False,
     }
-    return {"modelIdentifier": of.identifier} | {
+    named = {"modelIdentifier": of.identifier} | {
         name: str(can).lower() for name, can in (attributes | others).items()
     }
+    # pythonfmu's wrapper refuses derivatives before it asks the slave
+    return named if of.needs_python else named | {"maxOutputDerivativeOrder": "2"}
 
 
 def _common(root: Element, rotor: Rotor) -> None:
@@ -159,12 +161,14 @@ def _attributes(variable: Variable, reference: int) -> dict[str, str]:
     """Return the attributes of a variable that both versions have, in FMI 2.0's order."""
     is_parameter = variable.causality == "parameter"
     variability = "continuous" if variable.kind == "Real" else "discrete"
+    if is_parameter:
+        variability = "tunable" if variable.is_tunable else "fixed"
     attributes = {
         "name": variable.name,
         "valueReference": str(reference),
         "description": variable.text,
         "causality": variable.causality,
-        "variability": "fixed" if is_parameter else variability,
+        "variability": variability,
     }
     if is_parameter or variable.is_observed:
         attributes["initial"] = "exact" if is_parameter else "calculated"

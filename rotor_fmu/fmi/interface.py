@@ -3,12 +3,15 @@ documents are made."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..model.machine.rotor import Name, Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import BASE, Port
 from ..model.quantities import ANY, Quantity
 from ..model.time_loop.observe import observed
 from ..operation import operating_speeds
+from .coupling_parameters import coupling_variables
 from .solver_parameters import solver_parameters
 from .variables import Variable
 
@@ -118,6 +121,7 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
     return [
         *(free if is_free else prescribed),
         *(_parameter(*parameter) for parameter in rotor.parameters()),
+        *coupling_variables(is_free),
         *solver_parameters(),
     ]
 
@@ -126,9 +130,9 @@ def _parameter(name: Name, quantity: Quantity, value: float | bool) -> Variable:
     text = f"{_part_of(name)}{quantity.text}"
     if quantity.is_switch:
         return Variable(str(name), "Boolean", "parameter", text, start=value)
-    return _real(
-        str(name), quantity.unit, float(value), text, None if quantity.rule is ANY else 0.0
-    )
+    low = None if quantity.rule is ANY else 0.0
+    variable = _real(str(name), quantity.unit, float(value), text, low)
+    return replace(variable, is_tunable=quantity.is_tunable)
 
 
 # Quantities under these headings are of the machine itself.

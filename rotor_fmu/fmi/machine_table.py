@@ -17,20 +17,35 @@ from ..model.messages import CODES, SENTENCES, closed_at
 from ..model.quantities import ANY, LARGEST, Quantity, Rule
 from ..model.settings import messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
+from ..model.spelling import choice
 from ..model.structure.assembly import interface_names
 from ..model.structure.parameter_locations import parameter_locations
 from ..model.structure.reduction import assembled
 from ..model.time_loop.block import LAYOUT, new_block
 from ..model.time_loop.memory import RECORD
-from ..model.time_loop.observe import observed_names
+from ..model.time_loop.observe import observed, observed_names
 from .binding import load_names
+from .coupling_parameters import coupling_parameters
 from .log import with_code
 from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
 from .variables import Variable
 
 MAGIC, FILE = b"ROTORFMU", "machine.table"
 KINDS = ("Real", "Integer", "Boolean")
-(DRIVE, LOAD, RATE, HOLD, START_SPEED, MACHINE, SETTING, REDUCED, READ, INSTANT, TIME) = range(11)
+(
+    DRIVE,
+    LOAD,
+    RATE,
+    HOLD,
+    START_SPEED,
+    MACHINE,
+    SETTING,
+    REDUCED,
+    READ,
+    REMEMBERED,
+    INSTANT,
+    TIME,
+) = range(12)
 _ROLES = {
     "speed": DRIVE,
     "tau_drive": DRIVE,
@@ -51,7 +66,7 @@ _SETTING_RULES = {
 # (variable, what it asks for, why): what parameters ask of each other.
 _NEEDS = (("shaft.eta_h", "shaft.rotating_damping", HYSTERETIC_AT_REST),)
 # As in c/instance.h.
-_HEAD = struct.Struct("<8s16s40s d Q 6q 6q 2q 10q 6q")
+_HEAD = struct.Struct("<8s16s40s d Q 6q 6q 3q 13q 6q")
 HEAD_SIZE, CHECKSUM_AT = _HEAD.size, struct.calcsize("<8s16s40s d")
 _VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
@@ -96,7 +111,12 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
     texts = _Texts()
     observed_at = next(i for i, v in enumerate(fmu_interface.table) if v.is_observed)
     variables = b"".join(_rows(fmu_interface, texts, observed_at))
-    writes = b"".join(_writes(fmu_interface.rotor, index, where))
+    writes = b"".join(
+        [
+            *_writes(fmu_interface.rotor, index, where),
+            *_record_writes(fmu_interface.is_free, index, record),
+        ]
+    )
     needs = [
         _ROW.pack(index[a], index[b], _HEAD.size + texts.place(why))
         for a, b, why in _NEEDS
@@ -107,7 +127,8 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
         interface_names(fmu_interface.rotor), LAYOUT.view_in_python(block).structure.interfaces
     )
     known = (*of_settings.prefixed(PREFIX), *SENTENCES[len(of_settings.SENTENCES) :])
-    own = [text.replace("{where}", closed) for text in known]
+    names = choice(interface_names(fmu_interface.rotor))
+    own = [text.replace("{where}", closed).replace("{names}", names) for text in known]
     codes = (*CODES, *(each.code for each in beyond))
     said = (with_code(text, code) for text, code in zip((*own, *warnings), codes, strict=True))
     sentences = [_HEAD.size + texts.place(text) for text in said]
@@ -137,10 +158,13 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
         *(index["tau_drive" if fmu_interface.is_free else "speed"], fmu_interface.is_free),
         *(len(GIVEN), 1 + NAMES.index("tolerance")),
         *(len(writes) // _ROW.size, len(needs), len(sentences), len(beyond)),
-        *(len(block), LAYOUT.extent(block, "memory").stop),
-        *(record + _field(RECORD, name)[1] for name in ("is_free", "continues")),
+        *(len(block), *(LAYOUT.extent(block, group).stop for group in ("memory", "tangent"))),
+        *(
+            record + _field(RECORD, name)[1]
+            for name in ("is_free", "continues", "stops_at_contact", "has_sensitivities")
+        ),
         *(where[f"memory.{name}"] for name in ("loads", "load_rates")),
-        where["reading.observed"],
+        *(where["reading.observed"], where["reading.derivatives"]),
         *(
             record + _field(RECORD, name)[1]
             for name in ("t", "omega", "surveyed_at", "surveyed_from", "surveyed_to")
@@ -180,6 +204,8 @@ def _offset(block: np.ndarray, i: int) -> int:
 
 def _rows(fmu_interface: FmuInterface, texts: _Texts, observed_at: int) -> list[bytes]:
     quantities = {str(name): quantity for name, quantity, _ in fmu_interface.rotor.parameters()}
+    quantities |= {name: of for name, _, of, _ in coupling_parameters(fmu_interface.is_free)}
+    outputs = {str(name): output for name, output in observed(fmu_interface.rotor)}
     loads = [name for pair in load_names(fmu_interface.rotor) for name in pair]
     rows = []
     for i, v in enumerate(fmu_interface.table):
@@ -191,9 +217,11 @@ def _rows(fmu_interface: FmuInterface, texts: _Texts, observed_at: int) -> list[
         elif v.name in _SETTINGS:
             role, at, (unset, shift) = SETTING, _SETTINGS[v.name], meaning(v)
         elif v.is_observed:
-            role = READ
+            role = READ if outputs[v.name].is_of_now else REMEMBERED
         if v.is_observed:
             at = i - observed_at
+        elif role == MACHINE:
+            at = int(v.is_tunable)
         rows.append(_row(texts, v, quantities.get(v.name), (role, at), (unset, shift)))
     return rows
 
@@ -217,6 +245,15 @@ def _row(
         rule.least,
         rule.most,
     )
+
+
+def _record_writes(is_free: bool, index: dict[str, int], record: int) -> list[bytes]:
+    """Return each parameter of the coupling with its place in the block."""
+    rows = []
+    for name, field, _, _ in coupling_parameters(is_free):
+        kind, at = _field(RECORD, field)
+        rows.append(_ROW.pack(index[name], record + at, kind.kind == "i"))
+    return rows
 
 
 def _writes(rotor: Rotor, index: dict[str, int], where: dict[str, int]) -> list[bytes]:

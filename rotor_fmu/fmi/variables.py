@@ -57,7 +57,8 @@ class Variable:
 
     kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a name that
     `unit` reads (Reals); choices: the names of an Integer's values, from 0; is_unset_at_start:
-    whether the start value of a solver parameter leaves it to the preset; reached_by: see
+    whether the start value of a solver parameter leaves it to the preset; is_tunable: whether a
+    parameter may change between two steps; reached_by: see
     `quantities.Output`.
     """
 
@@ -72,6 +73,7 @@ class Variable:
     nominal: float | None = None
     choices: tuple[str, ...] = field(default=())
     is_unset_at_start: bool = False
+    is_tunable: bool = False
     reached_by: str = NOTHING
 
     @property

@@ -35,6 +35,8 @@ _EMITTED_TOGETHER = (
     (
         "rotor_start",
         "rotor_survey",
+        "rotor_retune",
+        "rotor_differentiate",
         "rotor_no_rest",
         "rotor_growth",
         "rotor_unstable",

@@ -51,6 +51,18 @@ def rotor_refresh_outputs(block):
     return messages.GOOD
 
 
+def rotor_retune(block, is_changed):
+    """Call `entries.retune`."""
+    entries.retune(block, is_changed)
+    return messages.GOOD
+
+
+def rotor_differentiate(block, row):
+    """Call `entries.differentiate`."""
+    entries.differentiate(block, row)
+    return messages.GOOD
+
+
 def rotor_no_rest(block, status, arguments):
     """Return why `rotor_start` has no equilibrium."""
     return outcomes.no_rest(_view(block), status, arguments)
@@ -115,6 +127,8 @@ FUNCTIONS = {
     "rotor_advance": (_source(entries.advance), (_BLOCK, _REAL, _REAL, _REAL)),
     "rotor_survey": (rotor_survey, (_BLOCK, _REAL, types.int64)),
     "rotor_refresh_outputs": (rotor_refresh_outputs, (_BLOCK,)),
+    "rotor_retune": (rotor_retune, (_BLOCK, types.int64)),
+    "rotor_differentiate": (rotor_differentiate, (_BLOCK, types.int64)),
     "rotor_no_rest": (rotor_no_rest, (_BLOCK, types.int64, _NUMBERS)),
     "rotor_growth": (rotor_growth, (_BLOCK, _NUMBERS)),
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),

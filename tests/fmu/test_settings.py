@@ -85,6 +85,8 @@ def test_a_run_has_the_settings_that_its_parameters_stand_for(native_fmu, preset
 def test_every_sentence_has_its_places_and_none_too_many():
     """All are spelled with as many numbers as they have places, and leave no brace."""
     for text in messages.SENTENCES:
-        shown = spell(text.replace("{where}", choice(("here", "there"))), [1.0] * text.count("{"))
+        places = choice(("here", "there"))
+        spoken = text.replace("{where}", places).replace("{names}", places)
+        shown = spell(spoken, [1.0] * text.count("{"))
         assert "{" not in shown
         assert "}" not in shown

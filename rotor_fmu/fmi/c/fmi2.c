@@ -158,18 +158,16 @@ EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueR
                                                size_t n, const fmi2Integer order[],
                                                fmi2Real values[])
 {
-    (void)vr, (void)n, (void)order, (void)values;
     NEEDED(c);
-    return refuse(c, "getRealOutputDerivatives: are not offered");
+    return get_derivatives(c, "getRealOutputDerivatives", vr, n, order, values);
 }
 EXPORT fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
                                                size_t unknowns, const fmi2ValueReference known[],
                                                size_t knowns, const fmi2Real along[],
                                                fmi2Real values[])
 {
-    (void)unknown, (void)unknowns, (void)known, (void)knowns, (void)along, (void)values;
     NEEDED(c);
-    return refuse(c, "getDirectionalDerivative: is not offered");
+    return get_directional(c, unknown, unknowns, known, knowns, along, values);
 }
 
 /* --- state ---------------------------------------------------------------------------------- */
@@ -195,7 +193,7 @@ EXPORT fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state
     NEEDED(c);
     if (!state || !size)
         return refuse(c, "serializedFMUstateSize: NULL given");
-    *size = state_size(c);
+    *size = state_size(state);
     return OK;
 }
 EXPORT fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[],

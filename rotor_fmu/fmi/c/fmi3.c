@@ -231,7 +231,7 @@ EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state,
     NEEDED(c);
     if (!state || !size)
         return refuse(c, "serializedFMUStateSize: NULL given");
-    *size = state_size(c);
+    *size = state_size(state);
     return OK;
 }
 EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[],
@@ -245,6 +245,29 @@ EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[]
 {
     NEEDED(c);
     return read_state(c, bytes, size, state);
+}
+
+/* --- derivatives ------------------------------------------------------------------------------ */
+
+EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+                                           const fmi3Int32 orders[], fmi3Float64 values[],
+                                           size_t count)
+{
+    NEEDED(c);
+    if (count != n)
+        return refuse(c, "getOutputDerivatives: %zu values for %zu variables", count, n);
+    return get_derivatives(c, "getOutputDerivatives", vr, n, orders, values);
+}
+EXPORT fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknown[],
+                                               size_t unknowns, const fmi3ValueReference known[],
+                                               size_t knowns, const fmi3Float64 along[],
+                                               size_t seeds, fmi3Float64 values[], size_t count)
+{
+    NEEDED(c);
+    if (seeds != knowns || count != unknowns)
+        return refuse(c, "getDirectionalDerivative: %zu seeds for %zu inputs, %zu values for %zu "
+                         "variables", seeds, knowns, count, unknowns);
+    return get_directional(c, unknown, unknowns, known, knowns, along, values);
 }
 
 /* --- what an FMU may leave out, and this one does -------------------------------------------- */
@@ -267,11 +290,8 @@ NOT_OFFERED(UpdateDiscreteStates, fmi3Boolean *, fmi3Boolean *, fmi3Boolean *, f
 NOT_OFFERED(GetNumberOfVariableDependencies, fmi3ValueReference, size_t *)
 NOT_OFFERED(GetVariableDependencies, fmi3ValueReference, size_t *, fmi3ValueReference *, size_t *,
             fmi3DependencyKind *, size_t)
-NOT_OFFERED(GetDirectionalDerivative, References, size_t, References, size_t, const fmi3Float64 *,
-            size_t, fmi3Float64 *, size_t)
 NOT_OFFERED(GetAdjointDerivative, References, size_t, References, size_t, const fmi3Float64 *,
             size_t, fmi3Float64 *, size_t)
-NOT_OFFERED(GetOutputDerivatives, References, size_t, const fmi3Int32 *, fmi3Float64 *, size_t)
 NOT_OFFERED(GetIntervalDecimal, References, size_t, fmi3Float64 *, fmi3IntervalQualifier *)
 NOT_OFFERED(GetIntervalFraction, References, size_t, fmi3UInt64 *, fmi3UInt64 *,
             fmi3IntervalQualifier *)

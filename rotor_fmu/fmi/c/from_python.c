@@ -19,6 +19,15 @@ EXPORT int rotor_refresh_outputs(uint8_t *block)
     CALL(rotor_refresh_outputs, block);
 }
 
+EXPORT int rotor_retune(uint8_t *block, int64_t is_changed)
+{
+    CALL(rotor_retune, block, is_changed);
+}
+EXPORT int rotor_differentiate(uint8_t *block, int64_t row)
+{
+    CALL(rotor_differentiate, block, row);
+}
+
 typedef void (*Receive)(void *environment, int status, const char *message);
 static void receive(Instance *m, Status status, const char *category, const char *message)
 {

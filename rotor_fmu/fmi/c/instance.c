@@ -13,7 +13,7 @@ static const char RECOVER[] = "reset the FMU, or set a state from before";
 void begin_anew(Instance *m)
 {
     const Table *t = m->table;
-    memset(m->state, 0, state_size(m));
+    memset(m->state, 0, head_size(m));
     memcpy(m->state->guid, t->guid, sizeof t->guid);
     for (int64_t i = 0; i < t->observed_at; i++)
         m->values[i] = variables(t)[i].start;
@@ -49,7 +49,7 @@ static Instance *named(const char *name, int is_logging, const Skin *skin, void 
 /* The same with room for a run of its table's machine. */
 static Instance *furnished(Instance *m)
 {
-    m->state = calloc(1, state_size(m));
+    m->state = calloc(1, head_size(m));
     m->memory = malloc((size_t)m->table->block + ALIGNMENT);
     if (!m->state || !m->memory)
         return refused(m, "out of memory");

@@ -24,10 +24,12 @@ typedef enum {
     RATE,           /* of the speed over the first step */
     HOLD,           /* 1: the speed is held between two values */
     START_SPEED,    /* of a rotor that a torque drives */
-    MACHINE,        /* a parameter of the machine, whose value `least`, `strict`, `most` limit */
+    MACHINE,        /* a parameter of the machine, whose value `least`, `strict`, `most` limit; at:
+                       1 where it may change during a run */
     SETTING,        /* at: which of the solver's parameters; `unset` leaves it to the preset */
     REDUCED,        /* modes kept of the shaft: chosen when the FMU is built */
-    READ,           /* at: which of what the model computes */
+    READ,           /* at: which of what the model computes of the motion now */
+    REMEMBERED,     /* the same, of what has been */
     INSTANT,        /* the same, an instant */
     TIME,           /* the independent variable of FMI 3.0, the last of all */
     ROLES
@@ -58,10 +60,12 @@ typedef struct {
     uint64_t checksum; /* of all of the file but itself */
     int64_t bytes, variables, observed_at, inputs, drive_at, is_free; /* the inputs come first */
     int64_t settings, tolerance_at, writes, needs, sentences, spans;
-    int64_t block, state_bytes; /* sizes of the block, and of the run in it */
-    /* places in the block: of flags, loads and their rates, what is observed, time and speed, and the
-       speeds of rotor_survey */
-    int64_t is_free_at, continues_at, loads_at, rates_at, observed, time_at, omega_at;
+    /* sizes of the block, and of the run in it without and with the tangents of sensitivities */
+    int64_t block, state_bytes, tangent_bytes;
+    /* places in the block: of flags, loads and their rates, what is observed and its derivatives,
+       time and speed, and the speeds of rotor_survey */
+    int64_t is_free_at, continues_at, stops_at_contact_at, has_sensitivities_at, loads_at, rates_at;
+    int64_t observed, derivatives, time_at, omega_at;
     int64_t surveyed_at, surveyed_from, surveyed_to;
     /* places in the file */
     int64_t first_variable, first_write, first_need, first_sentence, first_span, first_block;
@@ -70,7 +74,7 @@ typedef struct {
 typedef struct {
     char guid[40];
     uint64_t bytes, checksum;
-    int64_t phase, is_built, has_tolerance, has_stop;
+    int64_t phase, is_built, is_retuned, has_tolerance, has_stop;
     double start, stop, now, tolerance;
     char failure[704];
 } State; /* followed by the values of what can be set, the inputs' slopes, and the run */
@@ -130,7 +134,14 @@ Status get_values(Instance *, Kind, const char *name, const uint32_t *references
 Status set_values(Instance *, Kind, const char *name, const uint32_t *references, size_t count,
                   const void *values, Item);
 
-size_t state_size(const Instance *);
+/* First and second derivatives of Reals that the model computes, at the time reached. */
+Status get_derivatives(Instance *, const char *call, const uint32_t *references, size_t count,
+                       const int *orders, double *values);
+/* How Reals change with the inputs `known` over the last step, along a direction. */
+Status get_directional(Instance *, const uint32_t *unknown, size_t unknowns, const uint32_t *known,
+                       size_t knowns, const double *along, double *values);
+
+size_t state_size(const void *state);
 void free_state(void **state);
 Status take_state(Instance *, void **state);
 Status give_state(Instance *, const void *state);

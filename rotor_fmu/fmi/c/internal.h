@@ -34,6 +34,16 @@ static inline double in_block(const Instance *m, int64_t place)
 {
     return *(const double *)(m->block + place);
 }
+/* OK where a parameter of the machine may have this value. */
+Status check_parameter(Instance *, const Variable *, double value);
+/* How many numbers the model computes. */
+static inline int64_t computed(const Table *t)
+{
+    const Variable *last = variables(t) + t->variables - 1;
+    return t->variables - t->observed_at - (last->role == TIME);
+}
+/* Bytes of a state without its run. */
+size_t head_size(const Instance *);
 /* None of the inputs' slopes are known. */
 void forget_slopes(Instance *);
 

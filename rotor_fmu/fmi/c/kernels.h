@@ -5,7 +5,8 @@
 #include <stdint.h>
 
 enum { BROKEN = 1 << 20 };
-enum { UNFINISHED = 3 }; /* of rotor_advance (`model/time_loop/time_loop.py`) */
+/* Of rotor_advance, and what else ends it early is above this (`model/time_loop/time_loop.py`). */
+enum { UNFINISHED = 3, ENDED_EARLY = 8 };
 
 int32_t rotor_resolve_settings_kernel(int64_t *, void **, uint8_t *, double *, double *);
 int32_t rotor_settings_warning_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);
@@ -13,6 +14,8 @@ int32_t rotor_start_kernel(int64_t *, void **, uint8_t *, double, double, double
 int32_t rotor_advance_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_survey_kernel(int64_t *, void **, uint8_t *, double, int64_t);
 int32_t rotor_refresh_outputs_kernel(int64_t *, void **, uint8_t *);
+int32_t rotor_retune_kernel(int64_t *, void **, uint8_t *, int64_t);
+int32_t rotor_differentiate_kernel(int64_t *, void **, uint8_t *, int64_t);
 int32_t rotor_no_rest_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
 int32_t rotor_growth_kernel(int64_t *, void **, uint8_t *, double *);
 int32_t rotor_unstable_kernel(int64_t *, void **, uint8_t *, double *);
@@ -59,4 +62,6 @@ int rotor_start(uint8_t *block, double speed, double drive, double rate);
 int rotor_advance(uint8_t *block, double t, double drive, double rate);
 int rotor_survey(uint8_t *block, double speed, int64_t is_start);
 int rotor_refresh_outputs(uint8_t *block);
+int rotor_retune(uint8_t *block, int64_t is_changed);
+int rotor_differentiate(uint8_t *block, int64_t row);
 #endif

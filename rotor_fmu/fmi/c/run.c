@@ -11,6 +11,18 @@
 static const double SLACK = 1e-6, SLACK_AT_STOP = 1e-3;
 static const double RESOLVED = 100.0; /* spacings of the numbers near t that a step has to span */
 
+Status check_parameter(Instance *m, const Variable *v, double value)
+{
+    const Table *t = m->table;
+    char shown[LONGEST] = "";
+    if (fabs(value) > t->largest)
+        return refuse(m, "%s: must not exceed %g in size", text(t, v->name), t->largest);
+    if ((value > v->least || (!v->strict && value == v->least)) && value <= v->most)
+        return OK;
+    add_number(shown, value, 6);
+    return refuse(m, "%s = %s%s: %s", text(t, v->name), shown, text(t, v->unit), text(t, v->rule));
+}
+
 static Status check_machine(Instance *m)
 {
     const Table *t = m->table;
@@ -18,20 +30,14 @@ static Status check_machine(Instance *m)
     for (int64_t i = 0; i < t->observed_at; i++) {
         const Variable *v = variables(t) + i;
         double value = m->values[i];
-        char shown[LONGEST] = "";
         if (v->role == REDUCED && value != v->start)
             return refuse(m,
                           "%s = %g: this FMU has %g; build one with --reduction %g",
                           text(t, v->name), value, v->start, value);
         if (v->role != MACHINE || value == v->start)
             continue;
-        if (fabs(value) > t->largest)
-            return refuse(m, "%s: must not exceed %g in size", text(t, v->name), t->largest);
-        if ((value > v->least || (!v->strict && value == v->least)) && value <= v->most)
-            continue;
-        add_number(shown, value, 6);
-        return refuse(m, "%s = %s%s: %s", text(t, v->name), shown, text(t, v->unit),
-                      text(t, v->rule));
+        if (check_parameter(m, v, value))
+            return ERROR;
     }
     for (int64_t i = 0; i < t->needs; i++, need++)
         if (m->values[need->variable] > 0 && m->values[need->other] == 0)
@@ -105,23 +111,47 @@ void forget_slopes(Instance *m)
         m->slopes[i] = NAN;
 }
 
-Status build(Instance *m)
+/* Put the machine's parameters into the block, or those alone that may change during a run. */
+static void write_parameters(Instance *m, int are_tunable)
 {
     const Table *t = m->table;
     const Write *write = (const Write *)((const char *)t + t->first_write);
+    for (int64_t i = 0; i < t->writes; i++, write++) {
+        double value = m->values[write->variable];
+        if (are_tunable && !variables(t)[write->variable].at)
+            continue;
+        if (write->integer)
+            *(int64_t *)(m->block + write->place) = (int64_t)value;
+        else
+            *(double *)(m->block + write->place) = value;
+    }
+}
+
+/* Take up parameters that were changed since the last step; the ledger counts what that does. */
+static Status retune(Instance *m)
+{
+    int code = rotor_retune(m->block, 0);
+    write_parameters(m, 1);
+    if (code || rotor_retune(m->block, 1))
+        return refuse(m, "internal error");
+    m->state->is_retuned = 0;
+    survey(m, 0);
+    return OK;
+}
+
+Status build(Instance *m)
+{
+    const Table *t = m->table;
     double drive = m->values[t->drive_at], speed = drive, rate = 0.0, numbers[TOLD] = {0};
     if (m->state->is_built)
         return OK;
     if (check_machine(m))
         return ERROR;
     memcpy(m->block, (const char *)t + t->first_block, (size_t)t->block);
-    for (int64_t i = 0; i < t->writes; i++, write++) {
-        double value = m->values[write->variable];
-        if (write->integer)
-            *(int64_t *)(m->block + write->place) = (int64_t)value;
-        else
-            *(double *)(m->block + write->place) = value;
-    }
+    write_parameters(m, 0);
+    m->state->is_retuned = 0;
+    if (m->is_whole) /* a host that allows no early return wants none at contacts */
+        *(int64_t *)(m->block + t->stops_at_contact_at) = 0;
     if (resolve_settings(m))
         return ERROR;
     *(int64_t *)(m->block + t->is_free_at) = t->is_free;
@@ -186,7 +216,7 @@ static Status check_step(Instance *m, double current, double size)
     return OK;
 }
 
-/* A step that took more iterations than it may: how far it came. */
+/* A step that took more iterations than it may, or came upon a limit or a contact: how far. */
 static Status stop_early(Instance *m, const char *why)
 {
     State *s = m->state;
@@ -217,6 +247,8 @@ Status advance_to(Instance *m, double current, double size)
         return ERROR;
     if (m->is_whole && take_state(m, &m->before))
         return ERROR;
+    if (s->is_retuned && retune(m))
+        return ERROR;
     take_loads(m);
     int status = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
                                m->slopes[t->drive_at]);
@@ -230,7 +262,8 @@ Status advance_to(Instance *m, double current, double size)
         if (code < t->sentences)
             spell(why, sentence(t, code), numbers);
         add_start(m, why);
-        return status == UNFINISHED ? stop_early(m, why) : fail(m, why);
+        int is_early = status == UNFINISHED || (status > ENDED_EARLY && status != BROKEN);
+        return is_early ? stop_early(m, why) : fail(m, why);
     }
     forget_slopes(m);
     s->failure[0] = 0;

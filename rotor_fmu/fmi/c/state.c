@@ -6,11 +6,21 @@
 
 #include "kernels.h"
 
-size_t state_size(const Instance *m)
+size_t state_size(const void *state)
 {
-    const Table *t = m->table;
-    return sizeof(State) + (size_t)(t->observed_at + t->inputs) * sizeof(double)
-           + (size_t)t->state_bytes;
+    return (size_t)((const State *)state)->bytes;
+}
+
+size_t head_size(const Instance *m)
+{
+    return sizeof(State) + (size_t)(m->table->observed_at + m->table->inputs) * sizeof(double);
+}
+
+/* Whether a state is of this size. */
+static int is_size(const Instance *m, uint64_t bytes)
+{
+    return bytes == head_size(m) + (size_t)m->table->state_bytes 
+           || bytes == head_size(m) + (size_t)m->table->tangent_bytes;
 }
 
 void free_state(void **state)
@@ -21,24 +31,29 @@ void free_state(void **state)
     *state = NULL;
 }
 
-static uint8_t *run_in(const Instance *m, void *state)
+/* How much of the block is the run: the tangents belong to it where they are asked for. */
+static size_t run_size(const Instance *m)
 {
-    return (uint8_t *)state + state_size(m) - m->table->state_bytes;
+    const Table *t = m->table;
+    int has_tangents = m->state->is_built && *(const int64_t *)(m->block + t->has_sensitivities_at);
+    return (size_t)(has_tangents ? t->tangent_bytes : t->state_bytes);
 }
 
 Status take_state(Instance *m, void **state)
 {
-    size_t size = state_size(m);
+    size_t head = head_size(m), run = run_size(m);
     if (!state)
         return refuse(m, "getFMUstate: NULL given");
-    void *room = realloc(*state, size); /* what is given may be of another instance */
+    uint8_t *room = realloc(*state, head + run); /* what is given may be of another instance */
     if (!room)
         return refuse(m, "getFMUstate: out of memory");
     *state = room;
-    memcpy(room, m->state, size);
+    memcpy(room, m->state, head);
     if (m->state->is_built)
-        memcpy(run_in(m, *state), m->block, (size_t)m->table->state_bytes);
-    ((State *)*state)->bytes = size;
+        memcpy(room + head, m->block, run);
+    else
+        memset(room + head, 0, run);
+    ((State *)*state)->bytes = head + run;
     return OK;
 }
 
@@ -46,15 +61,16 @@ Status give_state(Instance *m, const void *state)
 {
     const State *given = state;
     const Table *t = m->table;
+    size_t head = head_size(m);
     if (!given)
         return refuse(m, "setFMUstate: NULL given");
-    if (memcmp(given->guid, t->guid, sizeof t->guid) || given->bytes != state_size(m))
+    if (memcmp(given->guid, t->guid, sizeof t->guid) || !is_size(m, given->bytes))
         return refuse(m, "the FMU state comes from another build of this FMU");
-    memcpy(m->state, given, given->bytes);
+    memcpy(m->state, given, head);
     if (given->is_built) {
         /* what is scratch in the block has to be there too */
         memcpy(m->block, (const char *)t + t->first_block, (size_t)t->block);
-        memcpy(m->block, run_in(m, m->state), (size_t)t->state_bytes);
+        memcpy(m->block, (const uint8_t *)state + head, given->bytes - head);
         if (rotor_refresh_outputs(m->block))
             return refuse(m, "internal error");
     }
@@ -65,10 +81,11 @@ Status write_state(Instance *m, const void *state, void *bytes, size_t size)
 {
     if (!state || !bytes)
         return refuse(m, "serializeFMUstate: NULL given");
-    if (size < state_size(m))
-        return refuse(m, "serializeFMUstate: %zu bytes given, %zu needed", size, state_size(m));
-    uint64_t sum = checksum(state, state_size(m), offsetof(State, checksum));
-    memcpy(bytes, state, state_size(m));
+    size_t needed = state_size(state);
+    if (size < needed)
+        return refuse(m, "serializeFMUstate: %zu bytes given, %zu needed", size, needed);
+    uint64_t sum = checksum(state, needed, offsetof(State, checksum));
+    memcpy(bytes, state, needed);
     memcpy((char *)bytes + offsetof(State, checksum), &sum, sizeof sum); /* it may lie anywhere */
     return OK;
 }
@@ -90,7 +107,7 @@ Status read_state(Instance *m, const void *bytes, size_t size, void **state)
         free(copy);
         return refuse(m, "the FMU state is truncated or corrupted");
     }
-    if (memcmp(head.guid, m->table->guid, sizeof head.guid) || size != state_size(m)) {
+    if (memcmp(head.guid, m->table->guid, sizeof head.guid) || !is_size(m, size)) {
         free(copy);
         return refuse(m, "the FMU state comes from another build of this FMU");
     }

@@ -100,9 +100,11 @@ static int is_variable_sound(const Table *t, const Variable *v)
         return 0;
     if (v->role == LOAD)
         count = reals;
+    else if (v->role == MACHINE)
+        count = 2;
     else if (v->role == SETTING)
         count = t->settings;
-    else if (v->role == READ || v->role == INSTANT)
+    else if (v->role == READ || v->role == REMEMBERED || v->role == INSTANT)
         count = t->variables - t->observed_at;
     return is_within(v->kind, NO_KIND) && is_within(v->role, ROLES) && is_within(v->at, count);
 }
@@ -114,7 +116,8 @@ static int is_sound(const Table *t)
     int64_t computed = t->variables - t->observed_at;
     if (!is_within(t->observed_at, t->variables) || t->inputs < 1 || t->inputs > t->observed_at
         || !is_within(t->drive_at, t->inputs) || t->settings > MOST_SETTINGS
-        || !is_within(t->tolerance_at, t->settings) || t->state_bytes > t->block)
+        || !is_within(t->tolerance_at, t->settings) || t->state_bytes > t->tangent_bytes
+        || t->tangent_bytes > t->block)
         return 0;
     if (!fits(t->first_variable, t->variables, sizeof(Variable), t->bytes)
         || t->first_variable <= (int64_t)sizeof *t || file[t->first_variable - 1]
@@ -124,15 +127,22 @@ static int is_sound(const Table *t)
         || !fits(t->first_span, t->spans, sizeof(Span), t->bytes)
         || !fits(t->first_block, t->block, 1, t->bytes) || !fits(0, t->state_bytes, 1, t->block))
         return 0;
-    const int64_t places[] = {t->is_free_at, t->continues_at, t->time_at,
-                              t->omega_at,   t->surveyed_at,  t->surveyed_from,
+    const int64_t places[] = {t->is_free_at,
+                              t->continues_at,
+                              t->stops_at_contact_at,
+                              t->has_sensitivities_at,
+                              t->time_at,
+                              t->omega_at,
+                              t->surveyed_at,
+                              t->surveyed_from,
                               t->surveyed_to};
     for (size_t i = 0; i < sizeof places / sizeof *places; i++)
         if (!fits(places[i], 1, sizeof(double), t->block))
             return 0;
     if (!fits(t->loads_at, t->inputs - 1, sizeof(double), t->block)
         || !fits(t->rates_at, t->inputs - 1, sizeof(double), t->block)
-        || !fits(t->observed, computed, sizeof(double), t->block))
+        || !fits(t->observed, computed, sizeof(double), t->block)
+        || !fits(t->derivatives, 2 * computed, sizeof(double), t->block))
         return 0;
     int has_tolerance = 0;
     for (int64_t i = 0; i < t->variables; i++) {

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "kernels.h"
+
 static Status check_references(Instance *m, int is_set, Kind kind, const char *name,
                                const uint32_t *references, size_t count, const void *values)
 {
@@ -31,7 +33,7 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
         return ERROR;
     for (size_t i = 0; i < count && !m->state->is_built; i++) {
         int64_t role = variables(t)[references[i]].role;
-        if (role != READ && role != INSTANT)
+        if (role < READ || role == TIME)
             continue;
         if (m->state->phase == INSTANTIATED)
             return refuse(m, "%s: is computed, and not before the initialization begins",
@@ -68,12 +70,22 @@ static Status check_value(Instance *m, uint32_t reference, double value)
         return refuse(m, "%s = %s: must be a finite number", name, shown);
     if (v->role >= READ)
         return refuse(m, "%s: is computed and cannot be set", name);
-    if (v->role > LOAD && m->state->phase == STEPPING)
+    int is_tunable = v->role == MACHINE && v->at;
+    if (is_tunable && m->state->phase == STEPPING && check_parameter(m, v, value))
+        return ERROR;
+    if (v->role > LOAD && !is_tunable && m->state->phase == STEPPING)
         return refuse(m, "%s: a fixed parameter cannot be set after initialization", name);
     if (is_outside)
         return refuse(m, "%s = %s: must be an integer from %d to %d", name, shown, (int)v->low,
                       (int)v->high);
     return OK;
+}
+
+static void take_value(Instance *m, uint32_t reference, double value)
+{
+    if (variables(m->table)[reference].role == MACHINE && m->values[reference] != value)
+        m->state->is_retuned = m->state->phase == STEPPING;
+    m->values[reference] = value;
 }
 
 Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *references,
@@ -92,8 +104,91 @@ Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
         if (check_value(m, references[i], item(values, i)))
             return ERROR;
     for (size_t i = 0; i < count; i++)
-        m->values[references[i]] = item(values, i);
+        take_value(m, references[i], item(values, i));
     if (m->state->phase != STEPPING)
         m->state->is_built = 0;
+    return OK;
+}
+
+/* --- derivatives ------------------------------------------------------------------------------ */
+
+/* The variables whose derivatives are asked for are Reals that the model computes. */
+static Status check_computed(Instance *m, const char *call, const uint32_t *references,
+                             size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (references[i] >= m->table->variables)
+            return refuse(m, "%s: value reference %lu: there is none; they go to %d", call,
+                          (unsigned long)references[i], (int)m->table->variables - 1);
+        const Variable *v = variables(m->table) + references[i];
+        if (v->kind != A_REAL || (v->role != READ && v->role != REMEMBERED))
+            return refuse(m, "%s: %s: is no Real that is computed", call,
+                          name_of(m, references[i]));
+    }
+    return OK;
+}
+
+Status get_derivatives(Instance *m, const char *call, const uint32_t *references, size_t count,
+                       const int *orders, double *values)
+{
+    const Table *t = m->table;
+    if (count && (!references || !orders || !values))
+        return refuse(m, "%s: NULL where %zu values are asked for", call, count);
+    if (allow(m, call, 1u << INITIALIZING | 1u << STEPPING | 1u << TERMINATED)
+        || check_computed(m, call, references, count))
+        return ERROR;
+    for (size_t i = 0; i < count; i++)
+        if (orders[i] != 1 && orders[i] != 2)
+            return refuse(m, "%s: %s: order %d: must be 1 or 2", call, name_of(m, references[i]),
+                          orders[i]);
+    const double *derivatives = (const double *)(m->block + t->derivatives);
+    const int64_t row = computed(t);
+    if (!count)
+        return OK;
+    if (build(m))
+        return ERROR;
+    if (rotor_differentiate(m->block, -1))
+        return refuse(m, "internal error");
+    for (size_t i = 0; i < count; i++)
+        values[i] = derivatives[variables(t)[references[i]].at + (orders[i] - 1) * row];
+    return OK;
+}
+
+Status get_directional(Instance *m, const uint32_t *unknown, size_t unknowns, const uint32_t *known,
+                       size_t knowns, const double *along, double *values)
+{
+    static const char call[] = "getDirectionalDerivative";
+    const Table *t = m->table;
+    if ((unknowns && (!unknown || !values)) || (knowns && (!known || !along)))
+        return refuse(m, "%s: NULL where values are given or asked for", call);
+    if (allow(m, call, 1u << STEPPING | 1u << TERMINATED))
+        return ERROR;
+    if (!*(const int64_t *)(m->block + t->has_sensitivities_at))
+        return refuse(m, "%s: solver.sensitivities is false; it has to be set before the "
+                         "initialization", call);
+    if (check_computed(m, call, unknown, unknowns))
+        return ERROR;
+    for (size_t i = 0; i < unknowns; i++)
+        if (variables(t)[unknown[i]].role != READ)
+            return refuse(m, "%s: %s: does not follow from the motion of the instant", call,
+                          name_of(m, unknown[i]));
+    for (size_t i = 0; i < knowns; i++) {
+        if (known[i] >= t->inputs)
+            return refuse(m, "%s: %s: is no input", call,
+                          known[i] < t->variables ? name_of(m, known[i]) : "a value reference");
+        if (!isfinite(along[i]))
+            return refuse(m, "%s: %s: the seed must be a finite number", call,
+                          name_of(m, known[i]));
+    }
+    for (size_t i = 0; i < unknowns; i++)
+        values[i] = 0.0;
+    const double *derivatives = (const double *)(m->block + t->derivatives);
+    for (size_t k = 0; k < knowns; k++) {
+        const Variable *input = variables(t) + known[k];
+        if (rotor_differentiate(m->block, input->role == LOAD ? 1 + input->at : 0))
+            return refuse(m, "internal error");
+        for (size_t i = 0; i < unknowns; i++)
+            values[i] += along[k] * derivatives[variables(t)[unknown[i]].at];
+    }
     return OK;
 }

@@ -1,0 +1,230 @@
+"""Sensitivities over a communication step: how the motion at its end changes with the inputs during
+it, by tangents that go through the solver's own steps (`step.tangent`).
+
+An input is the value that a host sets at the beginning of the communication step, with all that
+follows from it: a speed that goes on by its last change changes its rate too.
+"""
+
+from __future__ import annotations
+
+from ..kernels.functions import modulus
+from ..kernels.jit import jit, jit_not_inlined
+from ..parts.base import PORT_OUTPUTS
+from ..quantities import places
+from ..step.excitation import at_load, spin_of
+from ..step.tangent import instant_row, linearize_step, load_of, row_of, step_row
+from .energy import powers
+from .memory import spin_now
+from .observe import PARTS_AT, SHAFT
+
+_SHAFT, _PORT = places(SHAFT), places(PORT_OUTPUTS)
+_SHARE = 1e-5  # of a motion's size: by how much it is moved along a derivative
+
+
+@jit
+def moved_spin(spin, d_spin, by):
+    """Return the rotation moved along a derivative."""
+    return spin_of(
+        spin.omega + by * d_spin[0], spin.alpha + by * d_spin[1], spin.theta + by * d_spin[2]
+    )
+
+
+@jit
+def move(motion, row, by, out):
+    """Fill `out` with a motion moved along a row of a tangent."""
+    for i in range(len(motion.q)):
+        out.q[i] = motion.q[i] + by * row.q[i]
+        out.v[i] = motion.v[i] + by * row.v[i]
+        out.v_dot[i] = motion.v_dot[i] + by * row.v_dot[i]
+    for i in range(len(motion.internal_state)):
+        out.internal_state[i] = motion.internal_state[i] + by * row.internal_state[i]
+
+
+@jit
+def step_along(structure, spin, row, d_spin):
+    """Return by how much to move a motion along a row; 0 where there is nothing to move."""
+    length = structure.numbers[0].clearance
+    frequency = max(abs(spin.omega), structure.numbers[0].slowest)
+    size = max(abs(d_spin[0]) / frequency, abs(d_spin[2]))
+    for i in range(len(structure.deflections)):
+        dof = structure.deflections[i, 0]
+        size = max(size, modulus(row.q[dof]) / length)
+        size = max(size, modulus(row.v[dof]) / (length * frequency))
+        size = max(size, modulus(row.v_dot[dof]) / (length * frequency * frequency))
+    return _SHARE / size if size > 0.0 else 0.0
+
+
+@jit
+def torque_at(structure, spin, i, row, d_spin, by, motion, memory, work, tangents):
+    """Move the motion along row i into tangents.moved; returns the torque that it needs [N.m]."""
+    for k in range(len(memory.loads)):
+        tangents.work.loads[k] = memory.loads[k] + by * load_of(i, k)
+    move(motion, row, by, tangents.moved)
+    return powers(
+        structure,
+        moved_spin(spin, d_spin, by),
+        tangents.work.loads,
+        tangents.moved,
+        work.losses,
+        tangents.work.flows,
+    )
+
+
+@jit_not_inlined
+def torque_along(structure, spin, i, row, d_spin, motion, memory, work, tangents):
+    """Return the change of the torque that the motion needs [N.m] along row i."""
+    by = step_along(structure, spin, row, d_spin)
+    if by == 0.0:
+        return 0.0
+    ahead = torque_at(structure, spin, i, row, d_spin, by, motion, memory, work, tangents)
+    behind = torque_at(structure, spin, i, row, d_spin, -by, motion, memory, work, tangents)
+    return (ahead - behind) * (0.5 / by)
+
+
+@jit
+def _take(out, base, unit, d_spin, unit_spin, d_alpha):
+    """Add to a row d_alpha times that of a unit rate."""
+    for i in range(len(out.q)):
+        out.q[i] = base.q[i] + d_alpha * unit.q[i]
+        out.v[i] = base.v[i] + d_alpha * unit.v[i]
+        out.a[i] = base.a[i] + d_alpha * unit.a[i]
+        out.v_dot[i] = base.v_dot[i] + d_alpha * unit.v_dot[i]
+    for i in range(len(out.internal_state)):
+        out.internal_state[i] = base.internal_state[i] + d_alpha * unit.internal_state[i]
+        out.internal_rate[i] = base.internal_rate[i] + d_alpha * unit.internal_rate[i]
+        carried = d_alpha * unit.internal_rate_carried[i]
+        out.internal_rate_carried[i] = base.internal_rate_carried[i] + carried
+    for i in range(3):
+        d_spin[i] += d_alpha * unit_spin[i]
+
+
+@jit
+def _rate_along(structure, record, i, d_torque, d_torque_by_rate, d_omega, d_omega_by_rate):
+    """Return the change of a free rotor's rate [rad/s2] that keeps its torques in balance."""
+    damping = record[0].drive_impedance
+    d_drive = (1.0 if i == 0 else 0.0) - damping * d_omega
+    return (d_drive - d_torque) / (d_torque_by_rate + damping * d_omega_by_rate)
+
+
+@jit_not_inlined
+def begin_tangents(structure, spin, rate_by_drive, motion, memory, work, tangents):
+    """Fill in the tangents at the beginning of a communication step. rate_by_drive: derivative of
+    the speed's rate by the speed given [1/s]."""
+    now = tangents.now
+    is_free = memory.record[0].is_free == 1
+    inputs = len(now.q) - 1
+    for i in range(inputs + 1):
+        row, d_spin = row_of(now, i), now.spin[i]
+        row.q[:] = 0.0
+        row.v[:] = 0.0
+        row.internal_state[:] = 0.0
+        d_spin[:] = 0.0
+        if is_free and i == inputs:
+            d_spin[1] = 1.0
+        elif not is_free and i == 0:
+            d_spin[0], d_spin[1] = 1.0, rate_by_drive
+        instant_row(structure, spin, i, row, d_spin, motion, work, tangents.work)
+    if not is_free:
+        return
+    unit = row_of(now, inputs)
+    along = torque_along(
+        structure, spin, inputs, unit, now.spin[inputs], motion, memory, work, tangents
+    )
+    for i in range(inputs):
+        row = row_of(now, i)
+        torque = torque_along(structure, spin, i, row, now.spin[i], motion, memory, work, tangents)
+        d_alpha = _rate_along(structure, memory.record, i, torque, along, 0.0, 0.0)
+        _take(row, row, unit, now.spin[i], now.spin[inputs], d_alpha)
+
+
+@jit
+def _rescale(row, ratio):
+    """Scale what a row's accelerations lack, as `time_loop` does with the motion's."""
+    for i in range(len(row.a)):
+        row.a[i] = row.v_dot[i] + ratio * (row.a[i] - row.v_dot[i])
+    for i in range(len(row.internal_rate)):
+        change = row.internal_rate_carried[i] - row.internal_rate[i]
+        row.internal_rate_carried[i] = row.internal_rate[i] + ratio * change
+
+
+@jit_not_inlined
+def propagate(structure, scheme, fit, spin, h, ratio, t, new, memory, work, problem, tangents):
+    """Take the tangents over a step of length h [s] that ends at `new`, at time t [s]; ratio: by
+    which the carried accelerations were rescaled."""
+    now, after, of = tangents.now, tangents.after, tangents.work
+    is_free = memory.record[0].is_free == 1
+    since = t - memory.record[0].t_ref
+    inputs = len(now.q) - 1
+    linearize_step(structure, scheme, spin, h, new, problem, of)
+    for i in range(inputs + (1 if is_free else 0)):
+        old, out, d_spin = row_of(now, i), row_of(after, i), after.spin[i]
+        if i == inputs:
+            _clear(old)
+            d_spin[0], d_spin[1], d_spin[2] = 0.5 * h, 1.0, 0.25 * h * h
+        elif is_free:
+            d_spin[0] = now.spin[i, 0] + 0.5 * h * now.spin[i, 1]
+            d_spin[1] = 0.0
+            d_spin[2] = now.spin[i, 2] + 0.5 * h * (now.spin[i, 0] + d_spin[0])
+        else:
+            d_spin[1] = now.spin[i, 1]
+            first = 1.0 if i == 0 else 0.0
+            d_spin[0] = first + d_spin[1] * since
+            d_spin[2] = since * (first + 0.5 * d_spin[1] * since)
+        if ratio != 1.0:
+            _rescale(old, ratio)
+        step_row(structure, scheme, fit, spin, h, i, old, out, d_spin, new, work, problem, of)
+    if is_free:
+        unit, unit_spin = row_of(after, inputs), after.spin[inputs]
+        along = torque_along(structure, spin, inputs, unit, unit_spin, new, memory, work, tangents)
+        for i in range(inputs):
+            row, d_spin = row_of(after, i), after.spin[i]
+            torque = torque_along(structure, spin, i, row, d_spin, new, memory, work, tangents)
+            d_alpha = _rate_along(
+                structure, memory.record, i, torque, along, d_spin[0], unit_spin[0]
+            )
+            _take(row, row, unit, d_spin, unit_spin, d_alpha)
+    for i in range(inputs):
+        _take(row_of(now, i), row_of(after, i), row_of(after, i), now.spin[i], after.spin[i], 0.0)
+        for k in range(3):
+            now.spin[i, k] = after.spin[i, k]
+
+
+@jit
+def _clear(row):
+    for i in range(len(row.q)):
+        row.q[i] = 0.0
+        row.v[i] = 0.0
+        row.a[i] = 0.0
+        row.v_dot[i] = 0.0
+    for i in range(len(row.internal_state)):
+        row.internal_state[i] = 0.0
+        row.internal_rate[i] = 0.0
+        row.internal_rate_carried[i] = 0.0
+
+
+@jit_not_inlined
+def observe_sensitivities(structure, motion, memory, work, tangents, out):
+    """Fill in what can be read of the sensitivities."""
+    now, spin = tangents.now, spin_now(memory.record)
+    torque = torque_along(
+        structure, spin, 0, row_of(now, 0), now.spin[0], motion, memory, work, tangents
+    )
+    out[_SHAFT.dphi_ddrive] = now.spin[0, 2]
+    out[_SHAFT.dw_ddrive] = now.spin[0, 0]
+    out[_SHAFT.dtau_ddrive] = torque
+    out[_SHAFT.dtau_load_ddrive] = torque - structure.numbers[0].inertia * now.spin[0, 1]
+    for i in range(len(structure.load_dof)):
+        if structure.load_dof[i] >= 0:
+            _observe_port(structure, i, now, out[PARTS_AT + structure.load_arms[i].out :])
+
+
+@jit
+def _observe_port(structure, i, now, out):
+    """Fill in the change of displacement and velocity at a load by this load."""
+    by_x, by_y = 1 + 2 * i, 2 + 2 * i
+    x, y = at_load(structure, i, now.q[by_x]), at_load(structure, i, now.q[by_y])
+    out[_PORT.dx_dfx], out[_PORT.dx_dfy] = x.real, y.real
+    out[_PORT.dy_dfx], out[_PORT.dy_dfy] = x.imag, y.imag
+    x, y = at_load(structure, i, now.v[by_x]), at_load(structure, i, now.v[by_y])
+    out[_PORT.dvx_dfx], out[_PORT.dvx_dfy] = x.real, y.real
+    out[_PORT.dvy_dfx], out[_PORT.dvy_dfy] = x.imag, y.imag

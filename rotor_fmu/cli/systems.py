@@ -1,0 +1,70 @@
+"""`rotor-fmu ssp`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..cosimulation.coupling import example_coupling
+from ..cosimulation.system import ALGORITHMS, Component, drive_system
+from ..errors import InputError, writable_folder
+from ..fmi.packing.machine_files import machine_of
+from ..fmi.packing.native_fmu import build_native
+from ..fmi.packing.python_fmu import build as build_python
+from ..model.kernels.library import here
+from ..output_options import with_output_options
+from ..runs.job import load_rotor
+from .fmus import Native
+from .runs import RotorFile
+
+_DRIVE = "drive_train"
+
+
+@with_output_options
+def ssp(
+    rotor: RotorFile = None,
+    is_native: Native = False,
+    tau_max: Annotated[float, typer.Option(help="Torque limit of the motor, in N.m.")] = 0.2,
+    target: Annotated[float, typer.Option(help="Speed to run up to, in rad/s.")] = 400.0,
+    step: Annotated[float, typer.Option(help="Communication step, in seconds.")] = 0.002,
+    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = 60.0,
+    algorithm: Annotated[
+        str, typer.Option(help=f"How libcosim steps: {' or '.join(ALGORITHMS)}.")
+    ] = ALGORITHMS[0],
+    out: Annotated[Path, typer.Option(help="Folder for the files.")] = Path("out/system"),
+) -> dict[str, Any]:
+    """Write a machine and a drive train as one system, for masters: SSP, and OSP with power bonds.
+
+    Leaves both FMUs, System.ssp and OspSystemStructure.xml in the folder.
+    """
+    toml, _ = load_rotor(rotor)
+    for name, value, most in (
+        ("--tau-max", tau_max, 1e6),
+        ("--step", step, 1.0),
+        ("--stop", stop, 1e6),
+    ):
+        if not 0 < value <= most:
+            raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
+    if not abs(target) <= 1e6:
+        raise InputError(f"--target {target:g} rad/s: must be at most 1e+06 in size")
+    if algorithm not in ALGORITHMS:
+        raise InputError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
+    platform = here()
+    if is_native and platform is None:
+        raise InputError("--native: there is no library for this machine")
+    folder = writable_folder(out)
+    coupling = example_coupling(_DRIVE)
+    fmu = (
+        build_native(folder, toml, platforms=[str(platform)])
+        if is_native
+        else build_python(folder, toml)
+    )
+    values = {"tau_max": tau_max, "w_target": target, "w_start": 0.0}
+    drive = Component("drive", coupling.build(folder), coupling.variables, values)
+    system = drive_system(machine_of(toml, False, 0), drive, fmu, step, stop)
+    package, structure = replace(system, algorithm=algorithm).write(folder)
+    typer.echo(f"{package}\n{structure}")
+    return {"ssp": package, "osp": structure, "rotor": fmu, "drive": drive.fmu}

@@ -1,0 +1,245 @@
+"""A rotor's FMU and a drive as one system, for masters: an SSP package (SSD with connectors and
+units, parameters as SSV), and OSP's system structure with power bonds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree.ElementTree import Element, SubElement, register_namespace
+
+from ..fmi.packing.archive import write_archive, xml_bytes
+from ..fmi.packing.machine_files import Machine
+from ..fmi.variables import Unit, Variable, unit
+from ..model.structure.assembly import assemble
+
+_SSP = "http://ssp-standard.org/SSP1/SystemStructure"
+_SPACES = {
+    "ssd": f"{_SSP}Description",
+    "ssv": f"{_SSP}ParameterValues",
+    "ssc": f"{_SSP}Common",
+    "osp": "http://opensimulationplatform.com/SSP/OSPAnnotations",
+}
+_OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
+_EXTENSION = "application/x-ssp-parameter-set"
+ALGORITHMS = ("fixedStep", "ecco")
+SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
+# Of libcosim's ECCO, relative to the communication step: the shortest and the longest step; and how
+# fast the step changes, by which gains, at which error of the power.
+_SHORTEST, _LONGEST = 0.01, 10.0
+_ECCO = {
+    "SafetyFactor": 0.8,
+    "MinimumChangeRate": 0.2,
+    "MaximumChangeRate": 1.5,
+    "ProportionalGain": 0.2,
+    "IntegralGain": 0.15,
+    "RelativeTolerance": 1e-6,
+    "AbsoluteTolerance": 1e-6,
+}
+
+
+@dataclass(frozen=True)
+class Component:
+    """An FMU of a system: its name there, its file, its variables, and the parameters and inputs to
+    be set before it starts."""
+
+    name: str
+    fmu: Path
+    variables: Sequence[Variable]
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    def started(self) -> dict[str, Variable]:
+        """Return the inputs and parameters by name."""
+        return {v.name: v for v in self.variables if v.causality in ("input", "parameter")}
+
+
+class Bond(NamedTuple):
+    """Connections between two components whose product is a power: (component, output, component,
+    input) each way."""
+
+    name: str
+    there: tuple[str, str, str, str]
+    back: tuple[str, str, str, str]
+
+
+@dataclass(frozen=True)
+class System:
+    """Components and what connects them; step: communication step [s]; stop: end [s];
+    algorithm: of libcosim, one of `ALGORITHMS`."""
+
+    name: str
+    components: Sequence[Component]
+    bonds: Sequence[Bond]
+    step: float
+    stop: float
+    algorithm: str = ALGORITHMS[0]
+
+    def write(self, out: Path) -> tuple[Path, Path]:
+        """Write the SSP package and OSP's file into a folder that holds the FMUs; returns both.
+
+        Raises `OSError` if one cannot be written.
+        """
+        contents = {"SystemStructure.ssd": xml_bytes(self.ssd())}
+        for component in self.components:
+            contents[f"resources/{component.fmu.name}"] = component.fmu.read_bytes()
+            contents[f"resources/{component.name}.ssv"] = xml_bytes(ssv(component))
+        package = write_archive(out / SSP_NAME, contents)
+        structure = out / OSP_NAME
+        structure.write_bytes(xml_bytes(self.osp()))
+        return package, structure
+
+    def ssd(self) -> Element:
+        """Return the system structure description of SSP 1.0."""
+        root = _element("ssd:SystemStructureDescription", version="1.0", name=self.name)
+        system = _sub(root, "ssd:System", name=self.name)
+        elements = _sub(system, "ssd:Elements")
+        for component in self.components:
+            _add_component(elements, component)
+        connections = _sub(system, "ssd:Connections")
+        for bond in self.bonds:
+            for start, output, end, taken in (bond.there, bond.back):
+                _sub(
+                    connections,
+                    "ssd:Connection",
+                    startElement=start,
+                    startConnector=output,
+                    endElement=end,
+                    endConnector=taken,
+                )
+        used = (unit(v.unit) for c in self.components for v in _shown(c) if v.kind == "Real")
+        units = _sub(root, "ssd:Units")
+        for each in dict.fromkeys(u.name for u in used):
+            _add_unit(units, unit(each))
+        experiment = _sub(root, "ssd:DefaultExperiment", startTime="0.0", stopTime=repr(self.stop))
+        annotations = _sub(experiment, "ssd:Annotations")
+        annotation = _sub(annotations, "ssc:Annotation", type="com.opensimulationplatform")
+        algorithm = _sub(annotation, "osp:Algorithm")
+        _sub(algorithm, "osp:FixedStepAlgorithm", baseStepSize=repr(self.step))
+        return root
+
+    def osp(self) -> Element:
+        """Return OSP's system structure."""
+        root = Element("OspSystemStructure", {"xmlns": _OSP, "version": "0.1"})
+        for name, text in (
+            ("StartTime", "0.0"),
+            ("BaseStepSize", repr(self.step)),
+            ("Algorithm", self.algorithm),
+        ):
+            SubElement(root, name).text = text
+        simulators = SubElement(root, "Simulators")
+        for component in self.components:
+            simulator = SubElement(
+                simulators,
+                "Simulator",
+                name=component.name,
+                source=component.fmu.name,
+                stepSize=repr(self.step),
+            )
+            values = SubElement(simulator, "InitialValues")
+            for name, value in component.values.items():
+                of = component.started()[name]
+                entry = SubElement(values, "InitialValue", variable=name)
+                SubElement(entry, of.kind, value=_spelled(of, value))
+        connections = SubElement(root, "Connections")
+        for bond in self.bonds:
+            for start, output, end, taken in (bond.there, bond.back):
+                connection = SubElement(connections, "VariableConnection", powerBond=bond.name)
+                given = {"simulator": start, "name": output, "causality": "output"}
+                SubElement(connection, "Variable", given)
+                given = {"simulator": end, "name": taken, "causality": "input"}
+                SubElement(connection, "Variable", given)
+        configuration = SubElement(root, "EccoConfiguration")
+        steps = {
+            "StepSize": self.step,
+            "MinimumStepSize": _SHORTEST * self.step,
+            "MaximumStepSize": _LONGEST * self.step,
+        }
+        for name, value in (steps | _ECCO).items():
+            SubElement(configuration, name).text = repr(value)
+        return root
+
+
+def ssv(component: Component) -> Element:
+    """Return the parameter set of a component: all inputs and parameters, with their units."""
+    root = _element("ssv:ParameterSet", version="1.0", name=component.name)
+    parameters = _sub(root, "ssv:Parameters")
+    for name, variable in component.started().items():
+        if variable.start is None and name not in component.values:
+            continue
+        value = component.values.get(name, variable.start)
+        entry = _sub(parameters, "ssv:Parameter", name=name)
+        attributes = {"value": _spelled(variable, value)}
+        if variable.kind == "Real":
+            attributes["unit"] = unit(variable.unit).name
+        _sub(entry, f"ssv:{variable.kind}", **attributes)
+    units = _sub(root, "ssv:Units")
+    used = (v.unit for v in component.started().values() if v.kind == "Real")
+    for each in dict.fromkeys(used):
+        _add_unit(units, unit(each))
+    return root
+
+
+def _spelled(variable: Variable, value: float | None) -> str:
+    if variable.kind == "Boolean":
+        return "true" if value else "false"
+    return repr(float(value or 0.0)) if variable.kind == "Real" else str(int(value or 0))
+
+
+def _shown(component: Component) -> list[Variable]:
+    return [v for v in component.variables if v.causality != "local"]
+
+
+def _add_component(elements: Element, component: Component) -> None:
+    element = _sub(
+        elements,
+        "ssd:Component",
+        name=component.name,
+        source=f"resources/{component.fmu.name}",
+        type="application/x-fmu-sharedlibrary",
+    )
+    connectors = _sub(element, "ssd:Connectors")
+    for variable in _shown(component):
+        connector = _sub(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
+        attributes = {"unit": unit(variable.unit).name} if variable.kind == "Real" else {}
+        _sub(connector, f"ssc:{variable.kind}", **attributes)
+    bindings = _sub(element, "ssd:ParameterBindings")
+    _sub(
+        bindings,
+        "ssd:ParameterBinding",
+        type=_EXTENSION,
+        source=f"resources/{component.name}.ssv",
+    )
+
+
+def _add_unit(units: Element, of: Unit) -> None:
+    entry = _sub(units, "ssc:Unit", name=of.name)
+    _sub(entry, "ssc:BaseUnit", **{base: str(exponent) for base, exponent in of.base.items()})
+
+
+def _qualified(name: str) -> str:
+    space, _, tag = name.partition(":")
+    return f"{{{_SPACES[space]}}}{tag}"
+
+
+def _element(tag: str, /, **attributes: str) -> Element:
+    for prefix, space in _SPACES.items():
+        register_namespace(prefix, space)
+    return Element(_qualified(tag), attributes)
+
+
+def _sub(parent: Element, tag: str, /, **attributes: str) -> Element:
+    return SubElement(parent, _qualified(tag), attributes)
+
+
+def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, stop: float) -> System:
+    """Return a machine's FMU on the drive train of the examples, which holds its inertia."""
+    inertia = float(assemble(machine.rotor).numbers[0].inertia)
+    held = Component(drive.name, drive.fmu, drive.variables, {"J_rotor": inertia, **drive.values})
+    rotor = Component("rotor", fmu, machine.table, {"speed": held.values.get("w_start", 0.0)})
+    bond = Bond(
+        "shaft",
+        (drive.name, "w", "rotor", "speed"),
+        ("rotor", "tau_load", drive.name, "tau_load"),
+    )
+    return System(machine.rotor.name or "rotor", (held, rotor), (bond,), step, stop)

@@ -1,0 +1,103 @@
+"""`rotor-fmu ssp`: a machine and a drive as one system, in the files of two standards."""
+
+import json
+import re
+import sys
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from rotor_fmu.cli.systems import ssp
+from rotor_fmu.errors import InputError
+
+from .test_hosts import LIBCOSIM, run
+from .test_schemas import EXAMPLES, SSP, check
+
+VALUES = SSP.with_name("SystemStructureParameterValues.xsd")
+MACHINE = EXAMPLES / "drop" / "compressor.toml"
+SEEN = ["speed", "tau_load", "w", "energy.residual"]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Of a machine that is no example of coupling."""
+    out = tmp_path_factory.mktemp("system")
+    ssp.__wrapped__(rotor=MACHINE, is_native=True, step=1e-3, stop=1.0, out=out)
+    return out
+
+
+def test_the_package_is_valid_with_units_connectors_and_parameters(folder):
+    with zipfile.ZipFile(folder / "System.ssp") as archive:
+        names = set(archive.namelist())
+        structure = archive.read("SystemStructure.ssd")
+        sets = {name: archive.read(name) for name in names if name.endswith(".ssv")}
+    assert {"resources/DriveTrain.fmu", "resources/RotorBearingNative.fmu"} < names
+    check(structure, SSP)
+    root = etree.fromstring(structure)
+    space = {"ssd": root.nsmap["ssd"], "ssc": root.nsmap["ssc"]}
+    connectors = {
+        (c.getparent().getparent().get("name"), c.get("name"), c.get("kind"))
+        for c in root.iterfind(".//ssd:Connector", space)
+    }
+    assert ("rotor", "tau_load", "output") in connectors
+    assert ("rotor", "speed", "input") in connectors
+    for connection in root.iterfind(".//ssd:Connection", space):
+        for side, kind in (("start", "output"), ("end", "input")):
+            of = connection.get(f"{side}Element"), connection.get(f"{side}Connector"), kind
+            assert of in connectors
+    units = {u.get("name") for u in root.iterfind(".//ssc:Unit", space)}
+    used = {r.get("unit") for r in root.iterfind(".//ssc:Real", space)}
+    assert used == units
+    assert len(sets) == 2
+    for content in sets.values():
+        check(content, VALUES)
+    rotor = etree.fromstring(sets["resources/rotor.ssv"])
+    assert rotor.xpath("//*[@name='speed']/*")[0].get("value") == "0.0"
+
+
+@pytest.mark.skipif(find_spec("libcosimpy") is None, reason="pip install libcosimpy")
+@pytest.mark.parametrize("algorithm", ["fixedStep", "ecco"])
+def test_libcosim_runs_it_with_its_power_bond(folder, tmp_path, algorithm):
+    text = (folder / "OspSystemStructure.xml").read_text()
+    for fmu in folder.glob("*.fmu"):
+        (tmp_path / fmu.name).write_bytes(fmu.read_bytes())
+    file = tmp_path / "OspSystemStructure.xml"
+    file.write_text(text.replace(">fixedStep<", f">{algorithm}<"))
+    call = ["from_osp_config_file", str(file), 60, SEEN]
+    run(sys.executable, "-c", LIBCOSIM, json.dumps(call), cwd=tmp_path)
+    rows = json.loads((tmp_path / "rows.json").read_text())
+    assert len(rows) == 60
+    speed, load, w, _ = rows[-1]
+    assert w > 0.0
+    assert speed == pytest.approx(w, rel=0.5)
+    assert load != 0.0
+
+
+@pytest.mark.skipif(find_spec("libcosimpy") is None, reason="pip install libcosimpy")
+def test_osps_file_is_valid(folder):
+    library = Path(find_spec("libcosimpy").origin).parent
+    content = next(library.rglob("*libcosimc*.so")).read_bytes()
+    begin, end = content.index(b"<xs:schema"), content.index(b"</xs:schema>")
+    schema = etree.XMLSchema(etree.fromstring(content[begin : end + len(b"</xs:schema>")]))
+    structure = etree.parse(str(folder / "OspSystemStructure.xml"))
+    schema.assertValid(structure)
+    bonds = structure.xpath("//*[@powerBond]")
+    assert len(bonds) == 2
+    assert len({bond.get("powerBond") for bond in bonds}) == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"step": 0.0}, "--step 0: must be > 0 and at most 1"),
+        ({"tau_max": -1.0}, "--tau-max -1: must be > 0"),
+        ({"algorithm": "eco"}, "--algorithm eco: must be one of fixedStep, ecco"),
+    ],
+)
+def test_what_cannot_be_is_refused(tmp_path, given, sentence):
+    with pytest.raises(InputError, match=re.escape(sentence)):
+        ssp.__wrapped__(out=tmp_path / "x", **given)
+    assert not (tmp_path / "x").exists()
