@@ -1,5 +1,6 @@
 """Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection."""
 
+from .bearing import BearingCurves, bearing_curves
 from .campbell import Campbell, CriticalSpeed, campbell
 from .machine import CONTACTS, LinearError, LinearMachine
 from .modes import Modes, modes
@@ -8,6 +9,7 @@ from .unbalance import UnbalanceResponse, unbalance_response
 
 __all__ = [
     "CONTACTS",
+    "BearingCurves",
     "Campbell",
     "CriticalSpeed",
     "LinearError",
@@ -15,6 +17,7 @@ __all__ = [
     "Modes",
     "Static",
     "UnbalanceResponse",
+    "bearing_curves",
     "campbell",
     "modes",
     "static",

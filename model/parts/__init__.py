@@ -11,6 +11,7 @@ from .journal_bearing import JournalBearing
 from .law import Law
 from .linear_bearing import LinearBearing, Seal
 from .port import Port, Sensor
+from .squeeze_film_damper import SqueezeFilmDamper
 from .support import Support
 from .touchdown_bearing import TouchdownBearing
 from .unbalance import Unbalance

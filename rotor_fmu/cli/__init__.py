@@ -37,6 +37,7 @@ COMMANDS = {
         "campbell": "linear:campbell",
         "unbalance": "linear:unbalance",
         "static": "linear:static",
+        "bearing": "bearings:bearing",
         "response": "periodic:response",
         "import-ross": "linear:import_ross",
         "example": "machine_files:example",

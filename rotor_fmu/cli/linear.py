@@ -68,7 +68,8 @@ def modes(
 
     _check_count(count)
     result = answers.modes(machine, at, count=count, contacts=contacts)
-    return _print_answer(result, result.table(), result.figure(), out, "modes")
+    _name_films(machine)
+    return print_answer(result, result.table(), result.figure(), out, "modes")
 
 
 @with_output_options
@@ -92,7 +93,8 @@ def campbell(
     if len(speeds) == 0:
         speeds = np.linspace(0.0, _highest(machine, contacts), 41)
     result = answers.campbell(machine, speeds, count=count, contacts=contacts, harmonic=harmonic)
-    return _print_answer(result, result.table(), result.figure(), out, "campbell")
+    _name_films(machine)
+    return print_answer(result, result.table(), result.figure(), out, "campbell")
 
 
 @with_output_options
@@ -124,7 +126,8 @@ def unbalance(
         speeds = np.linspace(0.0, _highest(machine, contacts), 401)
     result = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
     nodes = node or result.nodes()
-    return _print_answer(result, result.table(nodes), result.figure(nodes), out, "unbalance")
+    _name_films(machine)
+    return print_answer(result, result.table(nodes), result.figure(nodes), out, "unbalance")
 
 
 @with_output_options
@@ -139,7 +142,7 @@ def static(
     from ..linear import answers
 
     result = answers.static(machine, at, contacts=contacts)
-    return _print_answer(result, result.table(), result.figure(), out, "static")
+    return print_answer(result, result.table(), result.figure(), out, "static")
 
 
 @with_output_options
@@ -153,7 +156,7 @@ def show(
     from ..linear.inventory import inventory
 
     listed = inventory(machine)
-    return _print_answer(listed, listed.table(), answers.show(machine), out, "show")
+    return print_answer(listed, listed.table(), answers.show(machine), out, "show")
 
 
 @with_output_options
@@ -176,9 +179,15 @@ def import_ross(
     return {"notes": result.notes, "out": str(out)}
 
 
-def _print_answer(
-    result: Any, table: Table, figure: Figure, out: Path, name: str
-) -> dict[str, Any]:
+def _name_films(machine: Rotor) -> None:
+    """Say of oil films where they are linearized."""
+    from ..model.linear.bearing import journal_bearings
+
+    if names := ", ".join(journal_bearings(machine)):
+        typer.echo(f"oil films, each linearized where its journal rests at that speed: {names}")
+
+
+def print_answer(result: Any, table: Table, figure: Figure, out: Path, name: str) -> dict[str, Any]:
     """Print the table, write numbers and picture, and return the numbers."""
     from ..figure_style import save
     from ..linear.linear_tables import numbers

@@ -97,6 +97,30 @@ class Campbell(linear.Campbell, _Displayed):
         return linear_plots.campbell_figure(self)
 
 
+class BearingCurves(linear.BearingCurves, _Displayed):
+    """`model.linear.BearingCurves`, shown."""
+
+    def table(self) -> linear_tables.Table:
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row a speed.
+        """
+        return linear_tables.bearing_table(self)
+
+    def figure(self) -> Figure:
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The journal's locus, its film, and the coefficients over the speed.
+        """
+        return linear_plots.bearing_figure(self)
+
+
 class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
@@ -182,6 +206,13 @@ def unbalance_response(
     """Return `model.linear.unbalance_response` of a machine."""
     result = linear.unbalance_response(rotor_of(machine), speeds, **options)
     return _displayed(UnbalanceResponse, result)
+
+
+def bearing(
+    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
+) -> BearingCurves:
+    """Return `model.linear.bearing_curves` of a machine."""
+    return _displayed(BearingCurves, linear.bearing_curves(rotor_of(machine), speeds, **options))
 
 
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
