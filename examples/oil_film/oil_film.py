@@ -74,7 +74,7 @@ def draw_cascade(history: dict[str, np.ndarray], path: Path) -> None:
     above.plot(hertz, hertz / 2, color="white", lw=0.8, ls="--")
     above.annotate("1x", (hertz[-1], hertz[-1]), color="white", ha="right", va="bottom")
     above.annotate("0.5x", (hertz[-1], hertz[-1] / 2), color="white", ha="right", va="bottom")
-    threshold = campbell(rotor(), np.linspace(300.0, 900.0, 13), count=4).threshold
+    threshold = campbell(rotor(), np.linspace(300.0, 900.0, 13), count=4).threshold or math.nan
     for axes in (above, below):
         axes.axvline(threshold / (2 * math.pi), color=ORANGE, lw=1.2, ls=":")
     above.set_ylabel("Frequency, forward [Hz]")

@@ -220,3 +220,26 @@ def test_jump_of_a_rotor_on_dampers():
 def test_bad_damper_is_refused():
     with pytest.raises(QuantityError, match=r"full = true: needs squeeze_film_damper\[1\].short"):
         SqueezeFilmDamper(**_DAMPER, full=True).check("squeeze_film_damper[1]")
+
+
+# --- FMUs ---
+
+
+def test_fmu_has_the_bits_of_the_simulation(machine_of):
+    """The FMU in Python and the native one, with a film in lobes and a damper."""
+    text = _SHAFT.format(e=1e-5) + _FILM.format(
+        node=1, more="pads = [1.570796, 4.712389]\narc = 2.8\npreload = 0.4\nk = 1e8"
+    )
+    text += (
+        "[[squeeze_film_damper]]\nnode = 3\njournal_radius = 0.05\nlength = 0.02\n"
+        "clearance = 1e-4\nviscosity = 0.01\nstiffness = 1e7\n"
+    )
+    names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
+    simulation = Simulation(
+        parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None
+    )
+    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
+        for i in range(1, 6):
+            run.advance(0.01 * i)
+            simulation.advance(0.01 * i, 500.0)
+            assert run.read(*names) == [simulation.read(name) for name in names]
