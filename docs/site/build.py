@@ -17,7 +17,9 @@ ROOT = Path(__file__).parents[2]
 _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
 SECTIONS = {
     "Tutorials": [f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS],
-    "How to": [f"docs/how_to/{name}.md" for name in ("studies", "native", "couple_an_fmu")],
+    "How to": [
+        f"docs/how_to/{name}.md" for name in ("studies", "oil_films", "native", "couple_an_fmu")
+    ],
     "Examples": ["examples/*/README.md"],
     "Reference": ["docs/reference/*.md"],
     "Explanation": ["docs/explanation/*.md"],
