@@ -1,7 +1,7 @@
 """Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection."""
 
-from .bearing import BearingCurves, bearing_curves
 from .campbell import Campbell, CriticalSpeed, campbell
+from .journal import BearingCurves, bearing_curves
 from .machine import CONTACTS, LinearError, LinearMachine
 from .modes import Modes, modes
 from .static import Static, static

@@ -181,7 +181,7 @@ def import_ross(
 
 def _name_films(machine: Rotor) -> None:
     """Say of oil films where they are linearized."""
-    from ..model.linear.bearing import journal_bearings
+    from ..model.linear.journal import journal_bearings
 
     if names := ", ".join(journal_bearings(machine)):
         typer.echo(f"oil films, each linearized where its journal rests at that speed: {names}")

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from scipy.interpolate import CubicHermiteSpline
 
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
-from ..model.linear.bearing import ANGLES, BearingCurves
 from ..model.linear.campbell import Campbell
+from ..model.linear.journal import ANGLES, BearingCurves
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cells import cell
-from ..model.linear.bearing import BearingCurves
 from ..model.linear.campbell import Campbell
+from ..model.linear.journal import BearingCurves
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
