@@ -28,6 +28,7 @@ from .processes import processes  # noqa: E402
 from .race import race  # noqa: E402
 from .report import write_report  # noqa: E402
 from .scatter import scatter  # noqa: E402
+from .starting import starting  # noqa: E402
 from .step_cost import step_cost  # noqa: E402
 from .store import Store  # noqa: E402
 
@@ -59,6 +60,7 @@ def main(
             bar.update(task, description=what, completed=share)
 
         step_cost(store, times, report)
+        starting(store, times, report)
         growth(store, times, quick, report)
         race(store, times, quick, report)
         dissipation(store, quick, report)

@@ -20,6 +20,7 @@ import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.dense import clearance_contacts
+from rotor_fmu.model.structure.reduction import component_modes, reduced
 
 from tests.dense import dense_matrices
 
@@ -88,15 +89,22 @@ def real_state(q: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.concatenate([q.real, q.imag, v.real, v.imag])
 
 
-def equations(rotor: Rotor, speed: float, rate: float, theta: float = 0.0) -> Equations:
+def equations(
+    rotor: Rotor, speed: float, rate: float, theta: float = 0.0, modes: int = 0
+) -> Equations:
     """The equations of a rotor with internal damping at rest, at speed + rate t [rad/s].
 
-    theta: angle of rotation at t = 0 [rad]. Raises `ValueError` for rotating damping
+    theta: angle of rotation at t = 0 [rad]; modes: component modes of the shaft that are kept, 0:
+    all of the shaft. Raises `ValueError` for rotating damping
     and for contacts with ground.
     """
     if rotor.rotating_damping:
         raise ValueError("shaft.rotating_damping = true: these equations do not have it")
     structure = assemble(rotor)
+    discs = np.array([2 * (disc.node - 1) for disc in rotor.discs])
+    if modes:
+        discs = np.searchsorted(component_modes(structure, modes)[0], discs)
+        structure = reduced(structure, modes)
     M, C, K, G, _ = dense_matrices(structure)
     size, contacts = len(M), clearance_contacts(structure)
     half, n, nb = size // 2, len(structure.weight), len(contacts)
@@ -132,7 +140,6 @@ def equations(rotor: Rotor, speed: float, rate: float, theta: float = 0.0) -> Eq
         bearing=np.array([[c[name] for name in _BEARING] for c in contacts]).reshape(nb, 7),
         speed=np.array([speed, rate, theta]),
     )
-    discs = np.array([2 * (disc.node - 1) for disc in rotor.discs])
     return Equations(coefficients, M, discs)
 
 

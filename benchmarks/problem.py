@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 from scipy.interpolate import CubicSpline
 
 from . import equations
@@ -32,9 +34,15 @@ class Problem:
         """Where orbits are compared [s]."""
         return np.linspace(0.0, self.stop, round(self.stop / self.sample) + 1)
 
-    def machine(self) -> equations.Equations:
-        """The equations for programs that are not this project's."""
-        return equations.equations(self.rotor, SPEED, RATE)
+    def machine(self, modes: int = 0) -> equations.Equations:
+        """The equations for programs that are not this project's, of all of the shaft or of so many
+        component modes."""
+        return equations.equations(self.rotor, SPEED, RATE, modes=modes)
+
+    def start(self, modes: int = 0) -> np.ndarray:
+        """Their state at rest."""
+        still = Simulation(self.rotor, choose(reduction=modes)).motion.q
+        return equations.real_state(still, 0 * still)
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from .peers import cvode, exudyn_peer, project, ross_peer, scipy_peer
+from .peers import cvode, exudyn_peer, ida, project, ross_peer, scipy_peer
 from .problem import Diverged, Method, Missing, Orbit, Problem, beginning, run_down, timed
 from .store import Store
 
-PEERS = (project, cvode, exudyn_peer, scipy_peer, ross_peer)
+PEERS = (project, cvode, exudyn_peer, scipy_peer, ida, ross_peer)
 _ENOUGH = 20.0  # of CPU time, after which a program is not run again [s]
 _WARM_UP = 0.04  # compiles, loads and fills caches before anything is timed [s]
 _QUICK_STOP = 4.0  # of the run-down of a quick run [s]

@@ -55,7 +55,15 @@ class Message(str):
 
 
 NOTES = frozenset(
-    {"idle-setting", "interpreted", "slow", "tolerance-raised", "unstable", "unstable-at-rest"}
+    {
+        "idle-setting",
+        "interpreted",
+        "reduction-pays",
+        "slow",
+        "tolerance-raised",
+        "unstable",
+        "unstable-at-rest",
+    }
 )
 
 

@@ -47,6 +47,19 @@ def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[.
     return run_command
 
 
+def with_options_of(shared: Callable[..., Any]) -> Callable[[Callable[..., Any]], Any]:
+    """Give a command the options of a function that several share, after its first argument."""
+
+    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
+        _, *options = inspect.signature(shared).parameters.values()
+        hints = get_type_hints(shared, include_extras=True)
+        command.__annotations__ = {o.name: hints[o.name] for o in options}
+        command.__signature__ = inspect.Signature(options)  # type: ignore[attr-defined]
+        return command
+
+    return decorate
+
+
 def _options() -> dict[str, Any]:
     import typer  # which no run in Python needs
 

@@ -1,20 +1,132 @@
-"""Units that users may write besides SI units; inside, everything is in SI units."""
+"""Units that users write and see besides SI units; inside, everything is in SI units.
+
+The usual ones of speeds and inputs stand here; all others are read by pint, which is imported where
+one is written.
+"""
 
 from __future__ import annotations
 
 import math
+import re
+from functools import cache
+from typing import Any
+
+from .errors import InputError, optional
 
 # what one of it is in the SI unit above it
 _OTHERS = {
     "rad/s": {"rpm": math.pi / 30.0, "Hz": 2.0 * math.pi},
+    "rad/s2": {"rpm/s": math.pi / 30.0, "Hz/s": 2.0 * math.pi},
     "s": {"ms": 1e-3, "min": 60.0},
     "N": {"mN": 1e-3, "kN": 1e3},
     "N.m": {"mN.m": 1e-3, "kN.m": 1e3},
     "m/s2": {"g": 9.80665},
 }
+# What a unit measures, and others in which it is given.
+_MEASURED = {
+    "m": ("a length", "mm, um, inch, mil"),
+    "s": ("a time", "ms, min"),
+    "kg": ("a mass", "g, t, lb"),
+    "rad": ("an angle", "deg"),
+    "rad/s": ("a speed of rotation", "rpm, Hz"),
+    "rad/s2": ("a rate of the speed", "rpm/s, Hz/s"),
+    "m/s": ("a velocity", "mm/s, in/s"),
+    "m/s2": ("an acceleration", "mm/s2, g0"),
+    "N": ("a force", "kN, lbf"),
+    "N.m": ("a torque", "N.mm, lbf.in"),
+    "N/m": ("a stiffness", "N/mm, MN/m, lbf/in"),
+    "N.s/m": ("a damping", "N.s/mm, kN.s/m, lbf.s/in"),
+    "Pa": ("a stress", "GPa, MPa, psi"),
+    "kg/m3": ("a density", "g/cm3, lb/in3"),
+    "kg.m": ("an unbalance", "g.mm, oz.in"),
+    "kg.m2": ("a moment of inertia", "kg.mm2, lb.in2"),
+    "1": ("a number", "percent"),
+}
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*", re.DOTALL)
+# A cycle is a turn here, and what has no angle in it is no speed of rotation.
+_OURS = (
+    "hertz = 2 * pi * radian / second = Hz",
+    "cpm = revolution / minute",
+    "inch_mil = 0.001 * inch = mil = mils",
+    "lbm = pound",
+)
+_ANGLES = ("radian", "degree", "revolution", "turn", "cycle", "hertz", "per_minute", "cpm", "rpm")
 
 
 def units_for(si: str) -> dict[str, float]:
-    """Return the units in which a quantity may be given, and the factor of each to the SI unit
-    [1]."""
+    """Return the units in which a quantity may be given without pint, and the factor of each to the
+    SI unit [1]."""
     return {si: 1.0, **_OTHERS.get(si, {})}
+
+
+def split(text: str) -> tuple[float, str] | None:
+    """Return a number and the unit behind it, empty where there is none; None if the text does not
+    begin with a number."""
+    match = _NUMBER.fullmatch(text)
+    return (float(match[1]), match[2]) if match and math.isfinite(float(match[1])) else None
+
+
+def in_si(shown: str, text: str, si: str) -> float:
+    """Return a number with or without unit, `0.1 mm`, in an SI unit; shown: what is given.
+
+    Raises `InputError` where it is no number, or its unit is unknown or measures something else.
+    """
+    parts = split(text)
+    if parts is None:
+        examples = _MEASURED.get(si, ("", ""))[1].replace(", ", " or ")
+        others = f", in {si}{f' or with {examples} behind it' if examples else ''}"
+        raise InputError(f"{shown} {text}: must be a number{'' if si == '1' else others}")
+    number, unit = parts
+    return number * factor(f"{shown} {text}", unit, si) if unit else number
+
+
+def factor(shown: str, unit: str, si: str) -> float:
+    """Return what one of a unit is in the SI unit; shown: what is given, for `InputError`."""
+    known = {name.lower(): value for name, value in _OTHERS.get(si, {}).items()}
+    if unit == si:
+        return 1.0
+    if si.startswith("rad/s") and unit.lower() in known:
+        return known[unit.lower()]
+    if unit in _OTHERS.get(si, {}):
+        return _OTHERS[si][unit]
+    registry = _registry(shown)
+    try:
+        asked = registry.parse_expression(_spelled(unit))
+        asked = asked if hasattr(asked, "units") else registry.Quantity(asked)
+    except Exception as error:  # its reader raises many kinds, of Python's tokenizer too
+        raise InputError(f"{shown}: the unit {unit!r} is unknown; {_must_be(si)}") from error
+    is_turning = any(name in str(asked.units) for name in _ANGLES)
+    try:
+        result = float(asked.to(_spelled(si)).magnitude)
+    except Exception as error:
+        raise InputError(f"{shown}: {_must_be(si)}") from error
+    if si.startswith("rad/s") and not is_turning:
+        raise InputError(f"{shown}: radians or turns a {unit!r}? {_must_be(si)}")
+    return result
+
+
+def _must_be(si: str) -> str:
+    measured, examples = _MEASURED.get(si, ("of another kind", ""))
+    return f"must be {measured}, in {si}{f' or such as {examples}' if examples else ''}"
+
+
+def _spelled(unit: str) -> str:
+    """Return a unit as pint reads it: `kg.m2` and `oz-in` have `**` and `*`."""
+    text = unit.replace("µ", "u").replace("μ", "u").replace("·", "*").replace("⋅", "*")
+    text = re.sub(r"(?<=[A-Za-z0-9)])[.\-](?=[A-Za-z(])", "*", text)
+    return re.sub(r"(?<=[A-Za-z])(\d)", r"**\1", text)
+
+
+def _registry(shown: str) -> Any:
+    optional("pint", "units", shown)
+    return _pint()
+
+
+@cache
+def _pint() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(on_redefinition="ignore")
+    for definition in _OURS:
+        registry.define(definition)
+    return registry

@@ -13,6 +13,8 @@ from rotor_fmu.model.backend import waits_for_compiler
 
 from rotor_fmu.fmi.packing.python_fmu import build
 
+from .browser import driver, silent  # noqa: F401, fixtures
+
 SHARED = pytest.StashKey[Path]()
 
 COMPILE_MODEL = """

@@ -355,7 +355,7 @@ def table(**changed):
         (2 * "[[coupling]]\nnode = 1\ndiameter = 0.1\nwidth = 0.1\n", "coupling = [{"),
         ("[[port]]\nname = 'a'\n", "port[1].node is missing"),
         ("[[port]]\nnode = 4\n", "port[1].node = 4: must be an integer from 1 to 3"),
-        ("[[port]]\nz = 0.15\n", "port[1].z = 0.15 m: no node is there; the nearest is node"),
+        ("[[port]]\nz = 0.4\n", "port[1].z = 0.4 m: must lie on the shaft, from 0 to 0.2 m"),
         (2 * "[[port]]\nnode = 1\nname = 'p'\n", "p: the name 'p' is there already"),
     ],
 )

@@ -3,6 +3,7 @@
 import json
 import sys
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.structure.assembly import assemble
 
 from benchmarks import compare, growth, race
-from benchmarks.peers import cvode, exudyn_peer, project, ross_peer
+from benchmarks.peers import cvode, exudyn_peer, ida, project, ross_peer, scipy_peer
 from benchmarks.problem import Diverged, Method, Missing, beginning, orbit, peaks
 from benchmarks.report import PAGE, filled_page, write_report
 from benchmarks.store import Store
@@ -127,3 +128,20 @@ def test_the_tables_of_the_page_are_those_of_the_newest_results():
     assert json.loads(results[-1].read_text(encoding="utf-8"))["about"]["kind"] == "full"
     page = PAGE.read_text(encoding="utf-8")
     assert filled_page(Store.read(results[-1].parent), page) == page
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        partial(cvode.solve, 2, 1e-7, modes=cvode.MODES),
+        partial(ida.solve, 1e-6),
+        partial(ida.solve, 1e-7, modes=cvode.MODES),
+        partial(scipy_peer.solve, "Radau", 1e-5, modes=cvode.MODES),
+    ],
+    ids=["CVODE on modes", "IDA", "IDA on modes", "Radau on modes"],
+)
+def test_peers_on_component_modes_and_ida_find_the_same_beginning(solve):
+    problem = replace(beginning(), stop=0.03, sample=0.005)
+    truth = cvode.reference(problem)
+    assert np.abs(solve(problem).disc - truth.disc).max() < 1e-7
+    assert np.abs(truth.disc - truth.disc[0]).max() > 1e-5

@@ -191,7 +191,8 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
     pictures = {f"run_down_{name}.png" for name in ("x", "y", "psi", "orbit", "error", "h")}
     assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
     rows = (tmp_path / "here" / "run_down.csv").read_text().splitlines()
-    assert rows[0].startswith("time,phi,w,a,tau,tau_load,J,bearing[1].psi")
+    head = "time [s],phi [rad],w [rad/s],a [rad/s2],tau [N.m],tau_load [N.m],J [kg.m2],"
+    assert rows[0].startswith(f"{head}bearing[1].psi [rad],")
     assert len(rows) == 1 + 101
 
 
@@ -204,7 +205,8 @@ def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_ear
         *("--direct", "--out", "."),
     )
     assert done.returncode == 0, done.stderr
-    assert "no_peak              the run ends within the start-up" in done.stdout
+    assert "No peak, because the run ends within the start-up, 2 s; disc 2 moved" in done.stdout
+    assert "open report.html" in done.stdout
     pictures = {f"run_down_{name}.png" for name in ("time", "spectrum", "orbit")}
     written = {path.name for path in tmp_path.iterdir()}
     assert written == pictures | {"summary.json", "run_down.csv", "recording.npz", "report.html"}
@@ -219,9 +221,9 @@ def test_signals_from_a_file_drive_the_run(command, tmp_path):
     assert done.returncode == 0, done.stderr
     header, *rows = (tmp_path / "run_down.csv").read_text().splitlines()
     last = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
-    assert last["w"] == pytest.approx(120)
-    assert last["phi"] == pytest.approx(110)
-    assert last["energy.external_work"] != 0
+    assert last["w [rad/s]"] == pytest.approx(120)
+    assert last["phi [rad]"] == pytest.approx(110)
+    assert last["energy.external_work [J]"] != 0
 
 
 @pytest.mark.parametrize(
@@ -369,7 +371,7 @@ def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(command,
         assert done.returncode == 0, done.stderr
         assert "which holds its inputs over a communication step" in done.stderr
         names, *_, last = (tmp_path / "run_down.csv").read_text().splitlines()
-        ends.append(float(last.split(",")[names.split(",").index("disc[3].x")]))
+        ends.append(float(last.split(",")[names.split(",").index("disc[3].x [m]")]))
         assert json.loads((tmp_path / "summary.json").read_text())["recorded_apart"] > 1e-3
     assert ends[0] == pytest.approx(ends[1], rel=2e-3)
 

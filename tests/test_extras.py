@@ -83,7 +83,7 @@ def test_a_module_imports_what_is_required_or_what_its_extra_brings(name):
     at_once = {PACKAGES.get(top, top).lower() for top in imported(tree.body)}
     assert not at_once - allowed
     later = {PACKAGES.get(top, top).lower() for top in imported(walked(tree))}
-    users = ("kernels", "build", "report", "study", "cluster")
+    users = ("kernels", "build", "report", "study", "cluster", "units")
     assert not later - REQUIRED - set().union(*(EXTRAS[extra] for extra in users))
 
 

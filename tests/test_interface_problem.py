@@ -10,7 +10,7 @@ from rotor_fmu.model.parts.clearance_contact import contact_force
 from rotor_fmu.model.parts.law import Kinematics, Weights
 from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht, newmark
 from rotor_fmu.model.step.excitation import spin_of
-from rotor_fmu.model.step.interface_problem import TOLERANCE, solve_dense, solve_interfaces
+from rotor_fmu.model.step.interface_problem import TOLERANCE, solve_columns, solve_interfaces
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.structure.dense import clearance_contacts
 from rotor_fmu.model.time_loop.block import LAYOUT, new_block
@@ -141,17 +141,35 @@ def test_a_solved_state_is_recognised_at_once():
         np.testing.assert_allclose(b_d * problem.w, b_d * w, atol=10 * TOLERANCE * CLEARANCE)
 
 
+@pytest.mark.parametrize("share", [1.0, 0.5])
 @pytest.mark.parametrize("m", [1, 2, 4, 9])
-def test_elimination_with_pivoting_solves_what_numpy_solves(m):
+def test_elimination_with_pivoting_solves_what_numpy_solves(m, share):
     rng = np.random.default_rng(m)
-    a, b = rng.standard_normal((m, m)), rng.standard_normal(m)
-    if m > 1:
-        a[0, 0] = 0.0  # needs the pivoting
+    a, b = np.eye(m), rng.standard_normal(m)
+    places = np.sort(rng.permutation(m)[: math.ceil(share * m)])
+    a[:, places] = rng.standard_normal((m, len(places)))
+    if len(places) > 1:
+        a[places[0], places[0]] = 0.0  # needs the pivoting
     x = b.copy()
-    assert interpreted(solve_dense)(a.copy(), x)
+    assert interpreted(solve_columns)(a[:, places].copy(), places, x)
     np.testing.assert_allclose(x, np.linalg.solve(a, b), rtol=1e-9)
 
 
 @pytest.mark.parametrize("entry", [0.0, math.nan])
 def test_elimination_reports_a_singular_matrix(entry):
-    assert not interpreted(solve_dense)(np.full((3, 3), entry), np.ones(3))
+    a = np.full((3, 3), entry)
+    assert not interpreted(solve_columns)(a, np.arange(3), np.ones(3))
+
+
+def test_newtons_matrix_has_columns_of_closed_contacts_only():
+    problem = new_problem()
+    scheme, h = chung_hulbert(0.2), 1e-3
+    b_d, b_v = scheme.beta * h * h, scheme.gamma * h
+    problem.flexibility[:] = step_flexibility(scheme, h, 300.0)
+    problem.w_free[:] = [0.1j * CLEARANCE / b_d, 1.5 * CLEARANCE / b_d]
+    problem.jacobian[:] = math.nan
+    is_solved, _ = solved(problem, 300.0, b_d, b_v)
+    assert is_solved
+    assert [force != 0 for force in problem.force] == [False, True]
+    assert np.isfinite(problem.jacobian[:, :2]).all()
+    assert np.isnan(problem.jacobian[:, 2:]).all()

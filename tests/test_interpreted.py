@@ -21,7 +21,8 @@ supports = Support(2, 1e6, 9.0), Support(8, 2e6)
 held = rig().with_parts(Bearing).with_parts(Support, *supports)
 robust, adaptive = choose("robust"), choose("paper-adaptive", h_min=1e-4)
 said, seen = [], []
-for rotor, settings in ((held, robust), (held, adaptive), (rig(), robust)):
+radau = choose(method="radau5")
+for rotor, settings in ((held, robust), (held, adaptive), (rig(), robust), (rig(), radau)):
     sim = Simulation(rotor, settings, speed=400.0, rate=-10.0, warn=said.append)
     for i in range(1, 5):
         sim.advance(0.008 * i, 400 - 10 * sim.time)

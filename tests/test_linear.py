@@ -122,6 +122,36 @@ def test_a_frequency_meets_the_speed_at_a_critical_speed():
         assert np.abs(frequencies - critical.speed).min() < 1e-8 * critical.speed
 
 
+@pytest.mark.parametrize("most", [1e4, 1e5, 1e6])
+def test_no_branch_is_lost_where_bearings_overdamp_modes(most):
+    """Damping that rises up to ten thousand times and falls again, with cross coupling: a branch
+    is interrupted at most where its mode does not oscillate, ends at a mode, and no two at one."""
+    speeds = (0.0, 200.0, 400.0, 600.0, 800.0)
+    coupling = tuple(5e3 * s for s in speeds)
+    damping = (100.0, most / 2, most, most / 2, 100.0)
+    bearings = [
+        LinearBearing(
+            node=n,
+            speed=speeds,
+            kxx=5e6,
+            kyy=6e6,
+            kxy=coupling,
+            kyx=tuple(-k for k in coupling),
+            cxx=damping,
+            cyy=damping,
+        )
+        for n in (1, 7)
+    ]
+    result = campbell(two_discs(6, *bearings), np.linspace(0.0, 800.0, 25))
+    assert np.isfinite(result.eigenvalues[:, :6]).all()  # which stay oscillating
+    last = result.eigenvalues[-1]
+    assert np.isfinite(last).all()
+    known = modes(two_discs(6, *bearings), 800.0, count=16).eigenvalues
+    nearest = np.abs(last[:, None] - known[None, :]) / np.abs(last)[:, None]
+    assert nearest.min(axis=1).max() < 1e-6
+    assert len(set(nearest.argmin(axis=1))) == len(last)
+
+
 def test_modes_are_followed_through_their_crossings():
     """A forward mode overtakes a backward one of higher order; coarse speeds or fine, the same."""
     rotor = PRINTED["5.9.9"][0]

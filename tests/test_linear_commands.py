@@ -51,6 +51,26 @@ def test_each_command_tells_a_table_and_writes_a_picture(command, tmp_path, argu
     assert json.loads((tmp_path / "out" / f"{name}.json").read_text())
 
 
+def test_campbell_has_critical_speeds_of_several_orders(command, tmp_path):
+    """Of twice the speed those whose doubles are frequencies of the diagram."""
+    said = command(
+        *("campbell", "--rotor", str(ROSS / "under_tension.toml"), "--speed", "0:150:7"),
+        *("--harmonic", "1", "--harmonic", "2", "--range", "50:80", "--count", "4"),
+    )
+    assert "Critical speeds of 1, 2 times the speed" in said
+    critical = json.loads((tmp_path / "out" / "campbell.json").read_text())["critical"]
+    assert {c["harmonic"] for c in critical} == {1.0, 2.0}
+    rotor = answers.rotor_of(ROSS / "under_tension.toml")
+    for c in critical:
+        damped = answers.modes(rotor, c["speed"], count=4).damped
+        assert np.abs(damped / (c["harmonic"] * c["speed"]) - 1).min() < 1e-9
+
+
+def test_mode_shapes_are_drawn_in_space_too(command, tmp_path):
+    command("modes", "--speed", "3000rpm", "--count", "2")
+    assert (tmp_path / "out" / "modes_3d.png").read_bytes().startswith(PNG)
+
+
 @pytest.mark.usefixtures("undrawn")
 def test_numbers_of_the_rig_are_those_of_the_paper(command):
     """Its 29.4 and 32.5 Hz."""
@@ -196,3 +216,28 @@ def test_a_load_past_the_film_is_refused_with_what_it_carries(command, tmp_path)
     (tmp_path / "open.toml").write_text(text)
     with pytest.raises(ValueError, match=r"its load is 1e\+05 N, and its film carries [\d.]+ N"):
         command("bearing", str(tmp_path / "open.toml"), "--speed", "300", "--load", "1e5")
+
+
+def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
+    """The amplitudes are those of the answer; an unbalance may be given in g mm."""
+    given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")
+    command("unbalance", *given)
+    head, *rows = (tmp_path / "out" / "unbalance.csv").read_text().splitlines()
+    assert head.startswith("speed [rad/s],node[5].x [m],node[5].y [m],node[5].x_phase [rad]")
+    speeds = np.linspace(40 * math.pi, 80 * math.pi, 5)
+    result = answers.unbalance_response(rig(), speeds, unbalances=[(4, 5e-5, math.pi / 2)])
+    numbers = np.array([list(map(float, row.split(","))) for row in rows])
+    np.testing.assert_allclose(numbers[:, 0], speeds, rtol=1e-8)
+    np.testing.assert_allclose(numbers[:, 1], np.abs(result.x[:, 4]), rtol=1e-8)
+    np.testing.assert_allclose(numbers[:, 5], result.major[:, 4], rtol=1e-8)
+
+
+def test_a_result_is_a_line_in_a_console():
+    for result in (
+        answers.modes(rig()),
+        answers.static(rig()),
+        answers.campbell(rig(), [0.0, 100.0]),
+        answers.unbalance_response(rig(), [50.0, 100.0]),
+    ):
+        assert "\n" not in repr(result)
+        assert len(repr(result)) < 120

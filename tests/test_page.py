@@ -1,8 +1,6 @@
 """The page in a browser: silent, linked, right under the cursor, at every width and in the dark."""
 
 import math
-import shutil
-import time
 
 import numpy as np
 import pytest
@@ -13,98 +11,11 @@ from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.study import study_page
 
+from .browser import NASTY, NEEDED, Page, look
 from .recordings import recorded, write_study
 
-webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed")
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-DRIVER = shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(not (BROWSER and DRIVER), reason="needs chromium and chromedriver")
-PATIENCE = 60.0  # [s]
-NASTY = "<!--<script> $$\\frac{a}{b}$$"
+pytestmark = NEEDED
 OTHERS = ("two", "steady", "cut", "nasty", "backward", "both ways", "study")
-
-
-class Page:
-    """A page that is open in the browser."""
-
-    def __init__(self, driver, path):
-        self.driver = driver
-        driver.get(path.as_uri())
-        self.wait("document.documentElement.dataset.ready === 'yes'")
-
-    def run(self, script, *arguments):
-        return self.driver.execute_script(script, *arguments)
-
-    def wait(self, condition):
-        end = time.monotonic() + PATIENCE
-        while not self.run(f"return {condition}"):
-            assert time.monotonic() < end, condition
-            time.sleep(0.05)
-
-    def set(self, name, value, event="input"):
-        self.run(
-            "const field = document.getElementById(arguments[0]); field.value = arguments[1];"
-            "field.dispatchEvent(new Event(arguments[2]))",
-            name,
-            value,
-            event,
-        )
-
-    def find(self, name):
-        return self.driver.find_element("id", name)
-
-    def text(self, name):
-        return self.run("return document.getElementById(arguments[0]).textContent", name)
-
-    def click_at(self, chart, x, y):
-        """Click on a place of a picture that is given in its data's coordinates."""
-        where = self.run(
-            f"const {{ frame }} = {chart}.view;"
-            "return [frame.x_scale.compute(arguments[0]), frame.y_scale.compute(arguments[1])]",
-            x,
-            y,
-        )
-        holder = self.run(f"return {chart}.holder")
-        self.run("arguments[0].scrollIntoView({ block: 'center' })", holder)
-        move = webdriver.ActionChains(self.driver)
-        size = self.run(
-            "const b = arguments[0].getBoundingClientRect(); return [b.width, b.height]", holder
-        )
-        move.move_to_element_with_offset(
-            holder, round(where[0] - size[0] / 2), round(where[1] - size[1] / 2)
-        )
-        move.click().perform()
-
-
-def look(driver, width=1600, dark=False):
-    driver.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False},
-    )
-    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
-
-
-@pytest.fixture(scope="module")
-def driver():
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.ChromeService(executable_path=DRIVER)
-    browser = webdriver.Chrome(options=options, service=service)
-    yield browser
-    browser.quit()
-
-
-@pytest.fixture
-def silent(driver):
-    """A browser that says nothing during a test."""
-    driver.get_log("browser")
-    look(driver)
-    yield driver
-    assert driver.get_log("browser") == []
 
 
 @pytest.fixture(scope="module")
@@ -369,3 +280,99 @@ def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
 def test_a_page_prints(silent, pages):
     Page(silent, pages / "one.html")
     assert silent.print_page().startswith("JVBERi0")  # %PDF-, in base64
+
+
+def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_its_unit(
+    silent, pages
+):
+    page = Page(silent, pages / "one.html")
+    lines = page.run(
+        "const value = (given) => String(given.value ?? given);"
+        "return over.hovered.slice(0, 4).map(({ name, glyph }) =>"
+        "[name, value(glyph.line_color), value(glyph.line_dash)])"
+    )
+    assert [name for name, *_ in lines] == ["1x of x", "1x of y", "2x", "0.5x"]
+    assert len({color for _, color, _ in lines}) == len({dash for *_, dash in lines}) == 4
+    assert page.run("return over.hover.tooltips.map((row) => row.join(' '))") == [
+        "line $name", "amplitude @y{0.00} µm 0-p", "speed @x{custom} Hz",
+    ]  # fmt: skip
+
+
+def test_speeds_are_shown_in_rpm(silent, pages):
+    page = Page(silent, pages / "one.html")
+    page.set("turns", "60", "change")
+    for chart in ("bode", "phase", "energy"):
+        axis = f"over.{chart}.plot.below[0]"
+        assert page.run(f"return {axis}.axis_label") == "Speed [rpm]"
+        ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
+        assert ticks == ["1200", "1830"]
+    assert page.run("return over.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
+    page.set("turns", "1", "change")
+    assert page.run("return over.bode.plot.below[0].axis_label") == "Speed [Hz]"
+
+
+def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(silent, pages):
+    from selenium import webdriver
+
+    page = Page(silent, pages / "one.html")
+    ends = "const r = over.bode.plot.x_range; return [r.start, r.end]"
+    whole = page.run(ends)
+    page.click_at("over.bode", 40.0, 50.0)
+    origin = webdriver.common.actions.wheel_input.ScrollOrigin
+    holder = page.run("return over.bode.holder")
+    place = page.run(
+        "const { frame } = over.bode.view; const b = over.bode.holder.getBoundingClientRect();"
+        "return frame.x_scale.compute(40) - b.width / 2"
+    )
+    at = origin.from_element(holder, round(place), 0)
+    webdriver.ActionChains(silent).scroll_from_origin(at, 0, -300).perform()
+    page.wait("over.bode.plot.x_range.end - over.bode.plot.x_range.start < 30")
+    low, high = page.run(ends)
+    share = (40 - low) / (high - low)
+    assert share == pytest.approx((40 - whole[0]) / (whole[1] - whole[0]), abs=0.03)
+    webdriver.ActionChains(silent).scroll_from_origin(at, 0, 3000).perform()
+    page.wait(f"over.bode.plot.x_range.end > {high + 1}")
+    low, high = page.run(ends)
+    assert whole[0] <= low < high <= whole[1]
+    webdriver.ActionChains(silent).scroll_from_origin(at, 0, -300).perform()
+    page.wait("over.bode.plot.x_range.end - over.bode.plot.x_range.start < 30")
+    webdriver.ActionChains(silent).move_to_element_with_offset(
+        holder, round(place), 0
+    ).double_click().perform()
+    page.wait(f"over.bode.plot.x_range.end === {whole[1]}")
+
+
+def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pages):
+    page = Page(silent, pages / "one.html")
+    holder = page.run("return over.bode.holder")
+    page.run("arguments[0].scrollIntoView({ block: 'center' })", holder)
+    left, right = page.run(
+        "const { frame } = over.bode.view; const b = over.bode.holder.getBoundingClientRect();"
+        "return [32, 38].map((x) => frame.x_scale.compute(x) - b.width / 2)"
+    )
+    from selenium import webdriver
+
+    move = webdriver.ActionChains(silent)
+    move.move_to_element_with_offset(holder, round(left), 0).click_and_hold()
+    move.move_to_element_with_offset(holder, round(right), 0).release().perform()
+    page.wait("over.bode.plot.x_range.end < 39")
+    assert page.run("return over.bode.plot.x_range.start") == pytest.approx(32, abs=0.5)
+    assert page.run("return over.bode.plot.x_range.end") == pytest.approx(38, abs=0.5)
+
+
+def test_a_second_place_and_a_time_base_are_drawn(silent, pages):
+    """Disc 1 moves half as much as disc 2; the time base has the orbit's values over two turns."""
+    page = Page(silent, pages / "one.html")
+    assert page.run("return over.parts[0].second.data.y.length") == 0
+    page.set("second", "disc[1]", "change")
+    one, two = page.run("const p = over.parts[0]; return [p.bodeX.data.y[10], p.second.data.y[10]]")
+    assert two == pytest.approx(one / 2, rel=1e-3)
+    orbits = page.run(
+        "const p = over.parts[0]; return [[...p.orbit.data.x], [...p.otherOrbit.data.x],"
+        "[...p.base[0].data.y], [...p.base[0].data.x]]"
+    )
+    assert np.array(orbits[0]) == pytest.approx(2 * np.array(orbits[1]), abs=0.05)
+    assert orbits[2] == orbits[0]
+    assert orbits[3][0] == 0
+    assert orbits[3][-1] == pytest.approx(2, abs=0.05)
+    assert "disc 1" in page.run("return document.querySelector('#bode .legend').textContent")

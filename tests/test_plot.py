@@ -42,7 +42,7 @@ def test_the_place_that_moves_most_is_taken_unless_one_is_named(folder):
         (("bodde", "."), "KIND bodde: did you mean bode?"),
         (("bode", "nowhere"), "nowhere: is not there"),
         (("bode", "."), "holds no recording.npz"),
-        (("orbit", ".", "--speed", "0"), "--speed 0 Hz: must be finite and not 0"),
+        (("orbit", ".", "--speed", "0"), "--speed 0: must not be 0"),
     ],
 )
 def test_bad_input_is_one_line_that_says_what_is_allowed(arguments, sentence, tmp_path):

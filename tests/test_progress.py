@@ -1,10 +1,10 @@
 """What a run in progress says of its steps."""
 
 import pytest
+from rich.console import Console
 from rotor_fmu.model.settings import choose
 
 from rotor_fmu import screen
-from rotor_fmu.runs import progress
 from rotor_fmu.runs.job import prepare
 from rotor_fmu.runs.progress import shown, steps
 from rotor_fmu.runs.run_down import run_direct
@@ -42,7 +42,7 @@ def test_progress_is_shown_every_now_and_then(monkeypatch, capsys, is_terminal):
     """On a clock of which every look takes 6 s."""
     clock = iter(range(0, 600, 6))
     monkeypatch.setattr(screen.time, "monotonic", lambda: next(clock))
-    monkeypatch.setattr(type(progress._console), "is_terminal", is_terminal)
+    monkeypatch.setattr(Console, "is_terminal", is_terminal)
     looks = []
 
     def observe():

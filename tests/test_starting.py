@@ -20,6 +20,15 @@ with contextlib.redirect_stdout(io.StringIO()) as text, contextlib.suppress(Syst
     main()
 assert "run-down" in text.getvalue()
 """
+HELP_OF_EACH = """
+import contextlib, io, sys
+from rotor_fmu.cli import COMMANDS, app
+for name in (name for panel in COMMANDS.values() for name in panel):
+    with contextlib.redirect_stdout(io.StringIO()) as text:
+        with contextlib.suppress(SystemExit):
+            app([name, "--help"])
+    assert name in text.getvalue()
+"""
 COMPLETION = """
 import contextlib, io, os, sys
 os.environ |= {
@@ -48,7 +57,8 @@ def run(script, **environment):
 @pytest.mark.parametrize(
     ("script", "unused"),
     [
-        (RUN, {"matplotlib", "scipy.interpolate", "scipy.optimize", "numba", "fmpy", "typer"}),
+        (RUN, {"matplotlib", "scipy", "numba", "fmpy", "typer", "rich"}),
+        (HELP_OF_EACH, {"matplotlib", "scipy", "numba", "fmpy", "pandas"}),
         (HELP, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
         (COMPLETION, {"numpy", "matplotlib", "scipy", "numba", "fmpy", "rotor_fmu.fmi"}),
     ],
@@ -56,6 +66,35 @@ def run(script, **environment):
 def test_a_process_imports_what_it_uses(script, unused):
     loaded = set(json.loads(run(script + LOADED)))
     assert not loaded & unused
+
+
+@pytest.mark.parametrize(
+    ("watched", "call"),
+    [
+        ("scipy.linalg.eig", "rf.load().campbell([0.0, 400.0])"),
+        ("numpy.linalg.eigvalsh", "Simulation(rig(), speed=100.0)"),
+        ("numpy.linalg.solve", "rf.response(rf.load(), speed=(150.0, 151.0), harmonics=5)"),
+    ],
+)
+def test_linear_algebra_takes_one_thread_and_leaves_as_many_as_there_were(watched, call):
+    script = f"""
+import importlib
+import numpy as np, scipy.linalg, threadpoolctl
+import rotor_fmu as rf
+from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.simulation import Simulation
+module, _, name = "{watched}".rpartition(".")
+module = importlib.import_module(module)
+counts, whole = set(), getattr(module, name)
+threads = lambda: {{library["num_threads"] for library in threadpoolctl.threadpool_info()}}
+def seen(*arguments, **options):
+    counts.update(threads())
+    return whole(*arguments, **options)
+setattr(module, name, seen)
+{call}
+print(counts, threads())
+"""
+    assert run(script, OPENBLAS_NUM_THREADS="2").strip() == "{1} {2}"
 
 
 def test_the_command_takes_one_thread_for_linear_algebra_unless_it_is_told_another_number():

@@ -127,11 +127,20 @@ def test_one_speed_is_told_from_many():
     assert not is_constant(np.linspace(100, 90, 5))
 
 
-def test_the_last_disc_stands_for_a_machine_or_what_else_is_probed():
-    discs = ["bearing[1].x", "disc[1].x", "disc[1].x_amp", "disc[2].x", "disc[2].x_amp"]
-    assert place_of(discs) == "disc[2]"
-    assert place_of(["body[1].x", "body[1].x_amp", "bearing[1].x"]) == "body[1]"
-    assert place_of(["bearing[1].x", "w"]) is None
+def test_the_place_that_moves_most_stands_for_a_machine():
+    """Of all that are observed, whatever their kind, not of the journals in their bearings; of two
+    that move as much the last."""
+    t = np.linspace(0, 1, 101)
+
+    def columns(**amplitudes):
+        moved = {f"{name}.x": a * np.sin(50 * t) for name, a in amplitudes.items()}
+        moved |= {f"{name}.y": 0 * t for name in amplitudes}
+        return moved | {f"{name}.x_amp": t for name in amplitudes if name != "bearing"}
+
+    assert place_of(columns(disc=1.0, probe=2.0, bearing=9.0)) == "probe"
+    assert place_of(columns(probe=1.0, disc=2.0)) == "disc"
+    assert place_of(columns(first=1.0, second=1.001, third=1.0)) == "third"
+    assert place_of(columns(bearing=1.0)) is None
 
 
 @pytest.mark.parametrize(

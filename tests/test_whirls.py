@@ -1,15 +1,19 @@
 """Growing whirls: found where closed forms have them, named where the steps hide them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.schemes.family import chung_hulbert, hht, newmark
 from rotor_fmu.model.settings import PRESETS, choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
-from rotor_fmu.model.stability import resolution
+from rotor_fmu.model.stability import memory, resolution
+
+from benchmarks.growth import refined, with_bearings
 
 from .machines import jeffcott, jeffcott_stiffness
 from .whip import OVERHUNG, overhung_machine, run_down
@@ -57,6 +61,28 @@ def test_against_the_rotation_means_the_same_for_a_shaft_that_turns_the_other_wa
     one, other = (whirls(rubbing_jeffcott(1.15), speed=speed) for speed in (SPEED, -SPEED))
     assert [w.is_backward for w in other] == [w.is_backward for w in one]
     np.testing.assert_allclose([w.root for w in other], [w.root for w in one], rtol=1e-9)
+
+
+def test_of_many_bearings_each_alone_is_surveyed_by_fewer_dofs_and_has_the_same_whirls(monkeypatch):
+    rotor = with_bearings(refined(rig(), 60), 14)
+    rotor = rotor.with_parts(Bearing, *(replace(b, mu=0.6) for b in rotor.bearings))
+    few = Simulation(rotor, speed=SPEED, warn=lambda message: None)
+    monkeypatch.setattr(memory, "_PAYS", 0.0)
+    all_of_them = Simulation(rotor, speed=SPEED, warn=lambda message: None)
+    n, coarse = all_of_them._run.survey.basis.shape
+    assert all_of_them._run.survey.alone.shape[0] == 0
+    assert few._run.survey.alone.shape[:2] == (14, n)
+    assert few._run.survey.alone.shape[2] < 0.75 * coarse
+    by_place = [
+        {(w.closed, w.speed): w for w in reversed(sim._whirls)} for sim in (few, all_of_them)
+    ]
+    assert by_place[0].keys() == by_place[1].keys()
+    assert sum(len(closed) == 1 for closed, _ in by_place[0]) >= 12
+    for place, whirl in by_place[0].items():
+        assert whirl.root == pytest.approx(by_place[1][place].root, rel=2e-4)
+        assert whirl.is_backward == by_place[1][place].is_backward
+    steps = [sim._run.memory.record[0].h_in_contact for sim in (few, all_of_them)]
+    assert steps[0] == pytest.approx(steps[1], rel=1e-3)
 
 
 def test_the_overhung_machine_has_the_root_that_an_eigenvalue_solver_finds():

@@ -15,11 +15,10 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
+_HOW_TO = ("studies", "oil_films", "check_by_api_617", "native", "page", "couple_an_fmu")
 SECTIONS = {
     "Tutorials": [f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS],
-    "How to": [
-        f"docs/how_to/{name}.md" for name in ("studies", "oil_films", "native", "couple_an_fmu")
-    ],
+    "How to": [f"docs/how_to/{name}.md" for name in _HOW_TO],
     "Examples": ["examples/*/README.md"],
     "Reference": ["docs/reference/*.md"],
     "Explanation": ["docs/explanation/*.md"],
@@ -28,6 +27,16 @@ SECTIONS = {
         *("docs/how_to/debug_a_kernel.md", "docs/decisions/*.md"),
     ],
 }
+_COPIED = "copied"  # to the site as it is
+# Machines that run on pages of the site: in words, the page's name, the machine file.
+TRIED = (
+    ("the rig that runs down", "rig", "examples/paper_rig/rig.toml"),
+    (
+        "a compressor that drops into its touchdown bearings",
+        "drop",
+        "examples/drop/compressor.toml",
+    ),
+)
 _SHOWN = (".png", ".gif", ".svg", ".csv.gz", ".html")
 
 
@@ -59,14 +68,36 @@ def assemble(tree: Path) -> None:
             index.write(f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n{names}\n```\n")
 
 
+def add_machines(tree: Path) -> None:
+    """Add pages on which the rig and the drop run, and links to them on the first page."""
+    from rotor_fmu.files import write_text
+    from rotor_fmu.fmi.packing.machine_files import machine_of
+    from rotor_fmu.live.page import solver_page
+
+    folder = tree / _COPIED / "try"
+    folder.mkdir(parents=True)
+    for _, name, file in TRIED:
+        toml = (ROOT / file).read_text(encoding="utf-8")
+        write_text(solver_page(machine_of(toml, False, 0)), folder / f"{name}.html")
+    links = " or ".join(f'<a href="try/{name}.html">{title}</a>' for title, name, _ in TRIED)
+    index = tree / "index.md"
+    before, heading, after = index.read_text("utf-8").partition("\n## ")
+    tried = (
+        f"\n**Try it in your browser**: {links}; move a slider, and the run is computed again.\n"
+    )
+    index.write_text(before + tried + heading + after, encoding="utf-8")
+
+
 def render(tree: Path, site: Path) -> int:
     """Make the site of a tree; returns Sphinx' status."""
     sphinx = [sys.executable, "-m", "sphinx", "--quiet", "--fail-on-warning", "--keep-going"]
-    return subprocess.run([*sphinx, str(tree), str(site)], check=False).returncode
+    copied = ["-D", f"html_extra_path={_COPIED}"] if (tree / _COPIED).is_dir() else []
+    return subprocess.run([*sphinx, *copied, str(tree), str(site)], check=False).returncode
 
 
 if __name__ == "__main__":
     site = Path(sys.argv[1]) if sys.argv[1:] else ROOT / "build" / "site"
     with tempfile.TemporaryDirectory() as folder:
         assemble(Path(folder))
+        add_machines(Path(folder))
         sys.exit(render(Path(folder), site))

@@ -1,25 +1,42 @@
-"""Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection."""
+"""Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection, and the
+checks of API 617 and 684."""
 
+from .bearing import BearingCurves, bearing_curves
 from .campbell import Campbell, CriticalSpeed, campbell
-from .journal import BearingCurves, bearing_curves
+from .critical_map import CriticalMap, critical_map, mean_stiffness
 from .machine import CONTACTS, LinearError, LinearMachine
 from .modes import Modes, modes
+from .placement import placed_unbalances
+from .stability_levels import StabilityLevel1, StabilityLevel2, Stage, level_1, level_2
 from .static import Static, static
 from .unbalance import UnbalanceResponse, unbalance_response
+from .unbalance_check import UnbalanceCheck, critical_peaks, unbalance_check
 
 __all__ = [
     "CONTACTS",
     "BearingCurves",
     "Campbell",
+    "CriticalMap",
     "CriticalSpeed",
     "LinearError",
     "LinearMachine",
     "Modes",
+    "StabilityLevel1",
+    "StabilityLevel2",
+    "Stage",
     "Static",
+    "UnbalanceCheck",
     "UnbalanceResponse",
     "bearing_curves",
     "campbell",
+    "critical_map",
+    "critical_peaks",
+    "level_1",
+    "level_2",
+    "mean_stiffness",
     "modes",
+    "placed_unbalances",
     "static",
+    "unbalance_check",
     "unbalance_response",
 ]

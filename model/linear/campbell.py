@@ -33,15 +33,17 @@ class CriticalSpeed:
     speed: float
     whirl: str
     log_dec: float
+    harmonic: float = 1.0
 
 
 @dataclass(frozen=True)
 class Campbell(Spectrum):
     """Modes over s speeds [rad/s], each followed by its shape; m modes in their order at the first
-    speed. Modes that could not be followed are NaN.
+    speed. Where a mode is so damped that it does not oscillate it is NaN; it goes on where it does
+    again.
 
-    eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonic: multiple of the
-    speed that excites; critical: where a mode meets it, by ascending speed; threshold: lowest speed
+    eigenvalues: complex of shape (s, m) [1/s]; whirl: s times m words; harmonics: multiples of the
+    speed that excite; critical: where a mode meets it, by ascending speed; threshold: lowest speed
     above which some mode grows [rad/s], None where none does; contacts: `open` or `pinned`.
     """
 
@@ -49,7 +51,7 @@ class Campbell(Spectrum):
     contacts: str
     eigenvalues: np.ndarray
     whirl: tuple[tuple[str, ...], ...]
-    harmonic: float
+    harmonics: tuple[float, ...]
     critical: tuple[CriticalSpeed, ...]
     threshold: float | None
 
@@ -60,29 +62,33 @@ def campbell(
     *,
     count: int = DEFAULT_COUNT,
     contacts: str | None = None,
-    harmonic: float = 1.0,
+    harmonic: float | Sequence[float] = 1.0,
 ) -> Campbell:
     """Return the Campbell diagram of the `count` lowest modes over ascending speeds [rad/s], at
     least 2.
 
-    harmonic: multiple of the speed that excites, for critical speeds; contacts: `open` or `pinned`;
-    None: open where the machine is held without them. Raises `LinearError`.
+    harmonic: multiple of the speed that excites, for critical speeds, or several; contacts: `open`
+    or `pinned`; None: open where the machine is held without them. Raises `LinearError`.
     """
     at = np.array(speeds, dtype=float)
     if len(at) < 2 or not (np.diff(at) > 0).all():
         raise LinearError("speeds: must be at least 2, ascending")
-    if not (np.isfinite(harmonic) and harmonic > 0):
-        raise LinearError(f"harmonic = {harmonic:g}: must be > 0")
+    harmonics = tuple(np.atleast_1d(np.array(harmonic, dtype=float)).tolist())
+    for order in harmonics:
+        if not (np.isfinite(order) and order > 0):
+            raise LinearError(f"harmonic = {order:g}: must be > 0")
     follow = _Follower(LinearMachine(rotor, contacts), count + _MORE)
     seen = [follow.at(at[0])]
     places = [np.arange(min(count, len(seen[0].eigenvalues)))]
     for speed in at[1:]:
         seen.append(follow.at(speed))
-        places.append(follow.onward(seen[-2], seen[-1], places[-1]))
+        onward = follow.onward(seen[-2], seen[-1], places[-1])
+        places.append(_found_again(seen, places, onward))
     critical = [
         result
+        for order in harmonics
         for i in range(len(at) - 1)
-        for result in _critical(follow, seen[i : i + 2], places[i : i + 2], harmonic)
+        for result in _critical(follow, seen[i : i + 2], places[i : i + 2], order)
     ]
     followed = list(zip(seen, places, strict=True))
     return Campbell(
@@ -92,7 +98,7 @@ def campbell(
             [[m.eigenvalues[p] if p >= 0 else np.nan for p in of] for m, of in followed]
         ),
         whirl=tuple(tuple(m.whirl[p] if p >= 0 else "" for p in of) for m, of in followed),
-        harmonic=harmonic,
+        harmonics=harmonics,
         critical=tuple(sorted(critical, key=lambda c: c.speed)),
         threshold=_threshold(follow, seen),
     )
@@ -117,6 +123,22 @@ class _Follower:
         middle = self.at((a.speed + b.speed) / 2)
         half = self.onward(a, middle, places, depth + 1)
         return self.onward(middle, b, half, depth + 1)
+
+
+def _found_again(
+    seen: Sequence[Modes], places: Sequence[np.ndarray], onward: np.ndarray
+) -> np.ndarray:
+    """Return the places in the last of `seen` with those of modes that did not oscillate for a
+    while: the free shape most like the one that such a mode had, once it is there again."""
+    result = onward.copy()
+    last = seen[-1]
+    for mode in np.flatnonzero(onward < 0):
+        before = max(i for i, of in enumerate(places) if of[mode] >= 0)
+        alike = _likeness(seen[before], last)[places[before][mode]]
+        alike[result[result >= 0]] = 0.0
+        if alike.max(initial=0.0) > _UNLIKE:
+            result[mode] = int(np.argmax(alike))
+    return result
 
 
 def _likeness(a: Modes, b: Modes) -> np.ndarray:
@@ -156,7 +178,8 @@ def _critical(
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             if at >= 0 and there.damping_ratio[at] < _PEAKING:
                 log_dec = float(there.log_dec[at])
-                result.append(CriticalSpeed(int(mode), there.speed, there.whirl[at], log_dec))
+                whirl = there.whirl[at]
+                result.append(CriticalSpeed(int(mode), there.speed, whirl, log_dec, harmonic))
     return result
 
 

@@ -11,7 +11,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,6 +21,7 @@ from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.base import Interface, Mount, Spring
 from ..parts.housing import masses
+from ..parts.linear_bearing import LINEAR_BEARING
 from ..structure.assembly import assemble
 from ..structure.elastic import factorized, strains
 from ..structure.parameters import elastic_share, lengths_of
@@ -69,6 +70,7 @@ class LinearMachine:
         self.contacts = contacts
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
+        self._is_curved = ~_are_linear(self.rotor)
         size = len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
@@ -103,9 +105,9 @@ class LinearMachine:
 
     def at(self, speed: float) -> Linear:
         """Return the machine at a speed [rad/s], linearized where gravity holds it; where nothing
-        does, or no law needs it, at no displacement. Raises `LinearError` if Newton's method finds
-        no equilibrium."""
-        needs_rest = self._acts.any() and self.holds_at(speed)
+        does, or all laws are linear, at no displacement. Raises `LinearError` if Newton's method
+        finds no equilibrium."""
+        needs_rest = (self._acts & self._is_curved).any() and self.holds_at(speed)
         return self.loaded(speed) if needs_rest else self.at_zero_load(speed)
 
     def at_zero_load(self, speed: float) -> Linear:
@@ -134,6 +136,38 @@ class LinearMachine:
                 return linear._replace(rest=rest, pull=pull)
             before = change
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
+
+    def undamped(self, supports: Sequence[int], is_rigid: bool) -> Undamped:
+        """Return the undamped machine on some of its supports, whose stiffness is yet to be given.
+
+        supports: places in the order of `support_dofs`; is_rigid: whether housings are taken as
+        ground. All other springs to ground and interfaces are left out.
+        """
+        s = self.structure
+        ground, n = self.expand.shape[0] // 2 - 1, self.expand.shape[1]
+        kept = sp.eye_array(n, 2 * len(s.weight) if is_rigid else n, format="csr")
+        of_springs = [(dof, ground) for dof in s.springs.dof]
+        of_interfaces = [
+            (dof, ground if is_rigid else end % (ground + 1))
+            for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)
+        ]
+        across = _differences(ground + 1, of_springs + of_interfaces) @ self.expand @ kept
+        springs = across[: 2 * len(of_springs)]
+        K = kept.T @ self._K @ kept
+        if len(of_springs):
+            own = sp.diags_array(np.repeat(s.springs.stiffness, 2))
+            K = K - springs.T @ own @ springs
+        rows = np.array([[2 * i, 2 * i + 1] for i in supports], int).ravel()
+        return Undamped(
+            M=(kept.T @ self.M @ kept).toarray(),
+            gyroscopic=(kept.T @ self._gyroscopic @ kept).toarray(),
+            own_K=K.tocsc(),
+            strained=self._strained @ kept,
+            flexibility=Strain(
+                self._strained, self._full.stiffness, np.eye(2), np.zeros((2, 2))
+            ).flexibility(np.eye(2)),
+            across=across[rows],
+        )
 
     def holds_at(self, speed: float) -> bool:
         """Return whether the machine is held at a speed [rad/s]: oil films hold it if it turns."""
@@ -251,6 +285,29 @@ class LinearMachine:
         )
 
 
+class Undamped(NamedTuple):
+    """The undamped machine without the stiffness of its supports: real matrices of the unknowns,
+    shape (N, N), own_K without what the shaft's strain adds; the shaft's strains by the unknowns
+    and each element's flexibility; x, y of each support's displacement by the unknowns."""
+
+    M: np.ndarray
+    gyroscopic: np.ndarray
+    own_K: sp.csc_array
+    strained: sp.csr_array
+    flexibility: np.ndarray
+    across: sp.csr_array
+
+    def over_stiffness(self, matrix: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+        """Return K^-1 of a matrix, with the isotropic stiffness of each support, shape (supports,)
+        [N/m]; `LinearError` where nothing holds the machine."""
+        K = self.own_K + self.across.T @ sp.diags_array(np.repeat(stiffness, 2)) @ self.across
+        try:
+            solve = factorized(K, self.strained, self.flexibility)
+        except RuntimeError as error:
+            raise LinearError("the machine is not held by its bearings") from error
+        return solve(matrix.real)[0] + 1j * solve(matrix.imag)[0]
+
+
 class _Full(NamedTuple):
     """Matrices of x, y of every dof, housing and ground, before anything is pinned, C and K without
     what the shaft's strain adds; its strains by them, and each element's stiffness."""
@@ -331,6 +388,12 @@ def in_plane(z: np.ndarray) -> np.ndarray:
 def to_complex(u: np.ndarray) -> np.ndarray:
     """Return x + i y of x, y in turn, shape (n,)."""
     return u[::2] + 1j * u[1::2]
+
+
+def _are_linear(rotor: Rotor) -> np.ndarray:
+    """Return which interfaces have a force that is linear in displacement and velocity."""
+    elements = (e for w, part in rotor.named_parts() for e in part.elements(w, 1.0))
+    return np.array([e.law is LINEAR_BEARING for e in elements if isinstance(e, Interface)], bool)
 
 
 def _supports(rotor: Rotor) -> Supports:

@@ -15,6 +15,7 @@ import scipy.linalg
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..machine.rotor import Rotor
+from ..one_thread import on_one_thread
 from .linearized import Linear, LinearError
 from .machine import LinearMachine
 from .spectrum import Spectrum
@@ -111,6 +112,7 @@ def modes(
     return machine_modes(LinearMachine(rotor, contacts), speed, count)
 
 
+@on_one_thread
 def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     """Return `modes` of a machine that is linear already."""
     check_speed(speed)

@@ -96,24 +96,14 @@ def unbalance_response(
     unbalances: (node from 1, amount [kg.m], angle from the shaft's mark [rad]); contacts: `open` or
     `pinned`; None: open where the machine is held without them. Raises `LinearError`.
     """
-    machine = LinearMachine(rotor, contacts)
+    steady = SteadyWhirl(rotor, contacts, unbalances)
+    machine = steady.machine
     size = machine.across.shape[1] // 2
-    pull = np.zeros(size, dtype=complex)
-    if unbalances is None:
-        own, whole = machine.structure.unbalances, machine.structure.unbalance
-        np.add.at(pull, own.dof, whole)
-        np.add.at(pull, own.slope, own.offset * whole)
-    for node, amount, phase in unbalances or ():
-        pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
-    both = np.column_stack([pull, -1j * pull]).ravel()
     result, bears = [], []
     for speed in speeds:
-        check_speed(speed)
-        linear = machine.at(speed)
-        force = speed**2 * both
-        u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        result.append(machine.expand @ u)
-        bears.append(machine.loads(linear, u, pull, force, speed) if speed else _nothing(machine))
+        moved, loads = steady.at(speed)
+        result.append(moved)
+        bears.append(loads)
     whole = np.array(result).reshape(-1, size, 2)
     load = np.array(bears).reshape(len(whole), -1, 2)
     n = 2 * len(machine.nodes)
@@ -130,6 +120,38 @@ def unbalance_response(
         load_x=load[:, :, 0],
         load_y=load[:, :, 1],
     )
+
+
+class SteadyWhirl:
+    """The steady motion of a machine under its unbalances, or under those given instead; see
+    `unbalance_response` for these and `contacts`."""
+
+    def __init__(
+        self,
+        rotor: Rotor,
+        contacts: str | None = None,
+        unbalances: Sequence[tuple[int, float, float]] | None = None,
+    ) -> None:
+        self.machine = machine = LinearMachine(rotor, contacts)
+        pull = np.zeros(machine.across.shape[1] // 2, dtype=complex)
+        if unbalances is None:
+            own, whole = machine.structure.unbalances, machine.structure.unbalance
+            np.add.at(pull, own.dof, whole)
+            np.add.at(pull, own.slope, own.offset * whole)
+        for node, amount, phase in unbalances or ():
+            pull[2 * (check_node(machine, node) - 1)] += amount * np.exp(1j * phase)
+        self._pull = np.column_stack([pull, -1j * pull]).ravel()
+
+    def at(self, speed: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the complex amplitudes of x, y of every dof [m, rad] and the loads on the supports
+        in x and y [N] at a speed [rad/s]."""
+        check_speed(speed)
+        machine = self.machine
+        linear = machine.at(speed)
+        force = speed**2 * self._pull
+        u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
+        loads = machine.loads(linear, u, pull, force, speed) if speed else _nothing(machine)
+        return machine.expand @ u, loads
 
 
 def _nothing(machine: LinearMachine) -> np.ndarray:

@@ -7,8 +7,9 @@ as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4)
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from itertools import accumulate
 from typing import Any, NamedTuple, TypeVar
@@ -29,6 +30,7 @@ from ..quantities import (
     switch,
 )
 from ..spelling import spell
+from .operation import Operation
 
 AnyPart = TypeVar("AnyPart", bound=Part)
 # See `spelling`.
@@ -38,6 +40,7 @@ HYSTERETIC_AT_REST = (
 )
 
 
+_IDENTIFIER = re.compile(r"([A-Za-z_][A-Za-z0-9_]{0,63})?")  # in C; empty: made from the name
 _VERTICAL = 1e-5  # rad of the vertical: pi / 2 with the digits that are usually given
 # What no part may be called: headings of other names, and names that stand for themselves.
 _TAKEN = (
@@ -84,7 +87,8 @@ class Rotor:
     rotating_damping: whether the internal damping turns with the shaft (Zorzi and Nelson 1977);
     gravity [m/s2], downwards, unless gravity_angle turns it about the shaft [rad], and of which the
     inclination of the shaft [rad] leaves the cosine; start: position of the first node along the
-    shaft [m].
+    shaft [m]; operation: how it is run; identifier: what its FMU is called, made from the name
+    where it is empty.
 
     Raises `QuantityError` for an impossible value.
     """
@@ -117,9 +121,16 @@ class Rotor:
     )
     name: str = "rotor"
     start: float = quantity("m", "position of the first node", ANY, 0.0)
+    operation: Operation = field(default_factory=Operation)
+    identifier: str = ""
 
     def __post_init__(self) -> None:
         self._check_shaft()
+        if not isinstance(self.identifier, str) or not _IDENTIFIER.fullmatch(self.identifier):
+            raise QuantityError(
+                f"identifier = {self.identifier!r}: must be a word of letters, digits and _ that "
+                "does not begin with a digit"
+            )
         housings: set[str] = {GROUND}
         for where, part in self.named_parts():
             part.check(where)
@@ -276,7 +287,7 @@ class Rotor:
         parts = []
         for (kind, index), part in self.indexed_parts():
             names = {str(Name(kind, index, q)): q for q in quantities(part)}
-            new = {q: left.pop(n) for n, q in names.items() if n in left}
+            new: dict[str, Any] = {q: left.pop(n) for n, q in names.items() if n in left}
             parts.append(replace(part, **new) if new else part)
         for name in left:
             raise QuantityError(f"{name}: unknown quantity")

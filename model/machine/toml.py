@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import fields
 from importlib.resources import files
 from typing import Any
 
 from ..parts import PARTS
 from ..parts.base import Part
-from ..quantities import QuantityError
+from ..quantities import ANY, Quantity, QuantityError, check
+from .mesh import Mesh
+from .operation import Operation
 from .rotor import Rotor
 from .shaft_tables import Materials, sections_between, sections_in_turn
 from .table_reader import a_table, make, number, refuse_unknown, tables_of
 
 _SHAFT_KEYS = ("nodes", "diameters", "start", "eta_v", "eta_h", "rotating_damping")
 _OWN_KEYS = (
-    "name", "gravity", "gravity_angle", "inclination", "material", "shaft", "section",
+    "name", "identifier", "gravity", "gravity_angle", "inclination", "operation", "material",
+    "shaft", "section",
 )  # fmt: skip
-_SAME = 1e-9  # of the shaft's length: positions that are one
+_POSITION = Quantity("m", "position along the shaft", ANY)
 
 
 def rig_toml(name: str = "zigulic2003") -> str:
@@ -64,11 +67,12 @@ def parse_rotor(text: str) -> Rotor:
         start, sections = sections_between(
             shaft.get("nodes"), shaft.get("diameters"), materials.own
         )
-    bare = Rotor(material=materials.own, sections=sections, parts=(), start=start)
+    Rotor(material=materials.own, sections=sections, parts=(), start=start)  # checked
+    mesh = Mesh(sections, start, list(_places(data)))
     return Rotor(
         material=materials.own,
-        sections=sections,
-        parts=tuple(p for kind in PARTS for p in _parts(kind, data, bare.nodes, materials)),
+        sections=mesh.sections,
+        parts=tuple(p for kind in PARTS for p in _parts(kind, data, mesh, materials)),
         eta_v=number(shaft.get("eta_v", 0.0)),
         eta_h=number(shaft.get("eta_h", 0.0)),
         rotating_damping=shaft.get("rotating_damping", False),
@@ -77,42 +81,50 @@ def parse_rotor(text: str) -> Rotor:
         inclination=number(data.get("inclination", 0.0)),
         name=name,
         start=start,
+        operation=make(Operation, "operation", data.get("operation", {})),
+        identifier=data.get("identifier", ""),
     )
 
 
-def _parts(
-    kind: type[Part], data: dict[str, Any], nodes: Sequence[float], materials: Materials
-) -> list[Part]:
-    """Return all parts of a kind."""
+def _tables(kind: type[Part], data: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Return the tables of a kind of part, each with its name."""
     if kind.KIND not in data:
         return []
     if kind.IS_SINGLE:
-        given = [(kind.KIND, a_table(kind.KIND, data[kind.KIND]))]
-    else:
-        given = tables_of(kind.KIND, data[kind.KIND])
+        return [(kind.KIND, a_table(kind.KIND, data[kind.KIND]))]
+    return tables_of(kind.KIND, data[kind.KIND])
+
+
+def _has_place(kind: type[Part]) -> bool:
+    """Return whether a kind of part sits on a node, which z may give."""
     names = {field.name for field in fields(kind)}
-    parts = []
-    for where, table in given:
+    return "node" in names and "z" not in names
+
+
+def _places(data: dict[str, Any]) -> Iterator[tuple[str, float]]:
+    """Yield every part that is placed by z, and its z [m]."""
+    for kind in filter(_has_place, PARTS):
+        for where, table in _tables(kind, data):
+            if "z" not in table:
+                continue
+            if "node" in table:
+                raise QuantityError(f"{where}.z: is given beside {where}.node")
+            check(f"{where}.z", _POSITION, table["z"])
+            yield where, float(table["z"])
+
+
+def _parts(
+    kind: type[Part], data: dict[str, Any], mesh: Mesh, materials: Materials
+) -> Iterator[Part]:
+    """Yield all parts of a kind."""
+    names = {field.name for field in fields(kind)}
+    for where, table in _tables(kind, data):
         values = dict(table)
-        if "z" in values and "node" in names and "z" not in names:
-            values["node"] = _node_at(where, values, nodes)
+        if _has_place(kind):
+            if "z" in values:
+                values["node"] = mesh.node_at(float(values.pop("z")))
+            elif "node" in values:
+                values["node"] = mesh.node(where, values["node"])
         if "material" in values and "material" in names:
             values["material"] = materials.take(f"{where}.material", values["material"])
-        parts.append(make(kind, where, values))
-    return parts
-
-
-def _node_at(where: str, values: dict[str, Any], nodes: Sequence[float]) -> int:
-    """Return the node at the position z [m], which may be given in the place of its number."""
-    z = number(values.pop("z"))
-    if "node" in values:
-        raise QuantityError(f"{where}.z: is given beside {where}.node")
-    if isinstance(z, bool) or not isinstance(z, float):
-        raise QuantityError(f"{where}.z = {z!r}: must be a number")
-    node = min(range(len(nodes)), key=lambda i: abs(nodes[i] - z))
-    if not abs(nodes[node] - z) <= _SAME * (nodes[-1] - nodes[0]):
-        raise QuantityError(
-            f"{where}.z = {z:g} m: no node is there; the nearest is node {node + 1} at "
-            f"{nodes[node]:g} m"
-        )
-    return node + 1
+        yield make(kind, where, values)

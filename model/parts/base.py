@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from ..quantities import Output, check_all
@@ -170,12 +170,16 @@ class Part(ABC):
         Whether a machine has one at most.
     LAWS : tuple of Law
         Laws that its interfaces may have.
+    name : str
+        What its variables, pictures and messages call it, or "": its kind and number.
     """
 
     KIND: ClassVar[str]
     TEXT: ClassVar[str]
     IS_SINGLE: ClassVar[bool] = False
     LAWS: ClassVar[tuple[Law, ...]] = ()
+
+    name: str = field(default="", kw_only=True)
 
     @abstractmethod
     def elements(self, where: str, density: float) -> Iterator[Element]:
@@ -203,7 +207,7 @@ class Part(ABC):
         str
             The name, or "".
         """
-        return ""
+        return self.name
 
     def check(self, where: str) -> None:
         """Check the quantities of the part.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
 from ..kernels.jit import jit
@@ -44,7 +44,12 @@ class Housing(HousingQuantities, Part):
     KIND: ClassVar[str] = "housing"
     TEXT: ClassVar[str] = "a mass on springs and dampers to ground, on which bearings may sit"
 
-    name: str
+    name: str = field()  # unlike that of other parts it must be given
+
+    @property
+    def label(self) -> str:
+        """None: its name is for the bearings that sit on it, its variables are `housing[1]`."""
+        return ""
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:

@@ -33,7 +33,7 @@ from ..quantities import (
     quantities,
     quantity,
 )
-from .base import GROUND, Element, Interface, Part, Shape
+from .base import GROUND, Element, Interface, Part, Probe, Shape
 from .law import Law
 
 
@@ -254,8 +254,9 @@ class LinearBearing(Coefficients, Part):
         return np.reshape(values[:4], (2, 2)), np.reshape(values[4:], (2, 2))
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
-        """One interface."""
+        """One interface, and a probe of the shaft in it."""
         yield Interface(self.node, LINEAR_BEARING, self, self.housing)
+        yield Probe(self.node)
 
     def outline(self) -> Iterator[Shape]:
         """A spring from the shaft to ground or to its housing."""

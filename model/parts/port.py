@@ -11,19 +11,12 @@ from . import base as of
 
 @dataclass(frozen=True)
 class Sensor(of.Part):
-    """The displacement and the velocity of a node (from 1); `name`: what its variables are called
-    after, in the place of `sensor[1]`."""
+    """The displacement and the velocity of a node (from 1)."""
 
     KIND: ClassVar[str] = "sensor"
     TEXT: ClassVar[str] = "the displacement and the velocity of a node"
 
     node: int
-    name: str = ""
-
-    @property
-    def label(self) -> str:
-        """Its name."""
-        return self.name
 
     def elements(self, where: str, density: float) -> Iterator[of.Element]:
         """Two probes."""

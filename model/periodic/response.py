@@ -11,6 +11,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import tables_of
+from ..one_thread import on_one_thread
 from ..quantities import QuantityError
 from ..simulation import EquilibriumError, StepFailure
 from . import arclength
@@ -95,6 +96,7 @@ def _machines(rotor: Rotor, task: Task) -> Callable[[float], Condensed]:
     return cached(lambda value: first.with_rotor(rotor.with_value(task.name, value)))
 
 
+@on_one_thread
 def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Response:
     """All branches that a task reaches; `tell` hears of every point. A branch that is lost keeps
     what it has. KeyboardInterrupt ends it with what there is."""

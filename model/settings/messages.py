@@ -9,9 +9,17 @@ from ..spelling import choice
 from .table import BY_NAME, METHODS, MODES, NORMS, SETTINGS, SHAPES, Choice, is_idle
 
 GOOD = 0
-(NOT_TAKEN, NEEDED, STEP_OUTSIDE, LIMITS_CROSSED, BAD_DIFFERENCE, UNSTABLE, OUT_OF_RANGE) = range(
-    1, 8
-)
+(
+    NOT_TAKEN,
+    NEEDED,
+    STEP_OUTSIDE,
+    LIMITS_CROSSED,
+    BAD_DIFFERENCE,
+    UNCONTROLLED,
+    UNSTABLE,
+    FITTED_IN_STAGES,
+    OUT_OF_RANGE,
+) = range(1, 10)
 IDLE = OUT_OF_RANGE + len(SETTINGS)
 
 _METHOD, _SHAPE = choice(METHODS), choice(SHAPES)
@@ -46,14 +54,18 @@ SENTENCES = (
     "h = {g} s: must lie between h_min = {g} s and h_max = {g} s",
     "eps_min = {g}: must be below eps_max = {g}",
     "alpha_f - alpha_m = {g}: must be above -1 (beta would be 0)",
+    f"method = {_METHOD}: takes mode = controlled, which chooses its step lengths by a tolerance; "
+    f"mode = {choice(MODES)} is not safe with its long steps",
     f"{_METHOD} with alpha_f = {{g}}, alpha_m = {{g}} is unstable: its spectral radius for fast "
     "oscillations is {.4g}, above 1; the run will diverge",
+    f"{_parameter_name('fitted')}: has no effect with the method {_METHOD}",
     *(_out_of_range(setting.name) for setting in SETTINGS),
     *(_idle(setting.name) for setting in SETTINGS),
 )
+_CODES = {UNSTABLE: "unstable-scheme", FITTED_IN_STAGES: "idle-setting"}
 # Of each the code that a machine reads, empty of what no run says that goes on.
 CODES = (
-    *("unstable-scheme" if code == UNSTABLE else "" for code in range(OUT_OF_RANGE)),
+    *(_CODES.get(code, "") for code in range(OUT_OF_RANGE)),
     *("" for _ in SETTINGS),
     *("idle-setting" for _ in SETTINGS),
 )

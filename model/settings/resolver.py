@@ -11,12 +11,14 @@ import numpy as np
 
 from ..kernels.jit import jit
 from ..schemes.family import alphas, second_order
+from ..schemes.radau import ERROR_CONSTANT, STAGES
 from ..stability.resolution import is_stable
 from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED
 from . import messages
 from .table import (
     BY_NAME,
     DEFAULTS,
+    IN_STAGES,
     INDICATORS,
     METHODS,
     MODES,
@@ -42,6 +44,7 @@ _SHAPES = len(SHAPES)
 _NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT = (
     list(METHODS).index(name) for name in ("newmark", "hht", "wbz", "chung-hulbert")
 )
+_RADAU = list(METHODS).index(IN_STAGES)
 _STABLE = 1e-12  # what is rounding in a condition of stability
 
 
@@ -107,11 +110,17 @@ def resolve(given, numbers, arguments):
     if mode == ADAPTIVE and not given[1 + _EPS_MIN] < given[1 + _EPS_MAX]:
         arguments[0], arguments[1] = given[1 + _EPS_MIN], given[1 + _EPS_MAX]
         return messages.LIMITS_CROSSED
+    if method == _RADAU and mode != CONTROLLED:
+        arguments[0], arguments[1] = method, given[1 + _MODE]
+        return messages.UNCONTROLLED
     alpha_f, alpha_m = _alphas(given, method)
     if alpha_f - alpha_m <= -1.0:
         arguments[0] = alpha_f - alpha_m
         return messages.BAD_DIFFERENCE
     _fill(numbers, given, mode, second_order(alpha_f, alpha_m))
+    if method == _RADAU:
+        numbers.is_fitted, numbers.stages = 0, STAGES
+        numbers.error_constant = ERROR_CONSTANT
     return messages.GOOD
 
 
@@ -127,8 +136,8 @@ def _alphas(given, method):
     """Return alpha_f and alpha_m of the member of the family."""
     if method == _CHUNG_HULBERT:
         return alphas(given[3 + _SHAPE])
-    alpha_f = 0.0 if method in (_WBZ, _NEWMARK) else given[1 + _SHAPE]
-    alpha_m = 0.0 if method in (_HHT, _NEWMARK) else given[2 + _SHAPE]
+    alpha_f = 0.0 if method in (_WBZ, _NEWMARK, _RADAU) else given[1 + _SHAPE]
+    alpha_m = 0.0 if method in (_HHT, _NEWMARK, _RADAU) else given[2 + _SHAPE]
     return alpha_f, alpha_m
 
 
@@ -149,6 +158,7 @@ def _fill(numbers, given, mode, scheme):
     numbers.tolerance = given[1 + _TOLERANCE]
     numbers.error_constant = scheme.beta + shift - 1 / 6
     numbers.is_fitted = int(given[1 + _FITTED])
+    numbers.stages = 0
 
 
 @jit
@@ -186,6 +196,9 @@ def warning(given, own, numbers, arguments, slot):
         arguments[3] = radius_at_infinity(numbers)
         return messages.UNSTABLE
     mode, norm = int(given[1 + _MODE]), int(given[1 + _NORM])
+    if slot == _FITTED and method == _RADAU and own[1 + slot] > 0.0:
+        arguments[0], arguments[1] = given[1 + slot], method
+        return messages.FITTED_IN_STAGES
     if math.isnan(own[1 + slot]) or not _IS_IDLE[mode, norm, slot]:
         return messages.GOOD
     arguments[0], arguments[1] = given[1 + slot], mode

@@ -21,7 +21,9 @@ METHODS = {
     "wbz": ("alpha_m",),
     "generalized-alpha": ("alpha_f", "alpha_m"),
     "chung-hulbert": ("rho",),
+    "radau5": (),
 }
+IN_STAGES = "radau5"  # the method that is no member of the family
 MODES = {"fixed": FIXED, "adaptive": ADAPTIVE, "controlled": CONTROLLED}
 # name: (indicator, whether with the constant that is right for generalized-alpha)
 INDICATORS = {

@@ -15,9 +15,8 @@ _RADIX = 2.0
 
 
 @jit
-def _balance(a):
+def _balance(a, n):
     """Scale rows and columns by powers of two until each pair has sums of one size."""
-    n = len(a)
     is_done = False
     while not is_done:
         is_done = True
@@ -45,9 +44,8 @@ def _balance(a):
 
 
 @jit
-def _reduce(a):
+def _reduce(a, n):
     """To Hessenberg form, by elimination with pivots."""
-    n = len(a)
     for m in range(1, n - 1):
         pivot = m
         for j in range(m + 1, n):
@@ -156,9 +154,9 @@ def _sweep(a, first, last, corner, before, product):
 
 @jit_not_inlined
 def eigenvalues(a, re, im):
-    """Fill in the real and the imaginary parts of the eigenvalues of a, shape (n, n), which is
-    overwritten; NaN where they are not found."""
-    n = len(a)
+    """Fill in the real and the imaginary parts, shape (n,), of the eigenvalues of the first n rows
+    and columns of a, which is overwritten; NaN where they are not found."""
+    n = len(re)
     size = 0.0
     for i in range(n):
         for j in range(n):
@@ -167,8 +165,8 @@ def eigenvalues(a, re, im):
         re[i] = im[i] = math.nan
     if not size < math.inf:
         return
-    _balance(a)
-    _reduce(a)
+    _balance(a, n)
+    _reduce(a, n)
     last, shifted, sweeps = n - 1, 0.0, 0
     while last >= 0:
         first = _first_of_block(a, last, size)
@@ -209,7 +207,8 @@ def eigenvalues(a, re, im):
 
 def _by_lapack(a, re, im):
     """The same interpreted, where the loops would take seconds."""
-    result = np.linalg.eigvals(a)
+    n = len(re)
+    result = np.linalg.eigvals(a[:n, :n])
     re[:], im[:] = result.real, result.imag
 
 

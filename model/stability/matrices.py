@@ -67,53 +67,72 @@ def take_tangents(run, omega):
 
 
 @jit
-def _take_matrix(band, survey, into):
+def _take_matrix(band, survey, basis, mass, into):
     """A band matrix in the coarse dofs, times M^-1 from the left."""
-    coarse = len(survey.column)
-    is_whole = survey.basis.shape[1] == 0
+    coarse = len(mass)
+    is_whole = basis.shape[1] == 0
+    into[:, :] = 0.0
     for k in range(coarse):
         for i in range(len(survey.along)):
             survey.product[i] = 0.0
             if is_whole:
                 survey.along[i] = 1.0 if i == k else 0.0
             else:
-                survey.along[i] = survey.basis[i, k]
+                survey.along[i] = basis[i, k]
         add_product(band, survey.along, survey.product)
-        _to_coarse(survey)
+        _to_coarse(survey, basis, mass)
         for i in range(coarse):
             into[i, k] = survey.column[i]
 
 
 @jit
-def _to_coarse(survey):
+def _to_coarse(survey, basis, mass):
     """column = M^-1 basis^T product."""
-    for i in range(len(survey.column)):
-        if survey.basis.shape[1] == 0:
+    for i in range(len(mass)):
+        if basis.shape[1] == 0:
             survey.column[i] = survey.product[i]
         else:
             survey.column[i] = 0.0
             for k in range(len(survey.product)):
-                survey.column[i] += survey.basis[k, i] * survey.product[k]
-    solve(survey.mass, survey.column)
+                survey.column[i] += basis[k, i] * survey.product[k]
+    solve(mass, survey.column[: len(mass)])
 
 
 @jit
-def take_matrices(run):
+def take_basis(run, case):
+    """Fill in what does not depend on the speed, in the basis of this case, if that is another one
+    than the last."""
+    survey = run.survey
+    place = -1
+    if case != ALL and len(survey.alone) > 0:
+        place = survey.first_wall[0] if case == OPEN else case
+    if place == survey.in_use[1]:
+        return
+    survey.in_use[1] = place
+    if place == -1:
+        _take_matrices(run, survey.basis, survey.mass)
+    else:
+        _take_matrices(run, survey.alone[place], survey.mass_alone[place])
+
+
+@jit
+def _take_matrices(run, basis, mass):
     """Fill in what does not depend on the speed."""
     structure, survey = run.structure, run.survey
-    _take_matrix(structure.K, survey, survey.K)
-    _take_matrix(structure.C, survey, survey.C)
-    _take_matrix(structure.G, survey, survey.G)
-    _take_matrix(structure.K_shaft, survey, survey.K_shaft)
-    n, coarse = len(structure.weight), len(survey.column)
+    _take_matrix(structure.K, survey, basis, mass, survey.K)
+    _take_matrix(structure.C, survey, basis, mass, survey.C)
+    _take_matrix(structure.G, survey, basis, mass, survey.G)
+    _take_matrix(structure.K_shaft, survey, basis, mass, survey.K_shaft)
+    n, coarse = len(structure.weight), len(mass)
+    survey.in_use[0] = coarse
     for j in range(len(structure.interfaces)):
         dof, housing = structure.interfaces[j].dof, structure.interfaces[j].end - n
         for i in range(n):
             survey.product[i] = 1.0 if i == dof else 0.0
-        _to_coarse(survey)
+        _to_coarse(survey, basis, mass)
         for i in range(coarse):
             whole = 1.0 if i == dof else 0.0
-            survey.pick[j, i] = whole if survey.basis.shape[1] == 0 else survey.basis[dof, i]
+            survey.pick[j, i] = whole if basis.shape[1] == 0 else basis[dof, i]
             survey.push[j, i] = survey.column[i]
         for h in range(len(structure.housings)):
             is_its = h == housing
@@ -130,10 +149,11 @@ def take_machine(run, speed, case):
     scale = numbers.lowest_omega
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0
     kappa = numbers.kappa_v * speed + numbers.kappa_h * sign
-    half, coarse = len(survey.K), len(survey.column)
+    coarse = survey.in_use[0]
+    half = coarse + len(structure.housings)
     size = 2 * half
     A = survey.A
-    A[:, :] = 0.0
+    A[: 2 * size, : 2 * size] = 0.0
     for i in range(size):
         A[i, size + i] = 1.0
     for i in range(half):
@@ -154,8 +174,8 @@ def take_machine(run, speed, case):
         A[size + y, size + y] -= housing.cy
     for j in range(len(structure.interfaces)):
         if structure.interfaces[j].has_wall == 0 or is_closed(structure.interfaces, j, case):
-            _add_force(survey, j, 0, survey.p_d[j], survey.q_d[j])
-            _add_force(survey, j, size, survey.p_v[j], survey.q_v[j])
+            _add_force(survey, half, j, 0, survey.p_d[j], survey.q_d[j])
+            _add_force(survey, half, j, size, survey.p_v[j], survey.q_v[j])
     for h in range(len(structure.housings)):
         m_x, m_y = masses(structure.housings[h])
         for k in range(2 * size):
@@ -168,9 +188,8 @@ def take_machine(run, speed, case):
 
 
 @jit
-def _add_force(survey, j, first, p, q):
+def _add_force(survey, half, j, first, p, q):
     """p z + q conj(z) of interface j as a matrix of (x, y), from column `first` on."""
-    half = len(survey.K)
     size = 2 * half
     xx, xy = (p + q).real, (q - p).imag
     yx, yy = (p + q).imag, (p - q).real
@@ -185,9 +204,9 @@ def _add_force(survey, j, first, p, q):
 
 
 @jit
-def take_vector(survey, root):
-    """Displacements of the motion that belongs to a root of A, by inverse iteration."""
-    size = len(survey.vector)
+def take_vector(survey, size, root):
+    """Displacements of the motion that belongs to a root of A, of 2 size states, by inverse
+    iteration."""
     for i in range(size):
         survey.vector[i] = complex(1.0, 1.0 / (1.0 + i))
     for _ in range(2):
@@ -195,7 +214,7 @@ def take_vector(survey, root):
             for k in range(size):
                 survey.D[i, k] = -root * survey.A[size + i, size + k] - survey.A[size + i, k]
             survey.D[i, i] += root * root
-        _solve_complex(survey.D, survey.vector)
+        _solve_complex(survey.D, survey.vector[:size])
         largest = 0.0
         for i in range(size):
             largest = max(largest, abs(survey.vector[i].real), abs(survey.vector[i].imag))
@@ -210,7 +229,8 @@ def _square(z):
 
 @jit
 def _solve_complex(a, x):
-    """Overwrite x by a^-1 x by elimination with pivots, one that vanishes taken as rounding."""
+    """Overwrite x, shape (m,), by a^-1 x of the first m rows and columns of a, by elimination with
+    pivots, one that vanishes taken as rounding."""
     m = len(x)
     size = 0.0
     for i in range(m):

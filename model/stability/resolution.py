@@ -11,6 +11,7 @@ import math
 
 from ..kernels.functions import logarithm, modulus
 from ..kernels.jit import jit, jit_not_inlined
+from ..schemes.radau import amplification
 
 COARSEST, _FINE = 10.0, 1e-3  # omega h [rad] between which the step is looked for
 _HALVINGS = 20
@@ -94,6 +95,20 @@ def resolving_step(scheme, root, share):
     for _ in range(_HALVINGS):
         middle = math.sqrt(short * long)
         if seen_growth(scheme, middle, root) >= share * root.real:
+            short = middle
+        else:
+            long = middle
+    return short
+
+
+@jit_not_inlined
+def resolving_step_in_stages(root, share):
+    """Return what `resolving_step` does [s], of steps of Radau IIA."""
+    omega = modulus(root)
+    short, long = _FINE / omega, COARSEST / omega
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(short * long)
+        if logarithm(amplification(root * middle)) >= share * root.real * middle:
             short = middle
         else:
             long = middle

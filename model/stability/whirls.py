@@ -23,13 +23,13 @@ from .matrices import (
     OPEN,
     is_closed,
     is_wall,
+    take_basis,
     take_machine,
-    take_matrices,
     take_tangents,
     take_vector,
 )
 from .memory import MOST_WHIRLS, WHIRL, Survey
-from .resolution import is_stable, resolving_step
+from .resolution import is_stable, resolving_step, resolving_step_in_stages
 
 # Less than this share of a growth left by the integrator is called hidden; what a step that
 # resolves it must leave, and more of it where a tolerance is small.
@@ -107,7 +107,7 @@ def find_growing_whirls(run, speed, is_start):
         walls += 1 if is_wall(structure.interfaces[j]) else 0
     r.h_in_contact = r.h_in_the_open = math.inf
     r.overdamping = _OVERDAMPING_OF_NONE
-    take_matrices(run)
+    survey.in_use[1] = -2
     for share in _SHARES:
         if (share == 0.0 and is_start == 0) or (share == _HALF and speed == 0.0):
             continue
@@ -143,11 +143,19 @@ def find_growing_whirls(run, speed, is_start):
 def _take_roots(run, speed, case):
     """Fill in all roots at one speed [rad/s] in one case."""
     survey = run.survey
+    take_basis(run, case)
     take_machine(run, speed, case)
-    for i in range(len(survey.A)):
-        for k in range(len(survey.A)):
+    states = states_of(run)
+    for i in range(states):
+        for k in range(states):
             survey.work[i, k] = survey.A[i, k]
-    eigenvalues(survey.work, survey.re, survey.im)
+    eigenvalues(survey.work, survey.re[:states], survey.im[:states])
+
+
+@jit
+def states_of(run):
+    """How many states the machine has in the basis that is in use."""
+    return 4 * (run.survey.in_use[0] + len(run.structure.housings))
 
 
 @jit
@@ -188,7 +196,7 @@ def _step_in_the_open(run, speed):
     _take_roots(run, speed, OPEN)
     survey = run.survey
     longest = math.inf
-    for i in range(len(survey.re)):
+    for i in range(states_of(run)):
         root = complex(survey.re[i], survey.im[i])
         if is_growing(root):
             longest = min(longest, _longest_step(run, root))
@@ -206,7 +214,10 @@ def _longest_step(run, root):
     """Longest step that leaves a growth its share [s]; root: over the lowest frequency."""
     method = run.method.numbers[0]
     share = max(RESOLVED, 1.0 - math.sqrt(method.tolerance))
-    return resolving_step(method, root * run.structure.numbers[0].lowest_omega, share)
+    root = root * run.structure.numbers[0].lowest_omega
+    if method.stages > 0:
+        return resolving_step_in_stages(root, share)
+    return resolving_step(method, root, share)
 
 
 @jit
@@ -214,21 +225,22 @@ def _take_whirls(run, speed, case):
     """Take up what grows at one speed in one case; the longest step that resolves it [s]."""
     structure, survey = run.structure, run.survey
     shortest = math.inf
-    for i in range(len(survey.re)):
+    states = states_of(run)
+    for i in range(states):
         root = complex(survey.re[i], survey.im[i])
         if not is_growing(root):
             continue
-        take_vector(survey, root)
-        is_backward = _turns_back(structure, survey, case) == (speed >= 0.0)
+        take_vector(survey, states // 2, root)
+        is_backward = _turns_back(structure, survey, states // 4, case) == (speed >= 0.0)
         shortest = min(shortest, _longest_step(run, root))
         _keep(survey, root * structure.numbers[0].lowest_omega, is_backward, case, speed)
     return shortest
 
 
 @jit
-def _turns_back(structure, survey, case):
-    """Whether the motion of `vector` turns from y to x: at the closed contacts, or as a whole."""
-    half = len(survey.K)
+def _turns_back(structure, survey, half, case):
+    """Whether the motion of `vector`, of x and y of `half` dofs and housings, turns from y to x: at
+    the closed contacts, or as a whole."""
     forward = backward = 0.0
     rows = half if case == OPEN else len(structure.interfaces)
     for row in range(rows):
@@ -270,7 +282,7 @@ def _take_growth_at_rest(run):
     """Take up the root of the growth with the least damping ratio, its imaginary part >= 0."""
     survey = run.survey
     best, most = complex(math.nan, math.nan), 0.0
-    for i in range(len(survey.re)):
+    for i in range(states_of(run)):
         root = complex(survey.re[i], survey.im[i])
         size = modulus(root)
         if not (root.imag >= 0.0 and size > _SLOW and root.real > _GROWING * size):

@@ -39,7 +39,7 @@ class InterfaceProblem(NamedTuple):
     """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N],
     its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, internal_state:
     states of the laws, predicted and solved; flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
-    pairs; scratch."""
+    pairs; of Newton's matrix the columns that are not the identity's, and their places; scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
     d0_dot: Annotated[np.ndarray, complex, "interfaces"]
@@ -54,64 +54,66 @@ class InterfaceProblem(NamedTuple):
     flexibility: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     jacobian: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     correction: Annotated[np.ndarray, float, "2 * interfaces"]
+    closed: Annotated[np.ndarray, np.int64, "2 * interfaces"]
 
 
 @jit
-def solve_dense(a, x):
-    """Overwrite x by a^-1 x, a of shape (m, m), by elimination with partial pivoting; False if
-    a is singular."""
-    m = len(x)
-    for k in range(m):
-        pivot = k
-        for i in range(k + 1, m):
-            if abs(a[i, k]) > abs(a[pivot, k]):
-                pivot = i
+def solve_columns(a, places, x):
+    """Overwrite x by A^-1 x, by elimination with partial pivoting; False if A is singular.
+
+    A, shape (m, m), is the identity but for its columns `places`, ascending, shape (c,), which are
+    those of a, shape (m, c), overwritten. Pivots are looked for in the rows `places`.
+    """
+    m, columns = len(x), len(places)
+    for k in range(columns):
+        row = places[k]
+        pivot = row
+        for later in range(k + 1, columns):
+            if abs(a[places[later], k]) > abs(a[pivot, k]):
+                pivot = places[later]
         if not abs(a[pivot, k]) > 0.0:
             return False
-        if pivot != k:
-            for j in range(k, m):
-                a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
-            x[k], x[pivot] = x[pivot], x[k]
-        inverse = 1.0 / a[k, k]
-        for i in range(k + 1, m):
+        if pivot != row:
+            for j in range(k, columns):
+                a[row, j], a[pivot, j] = a[pivot, j], a[row, j]
+            x[row], x[pivot] = x[pivot], x[row]
+        inverse = 1.0 / a[row, k]
+        for i in range(row + 1, m):
             ratio = a[i, k] * inverse
-            for j in range(k + 1, m):
-                a[i, j] -= ratio * a[k, j]
-            x[i] -= ratio * x[k]
-        x[k] *= inverse
-        for j in range(k + 1, m):
-            a[k, j] *= inverse
+            for j in range(k + 1, columns):
+                a[i, j] -= ratio * a[row, j]
+            x[i] -= ratio * x[row]
+        x[row] *= inverse
+        for j in range(k + 1, columns):
+            a[row, j] *= inverse
+    right = columns  # the first of the columns to the right of the diagonal
     for i in range(m - 1, -1, -1):
-        for j in range(i + 1, m):
-            x[i] -= a[i, j] * x[j]
+        for j in range(right, columns):
+            x[i] -= a[i, j] * x[places[j]]
+        if right > 0 and places[right - 1] == i:
+            right -= 1
     return True
 
 
 @jit
 def _linearize(problem, laws, interfaces, spin, weights):
     """Return the forces and tangents at problem.w, Newton's correction of w; False if its matrix is
-    singular."""
+    singular. Only contacts that are closed, and laws with states, have columns of their own."""
     m, b_d, b_v = len(interfaces), weights.displacement, weights.velocity
     flexibility, jacobian, correction = problem.flexibility, problem.jacobian, problem.correction
-    is_open = True
+    columns = 0
     for j in range(m):
         change = problem.w_free[j] - problem.w[j]
         correction[2 * j] = change.real
         correction[2 * j + 1] = change.imag
-        d = problem.d0[j] + b_d * problem.w[j]
+    for j in range(m):
+        interface = interfaces[j]
         problem.force[j] = 0.0
         problem.p[j] = 0.0
         problem.q[j] = 0.0
-        if law_gap(laws, interfaces[j], d) < 0.0:
-            is_open = False
-    if is_open and len(problem.internal_state) == 0:
-        return True
-    jacobian[:, :] = 0.0
-    for i in range(2 * m):
-        jacobian[i, i] = 1.0
-    for j in range(m):
-        interface = interfaces[j]
         d = problem.d0[j] + b_d * problem.w[j]
+        if interface.states == 0 and not law_gap(laws, interface, d) < 0.0:
+            continue
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
         kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding)
         free, internal_state = (
@@ -130,9 +132,13 @@ def _linearize(problem, laws, interfaces, spin, weights):
             w_x = flexibility[i, 2 * j]
             w_y = flexibility[i, 2 * j + 1]
             correction[i] += w_x * force.real + w_y * force.imag
-            jacobian[i, 2 * j] -= w_x * t_xx + w_y * t_yx
-            jacobian[i, 2 * j + 1] -= w_x * t_xy + w_y * t_yy
-    return solve_dense(jacobian, correction)
+            jacobian[i, columns] = -(w_x * t_xx + w_y * t_yx)
+            jacobian[i, columns + 1] = -(w_x * t_xy + w_y * t_yy)
+        for axis in range(2):
+            problem.closed[columns + axis] = 2 * j + axis
+            jacobian[2 * j + axis, columns + axis] += 1.0
+        columns += 2
+    return solve_columns(jacobian, problem.closed[:columns], correction)
 
 
 @jit

@@ -11,6 +11,7 @@ from ..parts.law import Kinematics, Law, dispatcher
 from ..structure.ledger import FLOWS, STORES
 
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
+MOST_STATES = max(len(law.states) for law in LAWS)
 
 
 def _storing(law: Law) -> Callable:

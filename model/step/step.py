@@ -66,7 +66,7 @@ def by_axis(x_factor, y_factor, z):
 
 
 @jit
-def _add_internal(structure, spin, factor, damping, q, v, scratch, out):
+def add_internal(structure, spin, factor, damping, q, v, scratch, out):
     """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
     n = len(out)
     for i in range(n):
@@ -104,7 +104,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     for i in range(n):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
-    _add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
+    add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
         q, v = motion.q[n + j], damping * motion.v[n + j]
@@ -207,7 +207,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
         free[i] *= share
         scratch[i] = af * old.v_dot[i] - am * old.a[i]
     add_product(structure.M, scratch, free)
-    _add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
+    add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
@@ -249,7 +249,7 @@ def _predict_internal_state(scheme, h, old, free):
 
 
 @jit
-def _is_sane(x, bound):
+def is_sane(x, bound):
     """Return whether |x| is within the bound [m or m/s2] and so neither infinite nor NaN."""
     return x.real * x.real + x.imag * x.imag <= bound * bound
 
@@ -273,7 +273,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         problem.d0[j] = relative(interfaces[j], new.q)
         problem.d0_dot[j] = relative(interfaces[j], new.v)
         problem.w_free[j] = relative(interfaces[j], new.a)
-        is_finite = is_finite and _is_sane(problem.w_free[j], 1e150)
+        is_finite = is_finite and is_sane(problem.w_free[j], 1e150)
     if not is_finite:
         return NOT_FINITE, 0
     b_rate = _predict_internal_state(scheme, h, old, problem.free)
@@ -298,7 +298,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
                 new.a[wall] -= by_axis(work.housing[wall - n, 0], work.housing[wall - n, 1], force)
     correct(scheme, h, new.a, new.q, new.v)
     for i in range(len(structure.deflections)):
-        if not _is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
+        if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
     for j in range(len(interfaces)):
         if law_breaks(structure.laws, interfaces[j], relative(interfaces[j], new.q)):

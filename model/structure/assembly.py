@@ -22,6 +22,7 @@ import numpy as np
 from ..kernels.band import factorize, product, to_dense
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
+from ..one_thread import on_one_thread
 from ..parts import LAWS
 from ..parts.base import (
     BASE,
@@ -260,6 +261,7 @@ def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.
     return held
 
 
+@on_one_thread
 def _lowest_omega(
     rotor: Rotor,
     M: np.ndarray,
@@ -274,7 +276,7 @@ def _lowest_omega(
     pinned = [] if np.count_nonzero(held) >= 2 else walls
     others = K_axial.copy()
     others[:, 0] += held
-    free = np.setdiff1d(np.arange(len(M)), pinned)
+    free = np.delete(np.arange(len(M)), np.array(pinned, dtype=int))
     among = np.ix_(free, free)
     is_held = np.count_nonzero(held) >= 2 or len(set(walls)) >= 2
     try:

@@ -55,7 +55,7 @@ def _of_part(
 ) -> Iterator[ParameterLocation]:
     """Where a quantity of one part stands; begin: how many records the parts before it have."""
     value = getattr(part, name)
-    probe = value * (1.0 + _CHANGE) if value else _CHANGE
+    probe: Any = value * (1.0 + _CHANGE) if value else _CHANGE
     changed = replace(part, **{name: probe})
     rows = dict(begin)
     pairs = zip(part.elements(where, density), changed.elements(where, density), strict=True)

@@ -17,6 +17,7 @@ from ..kernels.band import factorize, to_band, to_dense
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import SpeedRange, tables_of
+from ..one_thread import on_one_thread
 from .assembly import assemble, machine_elements, moved, soft_stiffness
 from .long_shafts import LONG, held_modes, sparse
 from .structure import Structure
@@ -27,6 +28,7 @@ _MOVED, _EXCITED, _SAID, _SLOW = 0.02, 2.0, 3, 1e-3
 _MATRICES = ("M", "C", "K", "G", "K_shaft", "K_axial")
 
 
+@on_one_thread
 def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.ndarray]:
     """The dofs kept, shape (b,), and the basis T of all n dofs, shape (n, b + modes).
 
@@ -48,17 +50,25 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
         static, shapes = held_modes(K, M, rest, retained, modes)
     else:
         M, K = to_dense(structure.M), to_dense(structure.K_shaft)
-        inner = np.ix_(rest, rest)
-        inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
-        _, vectors = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
-        static = -np.linalg.solve(K[inner], K[np.ix_(rest, retained)])
-        shapes = (inverse.T @ vectors)[:, :modes]
+        static, shapes = held_shapes(K, M, rest, retained, modes)
     T = np.zeros((n, len(retained) + modes))
     T[retained, np.arange(len(retained))] = 1.0
     T[rest] = np.hstack([static, shapes])
     return retained, T
 
 
+def held_shapes(
+    K: np.ndarray, M: np.ndarray, rest: np.ndarray, retained: np.ndarray, modes: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what `long_shafts.held_modes` does, by dense matrices."""
+    inner = np.ix_(rest, rest)
+    inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
+    _, vectors = np.linalg.eigh(inverse @ K[inner] @ inverse.T)
+    static = -np.linalg.solve(K[inner], K[np.ix_(rest, retained)])
+    return static, (inverse.T @ vectors)[:, :modes]
+
+
+@on_one_thread
 def reduced(structure: Structure, modes: int) -> Structure:
     """The structure in its component modes: full matrices of b + modes dofs, the kept ones first.
 
@@ -132,6 +142,7 @@ class _Spectrum:
         return np.sqrt(squares[squares > self.slow**2])
 
 
+@on_one_thread
 def too_coarse(rotor: Rotor, structure: Structure, modes: int) -> list[SpeedRange]:
     """Ranges of the speed beyond which the reduction to so many modes moves, or loses, what the
     speed excites: the lowest modes at standstill, contacts open and pinned."""

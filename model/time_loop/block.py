@@ -12,6 +12,7 @@ from ..schemes.family import Scheme
 from ..stability.memory import Survey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
 from ..step.laws import MOST_LOSSES
+from ..step.stages import Stages
 from ..step.step import Motion, Workspace
 from ..structure.ledger import FLOWS, STORES
 from ..structure.structure import Structure, sizes_of
@@ -20,7 +21,7 @@ from .control import Control
 from .memory import Memory
 from .recorder import Recorder
 
-_INTEGERS = ("mode", "indicator", "norm", "is_fitted")
+_INTEGERS = ("mode", "indicator", "norm", "is_fitted", "stages")
 # What is found out during a run stands in its memory instead.
 _CHOSEN = tuple(n for n in Control._fields if n not in Control._field_defaults)
 METHOD = np.dtype(
@@ -51,6 +52,7 @@ class RunData(NamedTuple):
     trial: Motion
     work: Workspace
     problem: InterfaceProblem
+    stages: Stages
     reading: Reading
     recorder: Recorder
     survey: Survey
@@ -81,7 +83,7 @@ _SIZES = (
         "most_losses",
         "outputs",
     ),
-    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width"),
+    *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width", "alone", "few"),
     *(f"rows_{law.name}" for law in LAWS),
 )
 _LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
@@ -95,6 +97,7 @@ LAYOUT = Layout(
         Group("trial", Motion, {}),
         Group("work", Workspace, {}),
         Group("problem", InterfaceProblem, {}),
+        Group("stages", Stages, {}),
         Group("reading", Reading, {}),
         Group("recorder", Recorder, {}),
         Group("survey", Survey, {}),
@@ -108,7 +111,7 @@ def new_block(
 ) -> np.ndarray:
     """Return a block for runs of a machine, its structure copied in; outputs: how many can be read;
     channels and an even number of rows: of the recorder."""
-    basis, mass = coarse_shaft(structure)
+    shaft = coarse_shaft(structure)
     sizes = sizes_of(structure) | {
         "all_stores": len(STORES),
         "flows": len(FLOWS),
@@ -116,9 +119,11 @@ def new_block(
         "outputs": outputs,
         "channels": channels,
         "recorder_rows": recorder_rows,
-        "basis": basis.shape[1],
-        "coarse": len(mass),
-        "coarse_width": mass.shape[1],
+        "basis": shaft.basis.shape[1],
+        "coarse": len(shaft.mass),
+        "coarse_width": shaft.mass.shape[1],
+        "alone": len(shaft.alone),
+        "few": shaft.alone.shape[2],
     }
     block = LAYOUT.new(sizes)
     run = LAYOUT.view_in_python(block)
@@ -135,7 +140,9 @@ def new_block(
         run.memory.record[0][warning.since] = np.nan
     for name, value in Control._field_defaults.items():
         run.memory.record[0][name] = value
-    run.survey.basis[:], run.survey.mass[:] = basis, mass
+    for name, values in shaft._asdict().items():
+        getattr(run.survey, name)[...] = values
     run.memory.record[0].damping = 1.0
     run.work.key[:] = np.nan
+    run.stages.key[:] = np.nan
     return block

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from ..kernels.jit import jit
-from .error_control import next_length, repeated_length, whirl_error
+from .error_control import next_length, next_stage_length, repeated_length, whirl_error
 from .paper_control import error_indicator, next_step, shorter_step
 
 FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
@@ -19,10 +19,11 @@ class Control(NamedTuple):
     eps_min, eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or
     LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
     MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2
-    (a1 - a0) in the local error of the scheme [1]; is_fitted: whether the scheme is fitted to the
-    motion (`fitting`); h_in_contact, h_in_the_open: longest of CONTROLLED while a journal touches,
-    and while none does [s]; overdamping: limit of the energy that the integrator may dissipate in a
-    rub, relative to that of the dampers [1].
+    (a1 - a0), or of h^2 times what the stages' accelerations differ by from expectation, in the
+    local error of the scheme [1]; is_fitted: whether the scheme is fitted to the motion
+    (`fitting`); stages: of Radau IIA, 0 of generalized-alpha; h_in_contact, h_in_the_open: longest
+    of CONTROLLED while a journal touches, and while none does [s]; overdamping: limit of the energy
+    that the integrator may dissipate in a rub, relative to that of the dampers [1].
     """
 
     mode: int
@@ -38,6 +39,7 @@ class Control(NamedTuple):
     tolerance: float
     error_constant: float
     is_fitted: bool
+    stages: int
     h_in_contact: float = math.inf
     h_in_the_open: float = math.inf
     overdamping: float = 1.0
@@ -61,7 +63,7 @@ def retry_step(structure, control, h, error, is_solved, old, new):
     if not is_solved:
         shorter = 0.5 * h
     elif control.mode == CONTROLLED:
-        shorter = repeated_length(structure, h, error, old, new)
+        shorter = repeated_length(structure, control, h, error, old, new)
     else:
         shorter = shorter_step(control, h, error)
     return max(control.h_min, shorter)
@@ -75,6 +77,9 @@ def propose_step(control, desired, h, error, error_before, was_rejected):
         return next_step(control, desired, h, error)
     if control.mode == CONTROLLED:
         longest = h if was_rejected else control.h_max
-        proposed = next_length(desired, h, error, error_before)
+        if control.stages > 0:
+            proposed = next_stage_length(desired, h, error, error_before)
+        else:
+            proposed = next_length(desired, h, error, error_before)
         return max(control.h_min, min(longest, proposed))
     return desired

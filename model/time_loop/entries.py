@@ -40,6 +40,7 @@ def _control(numbers, r):
         numbers.tolerance,
         numbers.error_constant,
         numbers.is_fitted != 0,
+        numbers.stages,
         r.h_in_contact,
         r.h_in_the_open,
         r.overdamping,
@@ -57,6 +58,7 @@ def start(block, speed, drive, rate):
     prepare(run.structure)
     r = run.memory.record[0]
     r.omega = speed
+    run.stages.key[0] = -1.0
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
         if is_beyond(run.structure, run.motion):
@@ -96,6 +98,7 @@ def advance(block, t_end, drive, rate):
         run.memory,
         run.work,
         run.problem,
+        run.stages,
         run.reading,
         run.recorder,
     )
@@ -115,4 +118,5 @@ def refresh_outputs(block):
     """`observe` alone; what depends on the state but is not in it is made anew."""
     run = _view(block)
     run.work.key[0] = -1.0
+    run.stages.key[0] = -1.0
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)

@@ -24,6 +24,8 @@ GROWTH, SHRINKAGE = 1.25, 0.2
 # longer step may be expected to have, and how much longer it may be.
 STEADY_TURNS, STEADY_ERROR, STEADY_GROWTH = 4.0, 0.6, 4.0
 CUT = 0.9  # of the proposed length: a step below it was cut short and says nothing against it
+# The same of steps in stages, whose errors are of a higher order.
+STAGE_GROWTH = 1.6
 SMALLEST = 1e-8  # an error that it does not pay to tell from none
 # Share of a step before which a contact's opening or closing is worth ending a repeated step at.
 LATE = 0.9
@@ -131,9 +133,16 @@ def local_error(structure, control, size, frequency, h, measures):
     distance to what a whirl of this pace would have changed them to is taken.
     """
     change = math.sqrt(max(measures.change, measures.beside_whirl))
-    radians = h * max(structure.numbers[0].slowest, abs(frequency))
-    tolerated = SHARE * radians * control.tolerance * size
+    tolerated = tolerated_error(structure, control, size, frequency, h)
     return abs(control.error_constant) * h * h * change / tolerated
+
+
+@jit
+def tolerated_error(structure, control, size, frequency, h):
+    """Return the error of displacements that a step of length h [s] may have [m]; size, frequency:
+    see `local_error`."""
+    radians = h * max(structure.numbers[0].slowest, abs(frequency))
+    return SHARE * radians * control.tolerance * size
 
 
 @jit
@@ -166,6 +175,17 @@ def next_length(proposed, h, error, error_before):
 
 
 @jit
+def next_stage_length(proposed, h, error, error_before):
+    """Return what `next_length` does, of steps in stages: SAFETY error^-0.175 trend^0.1, of gains
+    for an error per unit of time of order 4."""
+    error = max(error, SMALLEST)
+    trend = max(error_before, SMALLEST) / error
+    factor = SAFETY * root(trend, 10) * root(error, 40) / root(error, 5)
+    shortest = SHRINKAGE * h if h > CUT * proposed else proposed
+    return min(STAGE_GROWTH * proposed, max(shortest, factor * h))
+
+
+@jit
 def steady_length(structure, control, omega, proposed, h, error, memory):
     """Return the proposed length of the next step of a machine that is unstable with its contacts
     open [s].
@@ -177,21 +197,23 @@ def steady_length(structure, control, omega, proposed, h, error, memory):
     fastest = max(structure.numbers[0].slowest, abs(omega))
     share = min(1.0, h * fastest / (2.0 * math.pi * STEADY_TURNS))
     r.error_peak = max(error, (1.0 - share) * r.error_peak)
-    growth = min(STEADY_GROWTH, math.sqrt(STEADY_ERROR / max(r.error_peak, SMALLEST)))
+    growth = math.sqrt(STEADY_ERROR / max(r.error_peak, SMALLEST))
+    if control.stages > 0:
+        growth = math.sqrt(growth)
+    growth = min(STEADY_GROWTH, growth)
     if growth < GROWTH or h < CUT * proposed:
         return proposed
-    r.error_peak *= growth * growth
+    r.error_peak *= growth * growth * (1.0 if control.stages == 0 else growth * growth)
     return max(control.h_min, min(control.h_in_the_open, control.h_max, growth * proposed))
 
 
 @jit
-def repeated_length(structure, h, error, old, new):
+def repeated_length(structure, control, h, error, old, new):
     """Return the length to repeat a step with whose error is too large [s].
 
     That of the error, or, if it is longer, up to where a contact opens or closes: the two parts of
     such a step are smooth each, and only their joint is not.
     """
-    share = max(SHRINKAGE, SAFETY / math.sqrt(error))
     joint = 1.0
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -199,4 +221,8 @@ def repeated_length(structure, h, error, old, new):
         after = law_gap(structure.laws, interface, relative(interface, new.q))
         if before * after < 0.0:
             joint = min(joint, before / (before - after))
+    falls = math.sqrt(error)
+    if control.stages > 0 and joint == 1.0:
+        falls = math.sqrt(falls)
+    share = max(SHRINKAGE, SAFETY / falls)
     return h * (joint if share < joint < LATE else share)

@@ -94,6 +94,17 @@ def is_due(structure, record, head):
     return head[0].since >= head[0].spacing * (1.0 - _ROUNDING)
 
 
+@jit
+def rows_within(structure, record, head):
+    """Return the number of equal parts of the step just taken at whose ends a row is due: 1 of a
+    step that turns by no more than the angle between rows."""
+    spacing = head[0].spacing
+    if spacing <= 0.0:
+        return 1
+    fastest = max(abs(record[0].omega), structure.numbers[0].lowest_omega)
+    return max(1, math.ceil(fastest * record[0].h_last / spacing - _ROUNDING))
+
+
 @jit_not_inlined
 def write(structure, motion, memory, work, recorder, out):
     """Write the present state as a row; `out` is filled by `observe`."""

@@ -24,6 +24,7 @@ from .monitors import (
     open_window,
 )
 from .recorder import is_due, write
+from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error, turn_in_stages
 
 # What becomes of an advance: as of a step, or UNFINISHED, after `max_iterations` of the interfaces'
 # problem, a step counting for one at least.
@@ -34,7 +35,7 @@ SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 
 
 @jit_inlined
-def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
+def _commit(h, structure, control, motion, trial, memory, work, stages, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
     r = memory.record[0]
     for i in range(len(motion.q)):
@@ -51,13 +52,18 @@ def _commit(h, structure, control, motion, trial, memory, work, spin, torque):
         motion.internal_rate[i] = trial.internal_rate[i]
     r.steps += 1
     r.h_last = h
+    if control.stages > 0:
+        pass_stages(structure, h, motion, trial, memory, stages)
     r.omega = spin.omega
     r.theta = spin.theta
     r.alpha = spin.alpha
     r.torque = torque
-    for i in range(len(memory.power)):
-        memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
-        memory.power[i] = work.powers[i]
+    if control.stages > 0:
+        add_stage_work(h, memory, stages)
+    else:
+        for i in range(len(memory.power)):
+            memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
+            memory.power[i] = work.powers[i]
     monitor_step(structure, control, spin, motion, memory, work)
 
 
@@ -166,7 +172,18 @@ def _rescale(record, h, motion):
 
 @jit_inlined
 def _time_loop(
-    structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, recorder
+    structure,
+    scheme,
+    control,
+    t_end,
+    motion,
+    trial,
+    memory,
+    work,
+    problem,
+    stages,
+    reading,
+    recorder,
 ):
     """Return the loop over steps, cut to equal parts of what remains so that none is a sliver."""
     r = memory.record[0]
@@ -195,16 +212,36 @@ def _time_loop(
             t = t_end if parts == 1.0 else r.t + h
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
-            status, iterations, fit, spin, torque = _turn(
-                structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
-            )
+            fit = unfitted()
+            if control.stages > 0:
+                status, iterations, spin, torque = turn_in_stages(
+                    structure,
+                    control,
+                    t,
+                    h,
+                    motion,
+                    trial,
+                    memory,
+                    work,
+                    stages,
+                    SPIN_ITERATIONS,
+                    SPIN_TOLERANCE,
+                )
+            else:
+                status, iterations, fit, spin, torque = _turn(
+                    structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
+                )
             r.newton += iterations
             taken += max(1, iterations)
             error = 0.0
             if status == DONE:
                 frequency = math.copysign(math.sqrt(r.characteristic_frequency_squared), spin.omega)
                 measures = measure(structure.weights, direction(frequency * h), motion, trial)
-                local = local_error(structure, control, r.motion_size, frequency, h, measures)
+                size = r.motion_size
+                if control.stages > 0:
+                    local = stage_error(structure, control, size, frequency, h, motion, stages)
+                else:
+                    local = local_error(structure, control, size, frequency, h, measures)
                 error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break
@@ -236,9 +273,22 @@ def _time_loop(
         r.error = error
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
         r.h_largest = max(r.h_largest, proposed)
-        _commit(h, structure, control, motion, trial, memory, work, spin, torque)
-        if len(recorder.rows) > 0 and is_due(structure, memory.record, recorder.head):
-            write(structure, motion, memory, work, recorder, reading.observed)
+        _commit(h, structure, control, motion, trial, memory, work, stages, spin, torque)
+        if len(recorder.rows) > 0:
+            if control.stages > 0:
+                record_stages(
+                    structure,
+                    h,
+                    motion,
+                    trial,
+                    memory,
+                    work,
+                    stages,
+                    recorder,
+                    reading.observed,
+                )
+            elif is_due(structure, memory.record, recorder.head):
+                write(structure, motion, memory, work, recorder, reading.observed)
         parts = parts - 1.0
         if varies and parts >= 1.0:
             parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
@@ -269,6 +319,7 @@ def advance(
     memory,
     work,
     problem,
+    stages,
     reading,
     recorder,
 ):
@@ -280,7 +331,18 @@ def advance(
     """
     begin_interval(structure, drive, rate, False, motion, memory, work)
     status = _time_loop(
-        structure, scheme, control, t_end, motion, trial, memory, work, problem, reading, recorder
+        structure,
+        scheme,
+        control,
+        t_end,
+        motion,
+        trial,
+        memory,
+        work,
+        problem,
+        stages,
+        reading,
+        recorder,
     )
     if status != DONE:
         move_loads(memory, memory.record[0].t)

@@ -24,6 +24,7 @@ from rotor_fmu.runs.summary import summary
 
 _RECORDED = ("converged", "paper", "adaptive")  # whose orbits and contact angles are drawn
 _PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
+_PLACE = "disc[3]"  # whose motion the paper draws
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Result:
 
     case: PaperRun
     run: Run
-    run_plots: Mapping[str, Any]
+    figures: Mapping[str, Any]
     repeated: tuple[Mapping[str, Any], ...]
     recording: Recording | None
 
@@ -148,14 +149,15 @@ def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
                     f"{case.name}-{i}",
                     _perturbed(job, i * _PHASE_STEP),
                     f"{case.title}, {i + 1} of {case.repetitions}",
-                )
+                ),
+                _PLACE,
             )
             for i in range(1, case.repetitions)
         )
         recording = None
         if case.name in _RECORDED:
             recording = _recorded(store / f"{case.name}-steps.npz", job, case.title)
-        results.append(Result(case, first, summary(first), repeated, recording))
+        results.append(Result(case, first, summary(first, _PLACE), repeated, recording))
         announce(f"{case.title}: {first.status.split(':')[0]}")
     return results
 
@@ -212,6 +214,7 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
             "The test rig runs down from 64 Hz in 40 s",
             (fixed.run, "paper A's integrator, 4 ms"),
             "this FMU's default",
+            _PLACE,
         ),
         "figure_14_error": run_plots.error_indicator(
             adaptive.steps, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
@@ -228,7 +231,7 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
     ):
         caption = f"Paper A, Fig. {int(number)}: {text}"
         pictures[f"figure_{number}_{axis}"] = run_plots.amplitude(
-            result.run, axis, caption, truth, "the paper's run"
+            result.run, axis, caption, truth, "the paper's run", _PLACE
         )
     for key, result, caption in (
         ("figure_05_psi", fixed, f"Paper A, Fig. 5: {coarse}"),
@@ -242,7 +245,7 @@ def write_figures(results: list[Result], out: Path) -> list[Path]:
     ):
         at_s, at_hz = result.figures["x_peak_s"], result.figures["x_peak_hz"]
         caption = f"{text}: orbit at the horizontal peak, {at_hz:.1f} Hz"
-        pictures[key] = run_plots.orbit(result.steps, at_s, caption)
+        pictures[key] = run_plots.orbit(result.steps, at_s, caption, _PLACE)
     return [save(figure, out / f"{name}.png") for name, figure in pictures.items()]
 
 
@@ -270,9 +273,7 @@ def table(results: list[Result]) -> str:
             result.case.paper,
         ]
         rows.append("| " + " | ".join(cells) + " |")
-    failures = [
-        f"- {r.case.title}: {r.run_plots['status']}" for r in results if r.run.status != "ok"
-    ]
+    failures = [f"- {r.case.title}: {r.figures['status']}" for r in results if r.run.status != "ok"]
     runs = max(result.case.repetitions for result in results)
     note = (
         f"\nMedians, and in brackets the range, of up to {runs} runs whose unbalances are turned "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
+from ..machine_file.reading import si_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
+from ..model.simulation import RotorWarning
 from ..model.time_loop.recorder import recordable
 from ..runs.job import load_rotor
 from .pictures import png, shown
@@ -20,7 +23,9 @@ from .pictures import png, shown
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..linear.acceptance import CriticalMap, StabilityLevel1, StabilityLevel2, UnbalanceCheck
     from ..linear.answers import Campbell, Modes, Static, UnbalanceResponse
+    from ..linear.frequency_answers import FrequencyResponse
 
 
 @dataclass(frozen=True)
@@ -134,8 +139,8 @@ class Machine:
             Number of modes, the lowest ones.
         contacts : str, optional
             `open` or `pinned`. By default open where the machine is held without its contacts.
-        harmonic : float
-            Multiple of the speed that excites, for critical speeds [1].
+        harmonic : float or sequence of float
+            Multiples of the speed that excite, for critical speeds [1].
 
         Returns
         -------
@@ -179,6 +184,150 @@ class Machine:
         from ..linear.answers import unbalance_response
 
         return unbalance_response(self.rotor, speeds, **options)
+
+    def unbalance_check(
+        self, low: float, high: float, probes: Sequence[int], **options: Any
+    ) -> UnbalanceCheck:
+        """Response to unbalance held against API 617 and 684 in an operating range.
+
+        Parameters
+        ----------
+        low, high : float
+            Minimum and maximum continuous speed [rad/s].
+        probes : sequence of int
+            Nodes (from 1) with probes.
+        unbalances : sequence of (int, float, float), optional
+            Node (from 1), amount [kg.m] and angle [rad] of each unbalance. By default the machine's
+            own.
+        clearances : mapping of int to float, optional
+            Radial clearances [m] of seals by their nodes (from 1).
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+
+        Returns
+        -------
+        UnbalanceCheck
+            Critical speeds with amplification factors and separation margins, levels at the probes,
+            clearances, with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If the range, a node or a clearance cannot be.
+        """
+        from ..linear.acceptance import unbalance_check
+
+        return unbalance_check(self.rotor, low, high, probes, **options)
+
+    def critical_map(
+        self, stiffness: Sequence[float] | np.ndarray | None = None, **options: Any
+    ) -> CriticalMap:
+        """Undamped critical speeds over the stiffness of the bearings.
+
+        Parameters
+        ----------
+        stiffness : sequence of float, optional
+            Ascending stiffnesses of every bearing [N/m]. By default two decades on either side of
+            the bearings' own.
+        count : int
+            Number of lines, the lowest ones.
+        synchronous : bool
+            False for natural frequencies at standstill instead of forward critical speeds.
+        rigid_pedestals : bool
+            Whether housings are taken as ground.
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+
+        Returns
+        -------
+        CriticalMap
+            The lines and the bearings' own stiffness, with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If the stiffnesses do not ascend from above 0, or the machine has no bearing.
+        """
+        from ..linear.acceptance import critical_map
+
+        return critical_map(self.rotor, stiffness, **options)
+
+    def stability(
+        self, speed: float, level: int = 1, **options: Any
+    ) -> StabilityLevel1 | StabilityLevel2:
+        """Stability of the first forward mode by API 617 and 684.
+
+        Parameters
+        ----------
+        speed : float
+            Maximum continuous speed [rad/s], above 0.
+        level : int
+            1 for the logarithmic decrement over the cross coupling, 2 for what each seal does.
+        node : int, optional
+            With level 1, node (from 1) of the cross coupling. By default midway between the
+            bearings.
+        anticipated : float
+            With level 1, the cross coupling that is expected, QA [N/m].
+        cross_couplings : mapping of int to float, optional
+            With level 2, cross coupling [N/m] by node (from 1).
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+
+        Returns
+        -------
+        StabilityLevel1 or StabilityLevel2
+            Logarithmic decrements and thresholds, with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If the speed or a node cannot be.
+        InputError
+            If the level is neither 1 nor 2.
+        """
+        from ..linear.acceptance import level_1, level_2
+
+        if level not in (1, 2):
+            raise InputError(f"level = {level}: must be 1 or 2")
+        if level == 1:
+            return level_1(self.rotor, speed, **options)
+        return level_2(self.rotor, speed, **options)
+
+    def frequency_response(
+        self,
+        frequencies: Sequence[float] | np.ndarray,
+        force: int,
+        nodes: Sequence[int],
+        **options: Any,
+    ) -> FrequencyResponse:
+        """Displacements of nodes by a force on a node, over the frequency.
+
+        Parameters
+        ----------
+        frequencies : sequence of float
+            Frequencies of the force [rad/s], above 0.
+        force : int
+            Node (from 1) of the force.
+        nodes : sequence of int
+            Nodes (from 1) whose displacement is asked for.
+        speed : float
+            Speed of rotation [rad/s].
+        contacts : str, optional
+            `open` or `pinned`. By default open where the machine is held without its contacts.
+
+        Returns
+        -------
+        FrequencyResponse
+            Complex receptances [m/N], with a table and a picture.
+
+        Raises
+        ------
+        LinearError
+            If a frequency or a node cannot be.
+        """
+        from ..linear.frequency_answers import frequency_response
+
+        return frequency_response(self.rotor, frequencies, force, nodes, **options)
 
     def static(self, speed: float = 0.0, **options: Any) -> Static:
         """Deflection and loads on the supports under gravity.
@@ -230,6 +379,10 @@ class Machine:
         return png(self.show())
 
 
+def _ask(question: str) -> None:
+    warnings.warn(RotorWarning(question), stacklevel=4)
+
+
 def load(path: Path | str | None = None) -> Machine:
     """Read a machine's file, one of this project's or one that ROSS saved.
 
@@ -248,6 +401,11 @@ def load(path: Path | str | None = None) -> Machine:
     InputError
         If the file cannot be read or describes an impossible machine.
 
+    Warns
+    -----
+    RotorWarning
+        If a value is probably meant in another unit.
+
     Examples
     --------
     >>> import rotor_fmu as rf
@@ -255,7 +413,7 @@ def load(path: Path | str | None = None) -> Machine:
     'zigulic2003'
     """
     try:
-        toml, rotor = load_rotor(None if path is None else Path(path))
+        toml, rotor = load_rotor(None if path is None else Path(path), _ask)
     except InputError as error:
         raise InputError(str(error).removeprefix("--rotor ")) from error
     return Machine(rotor, toml)
@@ -288,6 +446,7 @@ def parse(toml: str) -> Machine:
     rotor_fmu.errors.InputError: bearing[1].clearance = -1e-06 m: must be > 0 and finite
     """
     try:
-        return Machine(parse_rotor(toml), toml)
+        plain = si_text(toml)
+        return Machine(parse_rotor(plain), plain)
     except QuantityError as error:
         raise InputError(str(error)) from error

@@ -501,7 +501,7 @@ class Result:
         from ..runs.run_plots import motion
         from ..runs.views import place_of
 
-        if len(self.t) < 3 or place_of(self.names) is None:
+        if len(self.t) < 3 or place_of(self.recording.columns) is None:
             return ""
         image = base64.b64encode(png(motion(self.recording, ""))).decode()
         return f'<img src="data:image/png;base64,{image}" alt="displacement over time">'

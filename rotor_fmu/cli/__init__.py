@@ -21,9 +21,11 @@ _RUNS, _FMU, _LINEAR = "Runs", "FMUs", "Machines"
 COMMANDS = {
     _RUNS: {
         "run-down": "runs:run_down",
+        "run-up": "runs:run_up",
         "study": "studies:study",
         "plot": "plotting:plot",
         "report": "plotting:report",
+        "page": "live:page",
     },
     _FMU: {
         "build": "fmus:build",
@@ -35,7 +37,11 @@ COMMANDS = {
         "show": "linear:show",
         "modes": "linear:modes",
         "campbell": "linear:campbell",
+        "critical-map": "acceptance:critical_map",
         "unbalance": "linear:unbalance",
+        "stability": "acceptance:stability",
+        "balance": "balancing:balance",
+        "frequency-response": "frequency:frequency_response",
         "static": "linear:static",
         "bearing": "bearings:bearing",
         "response": "periodic:response",
@@ -67,6 +73,21 @@ class _Commands(TyperGroup):
         return name, name and command and _loaded(name), rest
 
 
+class _Command(TyperCommand):
+    """A command whose help shows no type beside a flag, which takes no value."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        params = super().get_params(ctx)
+        for param in params:
+            if getattr(param, "is_flag", False):
+                param.__dict__["display_type_rich"] = _no_type
+        return params
+
+
+def _no_type(ctx: Any) -> None:
+    return None
+
+
 def _summary(place: str) -> str:
     """Return the first sentence of a command's docstring, or a group's help, without importing its
     module."""
@@ -84,9 +105,11 @@ def _loaded(name: str) -> Any:
     result = getattr(import_module(f".{module}", __package__), attribute)
     if not isinstance(result, typer.Typer):
         function, result = result, typer.Typer(add_completion=False)
-        result.command(name)(function)
+        result.command(name, cls=_Command)(function)
     command = typer.main.get_command(result)
     command.name = name
+    paragraphs = (command.help or "").split("\n\n")
+    command.help = "\n\n".join(" ".join(paragraph.split()) for paragraph in paragraphs)
     return command
 
 

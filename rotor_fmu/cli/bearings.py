@@ -16,7 +16,7 @@ from ..runs.job import load_rotor
 from .linear import print_answer, speed_range
 
 if TYPE_CHECKING:
-    from ..model.linear.journal import BearingCurves
+    from ..model.linear.bearing import BearingCurves
     from ..model.parts.journal_bearing import JournalBearing
 
 
@@ -54,7 +54,7 @@ def bearing(
     if load is not None and not (math.isfinite(load) and load > 0):
         raise InputError(f"--load {load:g}: must be > 0")
     from ..linear import answers
-    from ..model.linear.journal import journal_bearings
+    from ..model.linear.bearing import journal_bearings
 
     if table is not None:
         writable_folder(table.parent)

@@ -8,19 +8,20 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import InputError, writable_folder
-from ..fmi.packing.native_fmu import build_native
 from ..fmi.packing.python_fmu import SYSTEMS
-from ..fmi.packing.python_fmu import build as build_python
-from ..library.build import PLATFORMS, library
-from ..linear.machine_warnings import machine_warnings
+from ..library.build import LIBRARIES, PLATFORMS, WASM, library
 from ..model.kernels.library import here
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
 from .runs import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[
-    list[str] | None, typer.Option("--platform", help=f"{_ONE_OF}; default: all.")
+    list[str] | None,
+    typer.Option(
+        "--platform",
+        help=f"One of {', '.join(LIBRARIES)}, or here: this machine's; default: all. "
+        f"{WASM.name} is what a page carries.",
+    ),
 ]
 Carried = Annotated[
     list[str] | None,
@@ -56,6 +57,12 @@ def build(
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
+    # imported when it is called: the help needs none of it
+    from ..fmi.packing.native_fmu import build_native
+    from ..fmi.packing.python_fmu import build as build_python
+    from ..linear.machine_warnings import machine_warnings
+    from ..runs.job import load_rotor
+
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
         raise InputError(f"--fmi {fmi}: must be 2 or 3")
@@ -75,12 +82,12 @@ def build(
 
 @with_output_options
 def core(platforms: Platforms = None) -> dict[str, Any]:
-    """Build the solver library of each platform ahead of runs and FMUs.
+    """Build the solver library of each platform ahead of runs, FMUs and pages.
 
     Without it every run compiles the solver first, and `build` makes the libraries that it needs.
     """
-    names = _known(platforms, tuple(PLATFORMS)) or list(PLATFORMS)
-    made = {name: library(PLATFORMS[name]) for name in names}
+    names = _known(platforms, tuple(LIBRARIES)) or list(LIBRARIES)
+    made = {name: library(LIBRARIES[name]) for name in names}
     for library_file in made.values():
         typer.echo(library_file)
     return made

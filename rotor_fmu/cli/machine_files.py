@@ -25,20 +25,31 @@ def schema_command(
     typer.echo(page() if as_page else json.dumps(schema(), indent=2))
 
 
+def _known() -> dict[str, Traversable]:
+    return {
+        folder.name: folder
+        for folder in sorted(files("rotor_fmu.examples").iterdir(), key=str)
+        if folder.is_dir() and folder.joinpath("README.md").is_file()
+    }
+
+
+def _examples(incomplete: str) -> list[str]:
+    return [name for name in _known() if name.startswith(incomplete)]
+
+
 def example(
     name: Annotated[
-        str | None, typer.Argument(help="Name of an example; without it the command lists all.")
+        str | None,
+        typer.Argument(
+            help="Name of an example; without it the command lists all.", autocompletion=_examples
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option(help="Folder to which the whole example is copied.")
     ] = None,
 ) -> None:
     """List the examples, print the machine file of one, or copy its folder."""
-    known = {
-        folder.name: folder
-        for folder in sorted(files("rotor_fmu.examples").iterdir(), key=str)
-        if folder.is_dir() and folder.joinpath("README.md").is_file()
-    }
+    known = _known()
     if name is None:
         for folder in known.values():
             title = folder.joinpath("README.md").read_text("utf-8").splitlines()[0].lstrip("# ")

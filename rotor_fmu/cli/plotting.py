@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import difflib
-import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,21 +12,40 @@ from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
+from ..runs.job import load_rotor, write_json
+from ..units import in_si
+from .acceptance import CrossCouplings, Stages, cross_couplings
+from .completion import one_of, places
+from .linear import Clearances, OperatingRange, Rated, clearance_of, operating_range
+
+if TYPE_CHECKING:
+    from ..model.machine.rotor import Rotor
 
 # What draws is imported where it is asked for: bad input should not wait for it.
 
 
 @with_output_options
 def plot(
-    kind: Annotated[str, typer.Argument(help=f"Kind of plot, one of {', '.join(PLOTS)}.")],
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help=f"Kind of plot, one of {', '.join(PLOTS)}.", autocompletion=one_of(PLOTS)
+        ),
+    ],
     run: Annotated[Path, typer.Argument(help="Folder of a run, which holds its recording.npz.")],
     place: Annotated[
         str | None,
-        typer.Option(help="Part to plot, such as disc[2]; default: the largest motion or force."),
+        typer.Option(
+            help="Part to plot, such as disc[2]; default: the largest motion or force.",
+            autocompletion=places,
+        ),
     ] = None,
     speed: Annotated[
-        float | None,
-        typer.Option(help="Speed of an orbit or a spectrum [Hz]; default: the 1x peak."),
+        str | None,
+        typer.Option(
+            help="Speed of an orbit or a spectrum, such as 1800rpm or 30Hz, or in rad/s; default: "
+            "the 1x peak."
+        ),
     ] = None,
     pp: Annotated[
         bool, typer.Option("--pp", help="Show amplitudes peak-to-peak instead of 0-p.")
@@ -40,8 +58,9 @@ def plot(
     if kind not in PLOTS:
         near = difflib.get_close_matches(kind, PLOTS, 1, 0.0)[0]
         raise InputError(f"KIND {kind}: did you mean {near}? It must be one of {', '.join(PLOTS)}")
-    if speed is not None and not 0 < abs(speed) < math.inf:
-        raise InputError(f"--speed {speed:g} Hz: must be finite and not 0")
+    at = None if speed is None else in_si("--speed", speed, "rad/s")
+    if at == 0:
+        raise InputError(f"--speed {speed}: must not be 0")
     from ..figure_style import save
     from ..plotting.reading import read_run
     from ..report.signal_plots import KINDS
@@ -50,7 +69,7 @@ def plot(
 
     recorded = read_run(run)
     folder = writable_folder(out or (run if run.is_dir() else run.parent))
-    view = View(recorded, place, None if speed is None else speed * 2 * math.pi, pp)
+    view = View(recorded, place, at, pp)
     try:
         figure = KINDS[kind](view)
     except TooFewTurns as error:
@@ -60,18 +79,96 @@ def plot(
     return {"out": picture}
 
 
+def _machine_page(
+    machine: Rotor,
+    ends: tuple[float, float],
+    probes: list[int] | None,
+    mode: int | None,
+    clearances: dict[int, float],
+    couplings: dict[int, float],
+    out: Path,
+) -> dict[str, Any]:
+    """Write the page of a machine and its numbers beside it."""
+    from ..acceptance.page import Question, machine_report
+
+    writable_folder(out.parent)
+    if out.is_dir():
+        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    asked = Question(*ends, probes, mode, clearances, couplings)
+    result = machine_report(machine, asked)
+    write_text(result.html, out)
+    write_json(dict(result.numbers), out.with_suffix(".json"))
+    for conclusion in result.conclusions:
+        typer.echo(conclusion)
+    typer.echo(out)
+    return {"out": out, **result.numbers}
+
+
 @with_output_options
 def report(
     paths: Annotated[
-        list[Path],
+        list[Path] | None,
         typer.Argument(
-            metavar="RUN_OR_STUDY [RUN]",
+            metavar="[RUN_OR_STUDY [RUN]]",
             help="Folder of a run, or of two runs to compare, or of a study.",
         ),
-    ],
+    ] = None,
+    rotor: Annotated[
+        Path | None,
+        typer.Option(help="Machine file, whose own report is written in the place of a run's."),
+    ] = None,
+    operating: OperatingRange = None,
+    rated: Rated = None,
+    node: Annotated[
+        list[int] | None,
+        typer.Option(
+            help="With --rotor: node of a probe, from 1; repeatable; default: the largest orbits."
+        ),
+    ] = None,
+    mode: Annotated[
+        int | None,
+        typer.Option(
+            help="With --rotor: place the unbalances of API 617 (4W/N) for this mode, from 1; "
+            "default: the machine's own unbalances."
+        ),
+    ] = None,
+    clearance: Clearances = None,
+    stage: Stages = None,
+    cross_coupling: CrossCouplings = None,
+    is_live: Annotated[
+        bool,
+        typer.Option(
+            "--live",
+            help="Write the page on which the run's machine runs, with the run's settings.",
+        ),
+    ] = False,
     out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
 ) -> dict[str, Any]:
-    """Write the report page of a run, of two runs compared with each other, or of a study."""
+    """Write the report page of a run, of two runs compared with each other, of a study, or, with
+    --rotor, of a machine: statics, critical speeds, modes, response, stability, contact.
+
+    The report of a machine holds it against API 617 and 684 in the operating range of --range or
+    --rated, and carries the check on into contact: where its response closes a clearance it is run
+    up and down with its contacts.
+    """
+    if rotor is not None:
+        if paths:
+            raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
+        machine = load_rotor(rotor)[1]
+        ends = operating_range(operating, rated, machine)
+        if ends is None:
+            raise InputError(
+                "--range: must be given, such as --range 9000:11000rpm, or --rated, or the "
+                "machine's [operation]"
+            )
+        gaps = dict(map(clearance_of, clearance or []))
+        for number in (*(node or []), *gaps):
+            if not 1 <= number <= len(machine.nodes):
+                raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
+        couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
+        return _machine_page(machine, ends, node, mode, gaps, couplings, out)
+    if not paths:
+        raise InputError("RUN_OR_STUDY: must be given, or a machine by --rotor")
     from ..plotting.reading import (
         is_study,
         read_run,
@@ -89,10 +186,19 @@ def report(
         raise InputError(f"{studies[0]}: is a study, which has a page of its own; give it alone")
     if len(paths) > 2:
         raise InputError(f"{len(paths)} runs: a page shows one or two")
+    if is_live and (studies or len(paths) > 1):
+        raise InputError("--live: a page on which a machine runs is of one run")
     writable_folder(out.parent)
     if out.is_dir():
         raise InputError(f"--out {out}: is a folder; give the page's name in it")
-    if studies:
+    if is_live:
+        from ..live.page import solver_page
+        from ..live.recorded_run import machine_of_run, settings_of_run
+
+        run = read_run(paths[0])
+        recorded = machine_of_run(run)
+        page = solver_page(recorded, settings_of_run(run, recorded))
+    elif studies:
         from ..plotting.selected import pages_of_runs
         from ..report.study import study_page
 

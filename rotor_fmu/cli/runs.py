@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -9,49 +10,37 @@ from typing import Annotated, Any
 import typer
 
 from ..errors import writable_folder
-from ..fmi.interface import interface
-from ..fmi.packing.variable_table import markdown
 from ..model.settings import PRESETS
-from ..output_options import with_output_options
-from ..report.page import write_report
-from ..report.verification import text_of
-from ..runs.host_env import host_environment
-from ..runs.job import (
-    clear,
-    difference,
-    execute,
-    execute_recorded,
-    fmu_in,
-    load_rotor,
-    prepare,
-    verified,
-    write_csv,
-    write_json,
-)
-from ..runs.run_plots import write_run_down
-from ..runs.signals import RUN_DOWN_STOP
-from ..runs.summary import summary
-from ..runs.verification import finer_job
+from ..output_options import with_options_of, with_output_options
+from .completion import one_of, settable
 
+# What a command calls is imported when it is called: its help needs none of it.
 RotorFile = Annotated[
     Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
 ]
 Free = Annotated[
     bool,
-    typer.Option("--free", help="Use the FMU that is driven by a torque, RotorBearingFree.fmu."),
+    typer.Option("--free", help="Use the FMU that is driven by a torque instead of its speed."),
 ]
 Sets = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", help="Set a parameter, or an input that stays constant: NAME=VALUE; repeatable."
+        "--set",
+        help="Set a parameter, or an input that stays constant: NAME=VALUE, with or without unit; "
+        "repeatable.",
+        autocompletion=settable,
     ),
 ]
 
 
-@with_output_options
-def run_down(
+def _run(
+    is_up: bool,
     preset: Annotated[
-        str | None, typer.Option(help=f"Preset of the solver, one of {', '.join(PRESETS)}.")
+        str | None,
+        typer.Option(
+            help=f"Preset of the solver, one of {', '.join(PRESETS)}.",
+            autocompletion=one_of(PRESETS),
+        ),
     ] = None,
     sets: Sets = None,
     signals: Annotated[
@@ -61,7 +50,33 @@ def run_down(
             help="CSV file with a column for the time and one for each input, in SI units.",
         ),
     ] = None,
-    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = RUN_DOWN_STOP,
+    first: Annotated[
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="SPEED",
+            help="Speed at the start, such as 3000rpm or 50Hz; default: the machine's.",
+        ),
+    ] = None,
+    last: Annotated[
+        str | None, typer.Option("--to", metavar="SPEED", help="Speed at the end of the change.")
+    ] = None,
+    rate: Annotated[
+        str | None,
+        typer.Option(
+            metavar="RATE", help="Rate of the speed, such as 100rpm/s or 2Hz/s, or in rad/s2."
+        ),
+    ] = None,
+    hold: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME", help="Time at the highest speed: before a run-down, after a run-up."
+        ),
+    ] = None,
+    stop: Annotated[
+        float | None,
+        typer.Option(help="End of the run, in seconds; default: when the speed has changed."),
+    ] = None,
     step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
     direct: Annotated[
         bool, typer.Option("--direct", help="Run the model directly, without an FMU.")
@@ -74,40 +89,55 @@ def run_down(
         ),
     ] = False,
     rotor: RotorFile = None,
-    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/run_down"),
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the results; default: out/ and the command.")
+    ] = None,
 ) -> dict[str, Any]:
-    """Run down the built FMU as in paper A, and write a summary, a CSV file and pictures.
+    """Make a run, write its results and return its figures."""
+    from ..report.page import write_report
+    from ..report.verification import text_of
+    from ..runs import job as jobs
+    from ..runs.ramp import RampGiven
+    from ..runs.run_plots import write_run_pictures
+    from ..runs.sentences import sentences
+    from ..runs.summary import summary
+    from ..runs.verification import finer_job
 
-    The pictures are drawn from the same run without the FMU, recorded at the solver's own steps.
-    With --verify the run is compared with the same run, solved more finely: the command shows peaks
-    and final state of both, and its conclusion.
-    """
-    job = prepare(rotor, preset, sets or [], signals, stop, step)
+    begun = time.perf_counter()
+    kind = "run-up" if is_up else "run-down"
+    name = kind.replace("-", "_")
+    out = out or Path("out") / name
+    ramp = RampGiven(is_up, first, last, rate, hold)
+    job = jobs.prepare(rotor, preset, sets or [], signals, stop, step, ramp)
     if verify:
         finer_job(job)  # refused before anything is run
     writable_folder(out)
-    fmu = None if direct else fmu_in(out, job.toml, job.settings.reduction)
-    clear(out)
-    label = f"run-down, {preset or 'default'}"
-    driven = None if fmu is None else execute(job, fmu, label)
-    recorded, recording = execute_recorded(job, f"{label}, recorded", is_silent=driven is not None)
+    fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
+    jobs.clear(out)
+    label = f"{kind}, {preset or 'default'}"
+    driven = None if fmu is None else jobs.execute(job, fmu, label)
+    recorded, recording = jobs.execute_recorded(
+        job, f"{label}, recorded", is_silent=driven is not None
+    )
     # an FMU holds its loads between two communication points
     result = driven if driven is not None and job.signals.is_held else recorded
     if verify:
-        recorded, recording = verified(job, recorded, recording, f"{label}, finer")
+        recorded, recording = jobs.verified(job, recorded, recording, f"{label}, finer")
         if "verification" in recording.about:
             result = replace(result, status=recorded.status)
     report = summary(result) | {
         "recorded_steps": len(recording.t),
-        "recorded_apart": driven and difference(driven, recorded),
+        "recorded_apart": driven and jobs.difference(driven, recorded),
         "verification": recording.about.get("verification"),
     }
-    write_csv(result, out / "run_down.csv")
+    jobs.write_csv(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
     recording.save(out / "recording.npz")
-    name = f"Preset {preset}" if preset else "Default solver"
-    write_run_down(result, recording, report, name, job.settings.mode == "adaptive", out)
-    write_json(report, out / "summary.json")
+    title = f"{job.rotor.name}, preset {preset}" if preset else job.rotor.name
+    is_adaptive = job.settings.mode == "adaptive"
+    write_run_pictures(result, recording, report, title, is_adaptive, out, name)
     write_report(recording, report, out / "report.html")
+    report["wall_s"] = time.perf_counter() - begun
+    jobs.write_json(report, out / "summary.json")
     if apart := report["recorded_apart"]:
         why = "" if job.signals.is_held else ", which holds its inputs over a communication step"
         typer.echo(
@@ -115,26 +145,40 @@ def run_down(
             f"apart from the FMU's{why}; the pictures are of the recorded one",
             err=True,
         )
-    for key, value in report.items():
-        if key not in ("messages", "codes", "verification"):
-            typer.echo(f"{key:20s} {_value_text(value)}")
+    for sentence in sentences(report, recording, out / "report.html"):
+        typer.echo(sentence)
     if report["verification"]:
         typer.echo(text_of(report["verification"]), nl=False)
-    typer.echo(f"{'written to':20s} {out}")
     return report | {"out": str(out)}
 
 
-def _value_text(value: object) -> str:
-    if isinstance(value, float):
-        return f"{value:.5g}"
-    if isinstance(value, list):
-        return " .. ".join(_value_text(item) for item in value)
-    return "-" if value is None else str(value)
+@with_output_options
+@with_options_of(_run)
+def run_down(**options: Any) -> dict[str, Any]:
+    """Run a machine down from its highest speed, and write a summary, a CSV file and pictures.
+
+    The speed falls as the table `operation` of the machine file says, or as the options do. The run
+    is made by the built FMU; the pictures are drawn from the same run without it, recorded at the
+    solver's own steps. With --verify the run is compared with the same run, solved more finely: the
+    command shows peaks and final state of both, and its conclusion.
+    """
+    return _run(False, **options)
+
+
+@with_output_options
+@with_options_of(_run)
+def run_up(**options: Any) -> dict[str, Any]:
+    """Run a machine up to its highest speed, and write what `run-down` writes."""
+    return _run(True, **options)
 
 
 @with_output_options
 def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
     """Print the FMU's variables as a Markdown table."""
+    from ..fmi.interface import interface
+    from ..fmi.packing.variable_table import markdown
+    from ..runs.job import load_rotor
+
     table = interface(load_rotor(rotor)[1], is_free)
     typer.echo(markdown(table), nl=False)
     return {variable.name: asdict(variable) for variable in table}
@@ -142,5 +186,7 @@ def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
 
 def host_env() -> None:
     """Print the environment that a C host needs to run the FMU on this machine."""
+    from ..runs.host_env import host_environment
+
     for name, value in host_environment().items():
         typer.echo(f'export {name}="{value}"')

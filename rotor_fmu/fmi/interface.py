@@ -4,9 +4,11 @@ documents are made."""
 from __future__ import annotations
 
 from ..model.machine.rotor import Name, Rotor
+from ..model.parts import PARTS
 from ..model.parts.base import BASE, Port
 from ..model.quantities import ANY, Quantity
 from ..model.time_loop.observe import observed
+from ..operation import operating_speeds
 from .solver_parameters import solver_parameters
 from .variables import Variable
 
@@ -31,7 +33,7 @@ def _inputs(rotor: Rotor, is_free: bool) -> list[Variable]:
         "speed of rotation about z, x towards y; continued until the next communication point by "
         "its derivative, without one as speed_continuation says",
         "rad/s",
-        400.0,
+        operating_speeds(rotor).rated,
         nominal=100.0,
     )
     if is_free:
@@ -111,7 +113,8 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
             choices=("linear", "hold"),
         ),
     ]
-    free = [_real("w_start", "rad/s", 400.0, "speed of rotation at the start", low=None)]
+    start = operating_speeds(rotor).rated if is_free else 0.0
+    free = [_real("w_start", "rad/s", start, "speed of rotation at the start", low=None)]
     return [
         *(free if is_free else prescribed),
         *(_parameter(*parameter) for parameter in rotor.parameters()),
@@ -128,8 +131,14 @@ def _parameter(name: Name, quantity: Quantity, value: float | bool) -> Variable:
     )
 
 
+# Quantities under these headings are of the machine itself.
+_WITHOUT_PART = {"", "shaft", "solver", "energy", *(kind.KIND for kind in PARTS)}
+
+
 def _part_of(name: Name) -> str:
-    return f"{name.kind} {name.number}: " if name.number else ""
+    if name.number:
+        return f"{name.kind} {name.number}: "
+    return "" if name.kind in _WITHOUT_PART else f"{name.kind}: "
 
 
 def _real(name: str, unit: str, start: float, text: str, low: float | None) -> Variable:

@@ -45,7 +45,14 @@ _EMITTED_TOGETHER = (
 # Of the C library of the oldest Linux that an FMU runs on.
 _GLIBC = (2, 17)
 # C23 would take functions of a newer C library in the place of the old ones (strtol).
-_FLAGS = ("-std=c17", "-O2", "-fPIC", "-shared", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+_FLAGS = ("-std=c17", "-O2", "-s", "-fvisibility=hidden", "-ffp-contract=off")
+_SHARED = ("-fPIC", "-shared")
+# A module without a `main`, whose caller reserves memory for what it hands over.
+_MODULE = (
+    "-mexec-model=reactor",
+    *(f"-Wl,--export={name}" for name in ("malloc", "free")),
+    *("-Wl,--export-dynamic", "-Wl,-z,stack-size=1048576"),
+)
 
 
 class CoreError(RunFailed):
@@ -119,6 +126,11 @@ PLATFORMS = {
     )
 }
 
+
+# What a page carries: no platform of an FMU. Its memory has 32-bit addresses.
+WASM = Platform("wasm32", "wasm32", "wasm32-unknown-unknown", "generic", "wasm32-wasi", ".wasm")
+
+LIBRARIES = PLATFORMS | {WASM.name: WASM}
 
 # What an extra brings: numba for the kernels, zig for platforms other than this machine's.
 _TOOLS = {"kernels": "numba", "build": "ziglang"}
@@ -269,7 +281,11 @@ def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
     llvm.initialize_all_asmprinters()
     target = llvm.Target.from_triple(platform.triple)
     machine = target.create_target_machine(
-        cpu=platform.processor, features=platform.features, opt=3, reloc="pic", codemodel="default"
+        cpu=platform.processor,
+        features=platform.features,
+        opt=3,
+        reloc="static" if platform is WASM else "pic",
+        codemodel="default",
     )
     made = []
     for file in sorted(folder.glob("*.ll")):
@@ -318,7 +334,7 @@ def runs_on_old_linux(library: bytes) -> bool:
 def _link_command(
     compiler: list[str], platform: Platform, parts: list[Path], target: Path
 ) -> list[str]:
-    command = [*compiler, *_FLAGS]
+    command = [*compiler, *_FLAGS, *(_MODULE if platform is WASM else _SHARED)]
     command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
     if platform.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{target.name}")

@@ -24,12 +24,13 @@ from ..fmi.packing.machine_picture import machine_figure
 from ..model import linear
 from ..model.machine.rotor import Rotor
 from ..runs.job import load_rotor
+from ..threads import with_one_thread
 from . import linear_plots, linear_tables
 
 Machine = Rotor | Path | str
 
 
-class _Displayed(ABC):
+class Displayed(ABC):
     """Something with a table and a picture."""
 
     @abstractmethod
@@ -40,6 +41,9 @@ class _Displayed(ABC):
     def figure(self) -> Figure:
         """Draw the result."""
 
+    def __repr__(self) -> str:
+        return f"<{self.table().title}>"
+
     def _repr_html_(self) -> str:
         return self.table().html()
 
@@ -49,7 +53,7 @@ class _Displayed(ABC):
         return buffer.getvalue()
 
 
-class Modes(linear.Modes, _Displayed):
+class Modes(Displayed, linear.Modes):
     """`model.linear.Modes`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -73,7 +77,7 @@ class Modes(linear.Modes, _Displayed):
         return linear_plots.modes_figure(self)
 
 
-class Campbell(linear.Campbell, _Displayed):
+class Campbell(Displayed, linear.Campbell):
     """`model.linear.Campbell`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -86,18 +90,23 @@ class Campbell(linear.Campbell, _Displayed):
         """
         return linear_tables.campbell_table(self)
 
-    def figure(self) -> Figure:
+    def figure(self, operating: tuple[float, float] | None = None) -> Figure:
         """Draw the result.
+
+        Parameters
+        ----------
+        operating : (float, float), optional
+            The operating range [rad/s], which is shaded.
 
         Returns
         -------
         matplotlib.figure.Figure
             The diagram.
         """
-        return linear_plots.campbell_figure(self)
+        return linear_plots.campbell_figure(self, operating)
 
 
-class BearingCurves(linear.BearingCurves, _Displayed):
+class BearingCurves(Displayed, linear.BearingCurves):
     """`model.linear.BearingCurves`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -121,7 +130,7 @@ class BearingCurves(linear.BearingCurves, _Displayed):
         return linear_plots.bearing_figure(self)
 
 
-class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
+class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
     def nodes(self) -> list[int]:
@@ -150,23 +159,29 @@ class UnbalanceResponse(linear.UnbalanceResponse, _Displayed):
         """
         return linear_tables.unbalance_table(self, nodes or self.nodes())
 
-    def figure(self, nodes: Sequence[int] | None = None) -> Figure:
+    def figure(
+        self,
+        nodes: Sequence[int] | None = None,
+        operating: tuple[float, float] | None = None,
+    ) -> Figure:
         """Draw the result.
 
         Parameters
         ----------
         nodes : sequence of int, optional
             Nodes (from 1). By default those with the largest orbits.
+        operating : (float, float), optional
+            The operating range [rad/s], which is shaded.
 
         Returns
         -------
         matplotlib.figure.Figure
             Amplitudes and phases.
         """
-        return linear_plots.unbalance_figure(self, nodes or self.nodes())
+        return linear_plots.unbalance_figure(self, nodes or self.nodes(), operating)
 
 
-class Static(linear.Static, _Displayed):
+class Static(Displayed, linear.Static):
     """`model.linear.Static`, shown."""
 
     def table(self) -> linear_tables.Table:
@@ -190,34 +205,39 @@ class Static(linear.Static, _Displayed):
         return linear_plots.static_figure(self)
 
 
+@with_one_thread
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
     """Return `model.linear.modes` of a machine."""
-    return _displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
+    return displayed(Modes, linear.modes(rotor_of(machine), speed, **options))
 
 
+@with_one_thread
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
     """Return `model.linear.campbell` of a machine."""
-    return _displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
+    return displayed(Campbell, linear.campbell(rotor_of(machine), speeds, **options))
 
 
+@with_one_thread
 def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
     """Return `model.linear.unbalance_response` of a machine."""
     result = linear.unbalance_response(rotor_of(machine), speeds, **options)
-    return _displayed(UnbalanceResponse, result)
+    return displayed(UnbalanceResponse, result)
 
 
+@with_one_thread
 def bearing(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> BearingCurves:
     """Return `model.linear.bearing_curves` of a machine."""
-    return _displayed(BearingCurves, linear.bearing_curves(rotor_of(machine), speeds, **options))
+    return displayed(BearingCurves, linear.bearing_curves(rotor_of(machine), speeds, **options))
 
 
+@with_one_thread
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
     """Return `model.linear.static` of a machine."""
-    return _displayed(Static, linear.static(rotor_of(machine), speed, **options))
+    return displayed(Static, linear.static(rotor_of(machine), speed, **options))
 
 
 def show(machine: Machine) -> Figure:
@@ -230,5 +250,6 @@ def rotor_of(machine: Machine) -> Rotor:
     return machine if isinstance(machine, Rotor) else load_rotor(Path(machine))[1]
 
 
-def _displayed(kind: type, result: Any) -> Any:
+def displayed(kind: type, result: Any) -> Any:
+    """Return a result of `model.linear` as the class that shows it."""
     return kind(**{field.name: getattr(result, field.name) for field in fields(result)})

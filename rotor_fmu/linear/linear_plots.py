@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,21 +15,25 @@ from matplotlib.lines import Line2D
 from scipy.interpolate import CubicHermiteSpline
 
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
+from ..model.linear.bearing import ANGLES, BearingCurves
 from ..model.linear.campbell import Campbell
-from ..model.linear.journal import ANGLES, BearingCurves
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
 from .linear_tables import bearing_table, hertz, turns
 
-PURPLE = "#cc79a7"
+PURPLE, RANGE = "#cc79a7", "#56b4e9"
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
 _WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _MOST_SHAPES = 6
+_REACH = 4.0  # of the line of the excitation: frequencies that are shown
 _FINE = 12  # points an element of a curve through the nodes
 
 
-def _figure(width: float, height: float, rows: int, columns: int = 1, **options) -> tuple:
+def new_figure(
+    width: float, height: float, rows: int, columns: int = 1, **options: Any
+) -> tuple[Figure, np.ndarray]:
+    """Return a figure with a grid of axes, shape (rows, columns); size in inches."""
     figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
     FigureCanvasAgg(figure)
     grid = figure.subplots(rows, columns, squeeze=False, **options)
@@ -50,7 +55,7 @@ def modes_figure(result: Modes) -> Figure:
     shown = min(_MOST_SHAPES, len(result.eigenvalues))
     columns = 2 if shown > 1 else 1
     rows = max(1, -(-shown // columns))
-    figure, grid = _figure(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, sharex=True)
+    figure, grid = new_figure(4.2 * columns, 0.9 + 1.75 * rows, rows, columns, sharex=True)
     for i, axes in enumerate(grid.flat):
         if i >= shown:
             axes.set_visible(False)
@@ -93,7 +98,7 @@ def modes_figure(result: Modes) -> Figure:
 def bearing_figure(result: BearingCurves) -> Figure:
     """Draw the journal's locus in its clearance, the pressure around it, and stiffness and damping
     over the speed."""
-    figure, grid = _figure(8.4, 7.4, 2, 2)
+    figure, grid = new_figure(8.4, 7.4, 2, 2)
     locus, around, stiffness, damping = grid.ravel()
     circle = np.exp(1j * ANGLES)
     locus.plot(circle.real, circle.imag, color="black", lw=1.2)
@@ -131,18 +136,21 @@ def bearing_figure(result: BearingCurves) -> Figure:
     return figure
 
 
-def campbell_figure(result: Campbell) -> Figure:
-    """Draw frequencies with the excitation and their intersections, and logarithmic decrements."""
-    figure, grid = _figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
+def campbell_figure(result: Campbell, operating: tuple[float, float] | None = None) -> Figure:
+    """Draw frequencies with the excitation and their intersections, and logarithmic decrements;
+    operating: the range [rad/s], which is shaded."""
+    figure, grid = new_figure(6.8, 6.6, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
     frequency = result.damped / (2 * math.pi)
+    shade(grid[:, 0], operating)
     for mode in range(frequency.shape[1]):
         for axes, values in ((above, frequency[:, mode]), (below, result.log_dec[:, mode])):
             _whirling(axes, speed, values, [of[mode] for of in result.whirl])
-    above.plot(speed, result.harmonic * np.abs(speed), color="black", lw=1.0, ls=(0, (4, 3)))
+    for order in result.harmonics:
+        above.plot(speed, order * np.abs(speed), color="black", lw=1.0, ls=(0, (4, 3)))
     for c in result.critical:
-        place = hertz(c.speed), result.harmonic * hertz(c.speed)
+        place = hertz(c.speed), c.harmonic * hertz(c.speed)
         above.plot(*place, "o", color="black", mfc="white", ms=5)
         above.annotate(
             f"{place[0]:.4g}",
@@ -169,12 +177,14 @@ def campbell_figure(result: Campbell) -> Figure:
         )
     seen = {word for words in result.whirl[1:] for word in words if word}
     handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
-    times = "" if result.harmonic == 1 else f"{result.harmonic:g} times "
-    label = f"{times}the speed"
+    orders = ", ".join(f"{order:g}" for order in result.harmonics)
+    label = "the speed" if result.harmonics == (1.0,) else f"{orders} times the speed"
     handles.append(Line2D([], [], color="black", lw=1.0, ls=(0, (4, 3)), label=label))
-    above.legend(handles=handles, frameon=False, loc="upper left", fontsize=8)
-    highest = np.nanmax(frequency, initial=0.0)
-    above.set_ylim(0, 1.05 * max(highest, 1e-9))
+    above.legend(handles=handles, framealpha=0.9, edgecolor="none", loc="upper left", fontsize=8)
+    highest = 1.05 * np.nanmax(frequency, initial=0.0)
+    # not so far that the line of the speed, and what it meets, becomes flat
+    reach = max(_REACH * max(result.harmonics) * np.abs(speed).max(), 1.3 * np.nanmin(frequency))
+    above.set_ylim(0, max(min(highest, reach), 1e-9))
     above.set_xlim(speed[0], speed[-1])
     above.set_ylabel("Frequency [Hz]")
     below.set_ylabel("Logarithmic decrement [1]")
@@ -184,8 +194,30 @@ def campbell_figure(result: Campbell) -> Figure:
     elif len(finite) and finite.max() > 3:
         below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
     below.set_xlabel("Rotational speed n [Hz]")
-    above.set_title(f"Campbell diagram, contacts {result.contacts}", loc="left", fontsize=10)
+    _in_rpm(above)
+    figure.suptitle(f"Campbell diagram, contacts {result.contacts}", fontsize=10, x=0.01, ha="left")
     return figure
+
+
+def _in_rpm(axes: Axes) -> None:
+    """Put an axis in rev/min above axes over the speed in Hz."""
+
+    def to_rpm(n: Any) -> Any:
+        return 60.0 * n
+
+    def to_hertz(rpm: Any) -> Any:
+        return rpm / 60.0
+
+    above = axes.secondary_xaxis("top", functions=(to_rpm, to_hertz))
+    above.set_xlabel("[rev/min]", fontsize=8)
+    above.tick_params(labelsize=8)
+
+
+def shade(panels: Sequence[Axes] | np.ndarray, operating: tuple[float, float] | None) -> None:
+    """Shade the operating range [rad/s] of axes over the speed in Hz."""
+    if operating is not None:
+        for axes in panels:
+            axes.axvspan(hertz(operating[0]), hertz(operating[1]), color=RANGE, alpha=0.25, lw=0)
 
 
 def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence[str]) -> None:
@@ -196,11 +228,17 @@ def _whirling(axes: Axes, speed: np.ndarray, values: np.ndarray, whirl: Sequence
         axes.plot(speed[i : i + 2], values[i : i + 2], color=_WHIRL.get(word, GREY), lw=1.6)
 
 
-def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
-    """Draw semi-axes and phases of nodes (from 1) over the speed."""
-    figure, grid = _figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
+def unbalance_figure(
+    result: UnbalanceResponse,
+    nodes: Sequence[int],
+    operating: tuple[float, float] | None = None,
+) -> Figure:
+    """Draw semi-axes and phases of nodes (from 1) over the speed; operating: the range [rad/s],
+    which is shaded."""
+    figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
     above, below = grid[:, 0]
     speed = result.speeds / (2 * math.pi)
+    shade(grid[:, 0], operating)
     mark = "o" if len(speed) < 3 else ""
     for node, color in zip(nodes, _COLORS, strict=False):
         at = node - 1
@@ -234,14 +272,15 @@ def unbalance_figure(result: UnbalanceResponse, nodes: Sequence[int]) -> Figure:
     below.set_ylim(-185, 185)
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_xlabel("Rotational speed n [Hz]")
+    _in_rpm(above)
     title = f"Steady response to unbalance, contacts {result.contacts}"
-    above.set_title(title, loc="left", fontsize=10)
+    figure.suptitle(title, fontsize=10, x=0.01, ha="left")
     return figure
 
 
 def static_figure(result: Static) -> Figure:
     """Draw the deflection along the shaft, with the loads on the supports beside their names."""
-    figure, grid = _figure(6.8, 3.8, 1)
+    figure, grid = new_figure(6.8, 3.8, 1)
     axes = grid[0, 0]
     axes.axhline(0, color=GREY, lw=0.8)
     z, y = _curve(result.z, result.y * 1e6, result.slope_y * 1e6)

@@ -10,12 +10,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cells import cell
+from ..model.linear.bearing import BearingCurves
 from ..model.linear.campbell import Campbell
-from ..model.linear.journal import BearingCurves
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
 
+# properties that stand beside the fields of a result
+_DERIVED = (
+    *("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"),
+    *("amplification", "is_one_sided", "is_met", "ratio", "is_level_2_required"),
+    *("residual", "conclusion"),
+)
 _MOST_SPEEDS = 12  # of a table of the response
 
 
@@ -90,9 +96,12 @@ def _clean(ratio: float) -> float:
 def campbell_table(result: Campbell) -> Table:
     """Return a table with one row for each critical speed; the threshold of stability in the
     heading."""
-    heads = ("mode", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
+    heads = ("mode", "order", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
     rows = [
-        (c.mode + 1, c.speed, hertz(c.speed), 60 * hertz(c.speed), _clean(c.log_dec), c.whirl)
+        (
+            *(c.mode + 1, c.harmonic, c.speed, hertz(c.speed), 60 * hertz(c.speed)),
+            *(_clean(c.log_dec), c.whirl),
+        )
         for c in result.critical
     ]
     between = f"{result.speeds[0]:.5g} and {result.speeds[-1]:.5g} rad/s"
@@ -101,7 +110,8 @@ def campbell_table(result: Campbell) -> Table:
         stability = f"unstable above {result.threshold:.6g} rad/s"
         if result.threshold == result.speeds[0]:
             stability = f"unstable already at {result.threshold:.6g} rad/s"
-    harmonic = "" if result.harmonic == 1 else f" of {result.harmonic:g} times the speed"
+    orders = ", ".join(f"{order:g}" for order in result.harmonics)
+    harmonic = "" if result.harmonics == (1.0,) else f" of {orders} times the speed"
     title = f"Critical speeds{harmonic} between {between}, contacts {result.contacts}; {stability}"
     return Table(title, heads, rows)
 
@@ -190,7 +200,7 @@ def numbers(result: Any) -> dict[str, object]:
     """Return all numbers of a linear analysis, in SI units, for JSON: complex numbers as [real,
     imaginary]."""
     fields = {name: getattr(result, name) for name in result.__dataclass_fields__}
-    for name in ("damped", "natural", "damping_ratio", "log_dec", "whirl", "forwardness", "major"):
+    for name in _DERIVED:
         if hasattr(result, name):
             fields[name] = getattr(result, name)
     return {name: _plain(value) for name, value in fields.items()}
@@ -201,6 +211,8 @@ def _plain(value: object) -> object:
         return [_plain(item) for item in value.tolist()]
     if hasattr(value, "__dataclass_fields__"):
         return numbers(value)
+    if hasattr(value, "_asdict"):
+        return {name: _plain(item) for name, item in value._asdict().items()}
     if isinstance(value, (list, tuple)):
         return [_plain(item) for item in value]
     if isinstance(value, complex):

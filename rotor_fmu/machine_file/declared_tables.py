@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
+from ..model.machine.operation import Operation
 from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import Part
@@ -15,8 +16,8 @@ from ..model.quantities import Quantity, quantities
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table: its quantity, or `text` and `choices` where it is no number; default: None
-    where it must be given."""
+    """A key of a table: its quantity, or `text`, `choices` and `unit`, empty of what is no number;
+    default: None where it must be given."""
 
     name: str
     quantity: Quantity | None
@@ -25,6 +26,14 @@ class Key:
     is_needed: bool = False
     choices: tuple[str, ...] = ()
     kind: str = "number"
+    unit: str = ""
+
+    @property
+    def measured_in(self) -> str:
+        """The SI unit of its numbers, empty where it has none."""
+        if self.quantity is None:
+            return self.unit
+        return "" if self.quantity.is_switch else self.quantity.unit
 
 
 @dataclass(frozen=True)
@@ -40,9 +49,9 @@ class Table:
 
 # Keys that are no quantities, by their names.
 _WORDS = {
-    "node": ("integer", "number of the node, from 1; or `z`, its position [m]"),
+    "node": ("integer", "number of the node of the shaft, from 1; or `z`, a position [m]"),
     "housing": ("string", "name of the `[[housing]]` that it sits on; ground without"),
-    "name": ("string", "name, by which others and the FMU call it"),
+    "name": ("string", "name, by which the FMU, pictures and other parts call it"),
     "material": ("string", "name of a `[material.NAME]`; the machine's own without"),
 }
 
@@ -54,7 +63,7 @@ def part_tables() -> Iterator[Table]:
         yield Table(heading, kind.KIND, kind.TEXT, not kind.IS_SINGLE, tuple(_part_keys(kind)))
 
 
-def _part_keys(kind: type[Part]) -> Iterator[Key]:
+def _part_keys(kind: type[Part] | type[Operation]) -> Iterator[Key]:
     numbers = quantities(kind)
     ordered = sorted(fields(kind), key=lambda field: field.name in numbers)
     for field in ordered:
@@ -67,18 +76,21 @@ def _part_keys(kind: type[Part]) -> Iterator[Key]:
             word, text = _WORDS[field.name]
             yield Key(field.name, None, text, default or None, is_needed, kind=word)
             if field.name == "node":
-                yield Key("z", None, "position of the node [m]", kind="number")
+                yield Key("z", None, "position along the shaft; a node is put there [m]", unit="m")
 
 
 def own_tables() -> Iterator[Table]:
     """What stands beside the parts: the machine's own keys, material, shaft and sections."""
     own = quantities(Rotor)
     top = [Key("name", None, "name of the machine", "rotor", kind="string")]
+    top.append(Key("identifier", None, "name of its FMU, made from `name`", kind="string"))
     top.append(Key("extends", None, "machine file that this one adds to", kind="string"))
     defaults = {field.name: field.default for field in fields(Rotor)}
     for name in ("gravity", "gravity_angle", "inclination"):
         top.append(Key(name, own[name], own[name].text, defaults[name]))
     yield Table("", "", "The machine as a whole.", False, tuple(top))
+    text = "how the machine is run; what is left out follows from its lowest natural frequency"
+    yield Table("[operation]", "operation", text, False, tuple(_part_keys(Operation)))
     material = [
         Key(
             name,
@@ -94,8 +106,8 @@ def own_tables() -> Iterator[Table]:
     text = "of discs and of the shaft; `[material.NAME]` for others"
     yield Table("[material]", "material", text, False, tuple(material))
     shaft = [
-        Key("nodes", None, "positions of the nodes [m], ascending", kind="numbers"),
-        Key("diameters", None, "of the solid cylinders between them [m]", kind="numbers"),
+        Key("nodes", None, "positions of the nodes [m], ascending", kind="numbers", unit="m"),
+        Key("diameters", None, "of the cylinders between them [m]", kind="numbers", unit="m"),
         Key("start", own["start"], "position of the first node, with `[[section]]`", 0.0),
     ]
     for name in ("eta_v", "eta_h", "rotating_damping"):

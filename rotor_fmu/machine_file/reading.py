@@ -16,6 +16,7 @@ from ..model.machine.ross import Imported, is_ross, parse_ross
 from ..model.machine.toml import parse_rotor
 from ..model.machine.writing import toml_text
 from ..model.quantities import QuantityError
+from .units_in_files import in_si_units
 
 _EXTENDS = "extends"
 _MOST = 8  # files that extend one another
@@ -26,9 +27,22 @@ def machine_text(option: str, path: Path) -> str:
     merged."""
     text = read_text(option, path)
     data = _content(path, text)
-    if data is None or not (_EXTENDS in data or is_ross(data)):
+    if data is None:
         return text
-    return toml_text(_tables(path, data, text, ()))
+    if _EXTENDS in data or is_ross(data):
+        return toml_text(_tables(path, data, text, ()))
+    return si_text(text, f"{path}: ")
+
+
+def si_text(text: str, where: str = "") -> str:
+    """Return a machine's TOML with all numbers in SI units, unchanged where none has a unit; where:
+    what messages begin with. Raises `InputError` for a unit that does not fit its quantity."""
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError):
+        return text  # whose reader reports why
+    converted = in_si_units(data, where)
+    return text if converted == data else toml_text(converted)
 
 
 def import_ross(option: str, path: Path) -> Imported:
@@ -60,6 +74,7 @@ def _tables(path: Path, data: dict[str, Any], text: str, above: tuple[Path, ...]
     """Return the tables of a file with those of what it extends."""
     if is_ross(data):
         return import_ross("--rotor", path).tables
+    data = in_si_units(data, f"{path}: ")
     base = data.get(_EXTENDS)
     if base is None:
         return data

@@ -72,6 +72,13 @@ class ResponseResult:
         self.branches, self.notes = result.branches, tuple(result.notes)
         self.probes = probes(result.rotor)
 
+    def __repr__(self) -> str:
+        count = len(self.branches)
+        return (
+            f"ResponseResult({len(self.points)} points over {self.parameter}, {count} "
+            f"branch{'es' if count != 1 else ''})"
+        )
+
     @property
     def unit(self) -> str:
         """Of the parameter."""

@@ -135,13 +135,15 @@ class Recorded:
         return str(self.about.get("status", "ok"))
 
     def place(self, name: str | None = None) -> MeasuringPoint:
-        """Return a place by its name; None: the disc, or else the place, that moves most."""
+        """Return a place by its name; None: the one of the shaft that moves most, or else the
+        journal that does."""
         if name is not None:
             return _named(name, self.places, "place")
-        discs = [p for p in self.places if p.name.startswith("disc")]
         if not self.places:
             raise InputError(f"{self.name}: its recording has no place with x and y")
-        return max(discs or self.places, key=lambda place: place.motion)
+        of_contacts = {touch.name for touch in self.touches}  # x, y relative to the housing
+        absolute = [p for p in self.places if p.name not in of_contacts]
+        return max(absolute or self.places, key=lambda place: place.motion)
 
     def touch(self, name: str | None = None) -> Touch:
         """Return a contact by its name; None: the one that is pressed most."""

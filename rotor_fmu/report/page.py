@@ -11,16 +11,22 @@ from html import escape
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..about import __version__
 from ..errors import InputError, optional
 from ..files import write_text
 from ..output_options import as_json_value
+from .criticals import criticals_of
 from .measuring_points import Recorded, Recording
 from .report_tables import notices, tables
 from .run_data import run_data
 from .signals import ROOM, signal_data
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..model.machine.rotor import Rotor
 
 _ALWAYS = ("unpack.js", "chart.js")
 _OF_RUNS = ("signals.js", "over_speed.js", "run.js")
@@ -43,14 +49,18 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
     body = template("run.html").substitute(
         notices="\n".join(notices(run, d["why"]) for run, d in zip(runs, data, strict=True)),
         tables="\n".join(tables(*pair, len(runs)) for pair in zip(runs, summaries, strict=True)),
-        machine=_machine(runs[0]),
+        machine="" if runs[0].rotor is None else machine_html(runs[0].rotor),
+        criticals=_paragraph(criticals_of(runs[0]).sentence),
+        rpm="",
         hidden=" hidden" if all(d["why"] for d in data) else "",
         single=" hidden" if len(runs) == 1 else "",
     )
     room = ROOM // len(runs)
     return page(
-        title=" and ".join(run.name for run in runs),
-        about=" | ".join(dict.fromkeys(str(run.about.get("machine", "")) for run in runs)),
+        title=" and ".join(
+            dict.fromkeys(str(run.about.get("machine") or run.name) for run in runs)
+        ),
+        about=" | ".join(run.name for run in runs),
         body=body,
         data={"runs": data},
         signals=[{"name": run.name, **signal_data(run, room)} for run in runs],
@@ -58,53 +68,78 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
     )
 
 
+def _paragraph(text: str) -> str:
+    return f'<p class="about">{escape(text)}</p>\n' if text else ""
+
+
 def page(
-    *, title: str, about: str, body: str, data: object, signals: object, scripts: Sequence[str]
+    *,
+    title: str,
+    about: str,
+    body: str,
+    data: object,
+    signals: object,
+    scripts: Sequence[str],
+    with_charts: bool = True,
 ) -> str:
-    """Return a whole page; title and about are text, body is HTML."""
-    resources = optional("bokeh.resources", "report", "a page of a run")
-    # the third is what Bokeh's own Python pages set up
-    library = resources.Resources(mode="inline", components=["bokeh", "bokeh-api"]).js_raw[:2]
+    """Return a whole page; title and about are text, body is HTML; with_charts: whether its scripts
+    draw charts, which need Bokeh."""
+    library = _bokeh() if with_charts else ()
+    always = _ALWAYS if with_charts else ()
     return template("page.html").substitute(
         title=escape(title),
         about=escape(about),
         css=template("page.css").template,
         body=body,
         footer=f"rotor-fmu {__version__}",
-        data=_json(data),
-        signals=_json(signals),
+        data=json_in_script(data),
+        signals=json_in_script(signals),
         library="\n".join(f"<script>{script}</script>" for script in library),
-        script="\n".join(template(name).template for name in (*_ALWAYS, *scripts)),
+        script="\n".join(template(name).template for name in (*always, *scripts)),
     )
 
 
-def template(name: str) -> Template:
-    """Return a file of the folder `template`."""
-    return Template(files(__package__).joinpath("template", name).read_text(encoding="utf-8"))
+def _bokeh() -> Sequence[str]:
+    """Return Bokeh's scripts."""
+    resources = optional("bokeh.resources", "report", "a page of a run")
+    # the third is what Bokeh's own Python pages set up
+    scripts: list[str] = resources.Resources(
+        mode="inline", components=["bokeh", "bokeh-api"]
+    ).js_raw
+    return scripts[:2]
 
 
-def _json(data: object) -> str:
+def template(name: str, package: str = __package__) -> Template:
+    """Return a file of the folder `template` of a package."""
+    return Template(files(package).joinpath("template", name).read_text(encoding="utf-8"))
+
+
+def json_in_script(data: object) -> str:
+    """Return data as JSON that can stand within a script of a page."""
     text = json.dumps(as_json_value(data), separators=(",", ":"), allow_nan=False)
     # "</script", "<!--" and "<script" mean something within a script, whatever holds them
     return text.replace("<", "\\u003c")
 
 
-def _machine(run: Recorded) -> str:
-    """Return the machine's picture, if the recording holds it."""
-    if run.rotor is None:
-        return ""
-    import matplotlib
-
+def machine_html(rotor: Rotor) -> str:
+    """Return the machine's picture as HTML."""
     from ..fmi.packing.machine_picture import machine_figure
+
+    parts = ", ".join(name for name, part in rotor.named_parts() if hasattr(part, "node"))
+    alt = f"{rotor.name} along its shaft of {rotor.length:.4g} m: {parts}"
+    return figure_html(machine_figure(rotor), "The machine to scale", alt)
+
+
+def figure_html(figure: Figure, caption: str, alt: str = "") -> str:
+    """Return a picture as HTML, drawn as SVG; alt: what it shows, by default its caption."""
+    import matplotlib
 
     buffer = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "rotor-fmu"}):
-        figure = machine_figure(run.rotor)
         figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     picture = base64.b64encode(buffer.getvalue()).decode("ascii")
-    parts = ", ".join(name for name, part in run.rotor.named_parts() if hasattr(part, "node"))
-    alt = escape(f"{run.rotor.name} along its shaft of {run.rotor.length:.4g} m: {parts}", True)
     return (
-        f'<figure class="machine"><img alt="{alt}" src="data:image/svg+xml;base64,{picture}">'
-        "<figcaption>The machine to scale</figcaption></figure>"
+        f'<figure class="machine"><img alt="{escape(alt or caption, True)}" '
+        f'src="data:image/svg+xml;base64,{picture}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
     )

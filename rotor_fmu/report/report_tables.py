@@ -17,13 +17,13 @@ from .measuring_points import Recorded, hertz
 from .verification import headline_of, rows_of
 
 _SUMMARY = {
-    "wall_s": "wall time [s]",
+    "solver_s": "time of the run [s]",
     "steps": "steps",
     "rejected": "steps rejected",
     "newton_per_step": "iterations a step",
     "h_min": "shortest step [s]",
     "h_max": "longest step [s]",
-    "energy_residual": "energy the integrator made, of all dissipated [1]",
+    "energy_residual": "energy error of the integrator over energy dissipated [1]",
 }
 
 

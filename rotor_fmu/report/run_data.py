@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import vibration
 from ..vibration import Synchronous, TooFewTurns
+from .criticals import criticals_of
 from .measuring_points import MeasuringPoint, Recorded, hertz
 from .packed import COARSE, packed
 
@@ -26,18 +27,19 @@ def run_data(run: Recorded) -> dict[str, Any]:
     A run of too few turns has no places, and `why` says so.
     """
     data: dict[str, Any] = {"name": run.name, "status": run.status, "why": None}
-    data |= {"places": [], "touches": [], "power": None}
+    data |= {"places": [], "touches": [], "power": None, "criticals": None}
     try:
         if not run.places:
             return data | {"why": "its recording has no place with x and y"}
         data |= _turns(run)
+        data["criticals"] = criticals_of(run)._asdict()
     except TooFewTurns as error:
         data["why"] = str(error)
     return data
 
 
 def _turns(run: Recorded) -> dict[str, Any]:
-    shown = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
+    shown = sorted(run.places, key=lambda p: (p.name != run.place().name, -p.motion))
     retained = {place.name for place in shown[:_MOST_PLACES]}
     result: dict[str, Any] = {"places": []}
     for place in run.places:

@@ -5,20 +5,20 @@ from __future__ import annotations
 import csv
 import difflib
 import math
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from rich.console import Console
 
 from ..errors import InputError
 from ..files import unfinished, write_text
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
-from ..fmi.packing.python_fmu import FMU_NAME, build, is_current
 from ..fmi.solver_parameters import AS_PRESET, settings_of
 from ..fmi.variables import Variable
+from ..machine_file.plausibility import questions
 from ..machine_file.reading import machine_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
@@ -27,25 +27,38 @@ from ..model.settings import PRESETS, Settings
 from ..model.simulation import EquilibriumError
 from ..output_options import json_text
 from ..status import FAILED, with_doubt
+from ..units import in_si, split
 from . import PLOTS
 from .progress import shown
+from .ramp import RampGiven
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
 from .signals import Signals, make_signals, read_signals
 
 # What a run leaves in its folder.
-RESULTS = ("summary.json", "run_down.csv", "recording.npz", "run_down_*.png", "report.html")
+RESULTS = (
+    *("summary.json", "recording.npz", "report.html"),
+    *(f"run_{way}{rest}" for way in ("down", "up") for rest in (".csv", "_*.png")),
+)
 _MOST_ROWS = 2e6
 
 
-def load_rotor(path: Path | None) -> tuple[str, Rotor]:
+def _to_screen(question: str) -> None:
+    print(f"rotor-fmu: warning: {question}", file=sys.stderr, flush=True)
+
+
+def load_rotor(path: Path | None, ask: Callable[[str], None] = _to_screen) -> tuple[str, Rotor]:
     """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
-    one."""
+    one; ask: takes the questions about values that nobody means."""
     text = rig_toml() if path is None else machine_text("--rotor", path)
     try:
-        return text, parse_rotor(text)
+        rotor = parse_rotor(text)
+        asked = questions(rotor)
     except QuantityError as error:
         raise InputError(f"{path}: {error}" if path else str(error)) from error
+    for question in asked:
+        ask(f"{path}: {question}" if path else question)
+    return text, rotor
 
 
 def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[str, float]:
@@ -87,10 +100,15 @@ def _parse_value(variable: Variable, text: str) -> float:
             return int(text)
         listed = ", ".join(f"{i} {name}" for i, name in enumerate(variable.choices))
         raise InputError(f"--set {variable.name} = {text}: must be one of {listed}")
-    try:
-        value = float(text)
-    except ValueError:
-        raise InputError(f"--set {variable.name} = {text}: must be a number") from None
+    parts = split(text)
+    if parts and parts[1]:
+        value = in_si(f"--set {variable.name} =", text, variable.unit)
+        text = f"{value:g}"
+    else:
+        try:
+            value = float(text)
+        except ValueError:
+            raise InputError(f"--set {variable.name} = {text}: must be a number") from None
     low = float("-inf") if variable.low is None else variable.low
     high = float("inf") if variable.high is None else variable.high
     if not low <= value <= high or value in (float("inf"), float("-inf")):
@@ -115,12 +133,17 @@ def prepare(
     preset: str | None,
     sets: Sequence[str],
     signal_file: Path | None,
-    stop: float,
+    stop: float | None,
     step: float | None,
+    ramp: RampGiven | None = None,
 ) -> Job:
-    """Check everything that a user gave before anything is written or run."""
+    """Check everything that a user gave before anything is written or run; stop: by default the
+    ramp's end; ramp: by default the machine's run-down."""
     toml, rotor = load_rotor(rotor_file)
     table = interface(rotor)
+    followed = (ramp or RampGiven()).on(rotor)
+    if stop is None:
+        stop = followed.end
     if not 0 < stop < float("inf"):
         raise InputError(f"--stop {stop:g} s: must be > 0 and finite")
     if step is not None and not 0 < step <= stop:
@@ -137,6 +160,8 @@ def prepare(
     constants = {name: value for name, value in values.items() if name in inputs}
     recorded = read_signals(signal_file, table) if signal_file else None
     if recorded is not None and recorded.t[-1] < stop:
+        from rich.console import Console
+
         Console(stderr=True).print(
             f"rotor-fmu: warning: {signal_file} ends at {recorded.t[-1]:g} s; its last values are "
             f"held until --stop = {stop:g} s",
@@ -146,7 +171,10 @@ def prepare(
     for name in constants:
         if recorded is not None and name in recorded.values:
             raise InputError(f"--set {name}: {signal_file} gives it too")
-    signals = make_signals(table, stop, constants, recorded)
+    for option in (ramp or RampGiven()).options if recorded or "speed" in constants else ():
+        other = f"--input {signal_file}" if recorded else "--set speed"
+        raise InputError(f"{option}: {other} gives the speed too")
+    signals = make_signals(table, stop, constants, followed, recorded)
     parameters = {name: value for name, value in values.items() if name not in inputs}
     return make_job(toml, rotor, parameters, signals, stop, step)
 
@@ -250,17 +278,22 @@ def difference(one: Run, other: Run) -> float:
 def fmu_in(out: Path, toml: str, reduction: int = 0) -> Path:
     """Return the FMU of this rotor in the folder `out`, built if it is not there or not up to date;
     reduction: component modes kept of the shaft."""
-    fmu = out / FMU_NAME
+    # no run without an FMU needs what builds one
+    from ..fmi.packing.machine_files import fmu_identifier
+    from ..fmi.packing.python_fmu import build, is_current
+
+    fmu = out / f"{fmu_identifier(parse_rotor(toml))}.fmu"
     if is_current(fmu, toml, reduction=reduction):
         return fmu
     return build(out, toml, reduction=reduction)
 
 
-def write_csv(run: Run, path: Path) -> None:
-    """Every communication point: time [s], then all that the model computes, in SI units."""
+def write_csv(run: Run, units: Mapping[str, str], path: Path) -> None:
+    """Every communication point: `time [s]`, then all that the model computes, with units."""
+    heads = (f"{name} [{units[name]}]" if units[name] != "1" else name for name in run.columns)
     with unfinished(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["time", *run.columns])
+        writer.writerow(["time [s]", *heads])
         for row in zip(run.t.tolist(), *(c.tolist() for c in run.columns.values()), strict=True):
             writer.writerow([f"{value:.9g}" for value in row])
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
-from rich.console import Console
-
 from ..model.settings import Settings
-from ..screen import progress_of
 
 # Of the time reached [s], and of what gives all that the model computes there, by name.
 ReportProgress = Callable[[float, Callable[[], Mapping[str, float]]], None]
-_console = Console(stderr=True)
 _NEARLY = 0.75  # of the longest step: what is left where an interval is cut to equal parts
 
 
@@ -26,7 +22,12 @@ def shown(label: str, stop: float, step: float, settings: Settings) -> Iterator[
 
     stop, step: end of the run and communication step [s]; settings: of the run.
     """
-    with progress_of(label, stop, _console, first=10.0) as update:
+    # no run without progress needs a screen
+    from rich.console import Console
+
+    from ..screen import progress_of
+
+    with progress_of(label, stop, Console(stderr=True), first=10.0) as update:
 
         def report(t: float, observe: Callable[[], Mapping[str, float]]) -> None:
             update(t, lambda: f"{t:.4g} of {stop:g} s, {steps(observe(), step, settings)}", False)

@@ -13,10 +13,11 @@ import numpy as np
 
 from ..errors import InputError
 from ..files import unfinished
+from ..short_repr import ShortRepr
 
 
-@dataclass(frozen=True)
-class Recording:
+@dataclass(frozen=True, repr=False)
+class Recording(ShortRepr):
     """Quantities of a run at the solver's own steps.
 
     t, shape (n,) [s], growing; columns: by the names of `observed_names`, the angle of rotation

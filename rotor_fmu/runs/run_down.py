@@ -23,7 +23,9 @@ from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.simulation import StepFailure
 from ..model.spelling import Message
+from ..model.structure.reduction_offer import reduction_offer
 from ..model.time_loop.recorder import Record, recordable
+from ..short_repr import ShortRepr
 from ..status import FAILED, messages_and_codes, status_of
 from .progress import ReportProgress, silent
 from .recording import Recording
@@ -31,6 +33,7 @@ from .signals import Driver, Signals
 
 _RECORDER_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}
+_NO_PARTS = ("", "solver", "energy")
 _USUAL_OF_PARTS = ("x", "y", "vx", "vy", "psi", "fn", "ft")
 
 
@@ -46,8 +49,8 @@ class Plan:
     step: float
 
 
-@dataclass(frozen=True)
-class Run:
+@dataclass(frozen=True, repr=False)
+class Run(ShortRepr):
     """A run at its communication points.
 
     t, shape (n,) [s]; columns: everything the model computes, by name, shape (n,); status: see
@@ -215,7 +218,7 @@ def usual(rotor: Rotor) -> tuple[str, ...]:
         str(name)
         for name in names
         if (name.kind, name.quantity) in _USUAL
-        or (name.number and name.quantity in _USUAL_OF_PARTS)
+        or (name.kind not in _NO_PARTS and name.quantity in _USUAL_OF_PARTS)
         or (name.kind == "energy" and name.quantity.endswith("_loss"))
     )
 
@@ -240,6 +243,11 @@ def _time_loop(
             print(f"rotor-fmu: {level}: {message}", file=sys.stderr, flush=True)
 
     simulation = build_simulation(rotor, plan.table, values, warn, record=record)
+    if simulation.settings.reduction == 0:
+        fastest = float(np.abs(signals.values.get("speed", values["speed"])).max())
+        offer = reduction_offer(simulation.rotor, simulation.structure, fastest)
+        if offer is not None:
+            warn(offer)
     driver = Driver(signals, load_names(rotor), values["speed_continuation"] != 0)
 
     def values_now() -> Mapping[str, float]:

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from ..figure_style import BLUE, GREY, ORANGE, new_figure, save
 from .recording import Recording
 from .run_down import Run
+from .sentences import spoken
 from .summary import PEAKS_AFTER
 from .views import (
     TURN,
@@ -42,11 +43,6 @@ _MOST_POINTS = 4000  # of a curve, above which its envelope is drawn
 _TURNS = 5  # of an orbit
 
 
-def spoken(part: str) -> str:
-    """Return `disc[3]` as `disc 3`."""
-    return part.replace("[", " ").rstrip("]")
-
-
 def _titled(axes: Axes, caption: str) -> None:
     axes.set_title(caption, loc="left", fontsize=10)
 
@@ -65,13 +61,15 @@ def amplitude(
     caption: str,
     compared: tuple[Run, str] | None = None,
     label: str = "this run",
+    place: str | None = None,
 ) -> Figure:
-    """Draw the largest displacement of a disc over a revolution against speed, the start-up apart.
+    """Draw the largest displacement of a place, by default the one that moves most, over a
+    revolution against speed, the start-up apart.
 
     axis: `x` or `y`; compared: another run and what it is, thinner behind.
     """
     figure, axes = new_figure()
-    place = place_of(run.columns)
+    place = place or place_of(run.columns)
     curves = [(run, label, BLUE, 1.4)]
     if compared is not None:
         curves.insert(0, (*compared, ORANGE, 0.8))
@@ -145,11 +143,11 @@ def _every_step(recording: Recording, per_turn: float) -> str:
     )
 
 
-def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
-    """Draw the path of a disc's centre over the turns about a time [s], with a point for each
+def orbit(recording: Recording, at_s: float, caption: str, place: str | None = None) -> Figure:
+    """Draw the path of a place over the turns about a time [s], with a point for each
     turn."""
     figure, axes = new_figure(5.4, 5.0)
-    place = str(place_of(recording.columns))
+    place = place or str(place_of(recording.columns))
     c = recording.columns
     middle = float(np.interp(at_s, recording.t, c["phi"]))
     near = np.abs(c["phi"] - middle) <= _TURNS * TURN / 2
@@ -173,12 +171,12 @@ def orbit(recording: Recording, at_s: float, caption: str) -> Figure:
     return figure
 
 
-def motion(recording: Recording, caption: str) -> Figure:
-    """Draw both displacements of a disc over time: as curves, or where they are too dense the range
-    that each turn fills."""
+def motion(recording: Recording, caption: str, place: str | None = None) -> Figure:
+    """Draw both displacements of a place over time: as curves, or where they are too dense the
+    range that each turn fills."""
     figure, first = new_figure()
     first.remove()
-    place = str(place_of(recording.columns))
+    place = place or str(place_of(recording.columns))
     turns = int(np.ptp(recording.columns["phi"]) / TURN)
     both = figure.subplots(2, sharex=True)
     for axes, axis, color, name in zip(
@@ -201,11 +199,11 @@ def motion(recording: Recording, caption: str) -> Figure:
     return figure
 
 
-def spectra(recording: Recording, caption: str) -> Figure:
-    """Draw the spectra of both displacements of a disc over the second half of a run at one
+def spectra(recording: Recording, caption: str, place: str | None = None) -> Figure:
+    """Draw the spectra of both displacements of a place over the second half of a run at one
     speed."""
     figure, axes = new_figure()
-    place = str(place_of(recording.columns))
+    place = place or str(place_of(recording.columns))
     late = late_turns(recording)
     hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
     highest = 1e-3
@@ -250,39 +248,44 @@ def error_indicator(recording: Recording, caption: str) -> Figure:
     return figure
 
 
-def write_run_down(
+def write_run_pictures(
     run: Run,
     recording: Recording,
     figures: Mapping[str, Any],
     name: str,
     is_adaptive: bool,
     out: Path,
+    kind: str = "run_down",
 ) -> list[Path]:
     """Return the pictures of a run in the folder `out`: against its speed, or against time and
-    frequency where it has one speed; figures: its `summary`."""
+    frequency where it has one speed; figures: its `summary`; name: of the run, in the titles; kind:
+    of the run, in the files' names."""
     if len(recording.t) < 3:
         return []
     pictures = {}
     end = float(recording.t[-1])
-    has_place = place_of(recording.columns) is not None
+    place = figures["place"]
+    has_place = place is not None
     if is_constant(run.columns["w"]):
         speed = f"{float(run.hz[-1]):.4g} Hz"
         if has_place:
-            pictures["time"] = motion(recording, f"{name} at {speed}: motion over time")
-            pictures["spectrum"] = spectra(recording, f"{name} at {speed}: spectrum")
-            pictures["orbit"] = orbit(recording, end, f"{name} at {speed}: orbit at the end")
+            pictures["time"] = motion(recording, f"{name} at {speed}: motion over time", place)
+            pictures["spectrum"] = spectra(recording, f"{name} at {speed}: spectrum", place)
+            pictures["orbit"] = orbit(recording, end, f"{name} at {speed}: orbit at the end", place)
     else:
         if has_place:
             for axis, text in (("x", "horizontal"), ("y", "vertical")):
-                pictures[axis] = amplitude(run, axis, f"{name}: {text} amplitude over speed")
+                pictures[axis] = amplitude(
+                    run, axis, f"{name}: {text} amplitude over speed", place=place
+                )
             at_s, at_hz = figures["x_peak_s"], figures["x_peak_hz"]
             where = "end of the run" if at_s is None else f"horizontal peak, {at_hz:.1f} Hz"
             at_s = end if at_s is None else at_s
-            pictures["orbit"] = orbit(recording, at_s, f"{name}: orbit at the {where}")
+            pictures["orbit"] = orbit(recording, at_s, f"{name}: orbit at the {where}", place)
         if contact_of(recording.columns):
             caption = f"{name}: where the journal lies in its bearing"
             pictures["psi"] = contact_angle(recording, caption)
     if is_adaptive:
         pictures["error"] = error_indicator(recording, f"{name}: error indicator of every step")
         pictures["h"] = step_length(recording, f"{name}: length of every step")
-    return [save(figure, out / f"run_down_{key}.png") for key, figure in pictures.items()]
+    return [save(figure, out / f"{kind}_{key}.png") for key, figure in pictures.items()]

@@ -19,10 +19,6 @@ from ..units import units_for
 
 _ROUNDING = 1e-11  # of an input's values: what is no bend of its course
 _SLIVER = 1e-9  # of an interval: a bend so near to its end is its end
-# Paper A's run-down: 400 - 10 t rad/s, over 40 s.
-RUN_DOWN_SPEED = 400.0
-RUN_DOWN_RATE = -10.0
-RUN_DOWN_STOP = 40.0
 
 
 @dataclass(frozen=True)
@@ -122,19 +118,43 @@ class Driver:
         return np.array([complex(at(x, t), at(y, t)) for x, y in self._loads])
 
 
+@dataclass(frozen=True)
+class Ramp:
+    """A speed that goes from `first` to `last` [rad/s] at a rate [rad/s2], without sign, after it
+    was held at the first for `before` and until it is held at the last for `after` [s]."""
+
+    first: float
+    last: float
+    rate: float
+    before: float = 0.0
+    after: float = 0.0
+
+    @property
+    def end(self) -> float:
+        """When all of it is over [s]."""
+        return self.before + abs(self.last - self.first) / self.rate + self.after
+
+    def signals(self, stop: float) -> Signals:
+        """Return the speed until `stop` [s] or its own end, whichever is later."""
+        bends = [0.0, self.before, self.end - self.after, max(stop, self.end)]
+        t = np.unique(bends)
+        speed = np.interp(t, bends[1:3], [self.first, self.last])
+        return Signals(t, {"speed": speed})
+
+
 def make_signals(
     table: Sequence[Variable],
     stop: float,
     constants: Mapping[str, float],
+    ramp: Ramp,
     recorded: Signals | None = None,
 ) -> Signals:
-    """Return all inputs of a run to `stop` [s]: recorded signals, else constants, else the run-down
-    of paper A for the speed and the start value for what is left."""
+    """Return all inputs of a run to `stop` [s]: recorded signals, else constants, else the ramp for
+    the speed and the start value for what is left."""
     if recorded is None:
-        end = max(stop, RUN_DOWN_STOP)
-        t = np.array([0.0, RUN_DOWN_STOP, end][: 3 if end > RUN_DOWN_STOP else 2])
-        speed = np.maximum(RUN_DOWN_SPEED + RUN_DOWN_RATE * t, 0.0)
-        recorded = Signals(t, {} if "speed" in constants else {"speed": speed})
+        recorded = ramp.signals(stop)
+        if "speed" in constants:
+            recorded = Signals(recorded.t, {})
     values = {}
     for variable in table:
         if variable.causality != "input" or variable.start is None:

@@ -15,11 +15,12 @@ PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
 
 
-def summary(run: Run) -> dict[str, Any]:
-    """Return the figures of a run: peaks of the last disc for t > 2 s, the last bearing's psi
-    there, and what the solver did; None where there is no peak, an amplitude that is largest at an
-    edge of the run or a run at one speed having none (no_peak says why). x_largest_um,
-    y_largest_um: the largest for t > 2 s, peak or not.
+def summary(run: Run, place: str | None = None) -> dict[str, Any]:
+    """Return the figures of a run: peaks for t > 2 s of a place, by default the one that moves
+    most, the last bearing's psi there, and what the solver did; None where there is no peak: an
+    amplitude that is largest at an edge of the run, or a run at one speed, has none (no_peak says
+    why). x_largest_um, y_largest_um: the largest for t > 2 s, peak or not; solver_s: time of the
+    run alone [s].
 
     energy_residual: energy error of the integrator, relative to all energy dissipated [1].
     """
@@ -29,14 +30,14 @@ def summary(run: Run) -> dict[str, Any]:
     losses = sum(last[name] for name in last if name.endswith("_loss"))
     overdamped_at = last["solver.overdamped_at"]
     return {
-        **_peaks(run),
+        **_peaks(run, place),
         "steps": int(steps),
         "rejected": int(last["solver.rejected"]),
         "newton_per_step": last["solver.newton"] / steps if steps else None,
         "h_min": last["solver.h_min_used"],
         "h_max": last["solver.h_max_used"],
         "h_last": last["solver.h_last"],
-        "wall_s": run.wall_s,
+        "solver_s": run.wall_s,
         "energy_residual": last["energy.residual"] / losses if losses else None,
         "trapped_steps": int(last["solver.trapped"]),
         "trapped_at_s": last["solver.trapped_at"] if last["solver.trapped"] else None,
@@ -46,8 +47,11 @@ def summary(run: Run) -> dict[str, Any]:
     }
 
 
-def _peaks(run: Run) -> dict[str, Any]:
-    keys = [f"{axis}_{key}" for axis in "xy" for key in ("peak_um", "peak_hz", "peak_s")]
+def _peaks(run: Run, place: str | None) -> dict[str, Any]:
+    keys = [
+        "place",
+        *(f"{axis}_{key}" for axis in "xy" for key in ("peak_um", "peak_hz", "peak_s")),
+    ]
     keys += [
         "no_peak",
         "x_largest_um",
@@ -58,7 +62,8 @@ def _peaks(run: Run) -> dict[str, Any]:
     ]
     figures: dict[str, Any] = dict.fromkeys(keys)
     c, hz = run.columns, run.hz
-    place, contact = place_of(c), contact_of(c)
+    place, contact = place or place_of(c), contact_of(c)
+    figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > PEAKS_AFTER)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,21 +14,27 @@ from .recording import Recording
 TURN = 2 * math.pi
 _CONSTANT = 0.01  # share of the highest speed by which a constant one may vary
 _EDGE = 0.01  # share of a run's length at its ends where an amplitude may still be growing
-# Kinds of parts in the order in which they stand for the machine's motion; of each the last.
-_PLACES = ("disc", "body", "")
+_AS_MUCH = 0.02  # share by which the motion of two places may differ that move as much
 
 
-def place_of(names: Collection[str]) -> str | None:
-    """Return the part whose motion is drawn: the last disc, or else the last body, or whatever is
-    probed."""
-    known = set(names)
-    probed = [
-        name.removesuffix(".x")
-        for name in names
-        if name.endswith(".x") and {f"{name}_amp", f"{name[:-1]}vx"} & known
-    ]
-    result = (name for kind in _PLACES for name in reversed(probed) if name.startswith(kind))
-    return next(result, None)
+def place_of(columns: Mapping[str, np.ndarray]) -> str | None:
+    """Return the part whose motion is drawn: of all that are probed the one that moves most, the
+    last of several that move as much."""
+    moved = {
+        name.removesuffix(".x"): _moved(columns, name.removesuffix(".x"))
+        for name in columns
+        if name.endswith(".x") and {f"{name}_amp", f"{name[:-1]}vx"} & columns.keys()
+    }
+    most = max(moved.values(), default=0.0)
+    alike = [name for name, motion in moved.items() if motion >= (1 - _AS_MUCH) * most]
+    return alike[-1] if alike else None
+
+
+def _moved(columns: Mapping[str, np.ndarray], place: str) -> float:
+    """Root of the mean square distance of a place from its mean [m], of what is finite."""
+    z = columns[f"{place}.x"] + 1j * columns[f"{place}.y"]
+    known = z[np.isfinite(z)]
+    return float(np.std(known)) if len(known) else 0.0
 
 
 def contact_of(names: Collection[str]) -> str | None:

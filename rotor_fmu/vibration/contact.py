@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..short_repr import ShortRepr
 from .turns import TURN, turns_of
 
 # Spread above which a mean direction says nothing: of a journal that goes round three quarters of
@@ -14,8 +15,8 @@ from .turns import TURN, turns_of
 ALL_ROUND = 0.75
 
 
-@dataclass(frozen=True)
-class Contact:
+@dataclass(frozen=True, repr=False)
+class Contact(ShortRepr):
     """A contact over a run, one row a turn.
 
     t [s], speed [rad/s]; share: of the turn that it touched [1]; peak, mean: largest normal force

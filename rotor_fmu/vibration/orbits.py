@@ -6,14 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..short_repr import ShortRepr
 from .turns import TURN, Synchronous, hann, summed, synchronous
 
 _FEWEST = 3  # turns by which a whirl is told
 _NOTHING = 1e-12  # share of a mean square that rounding may leave of nothing
 
 
-@dataclass(frozen=True)
-class Orbit:
+@dataclass(frozen=True, repr=False)
+class Orbit(ShortRepr):
     """The path of a place over whole turns at one speed.
 
     Attributes
@@ -34,8 +35,8 @@ class Orbit:
     marks: np.ndarray
 
 
-@dataclass(frozen=True)
-class Poincare:
+@dataclass(frozen=True, repr=False)
+class Poincare(ShortRepr):
     """Where a place was once a turn, at the keyphasor mark.
 
     t [s], speed [rad/s], points: x + i y [m], NaN where less than 3 rows of a turn were recorded;
@@ -48,8 +49,8 @@ class Poincare:
     points: np.ndarray
 
 
-@dataclass(frozen=True)
-class Whirl:
+@dataclass(frozen=True, repr=False)
+class Whirl(ShortRepr):
     """How a place went round its mean position, one row a block of turns.
 
     t: middles of the blocks [s]; speed [rad/s]; sense: from -1, a backward circle, over 0, a
@@ -64,8 +65,8 @@ class Whirl:
     order: np.ndarray
 
 
-@dataclass(frozen=True)
-class Displacement:
+@dataclass(frozen=True, repr=False)
+class Displacement(ShortRepr):
     """Unfiltered ("direct") displacements of blocks of turns, as ISO 20816-1 has them.
 
     t: middles of the blocks [s]; speed [rad/s]; x_pp, y_pp: peak-to-peak [m]; s_max: largest

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..short_repr import ShortRepr
 from .turns import LEAST_ROWS, TURN, Synchronous, hann, summed, synchronous
 
 _HALF_POWER = 0.5**0.5
@@ -20,8 +21,8 @@ _RIPPLE = 0.05  # share of a peak by which its flank may rise again
 _SLOW = 25.0
 
 
-@dataclass(frozen=True)
-class OrderTrack:
+@dataclass(frozen=True, repr=False)
+class OrderTrack(ShortRepr):
     """Vectors of orders over a run, one row a turn: z = f exp(i k phi) + b exp(-i k phi).
 
     Amplitudes and angles of x and y are those of Re(X exp(i k |phi|)): a lag is negative whichever
@@ -149,8 +150,8 @@ class OrderTrack:
         return np.abs(self._of(self.forward, order)) - np.abs(self._of(self.backward, order))
 
 
-@dataclass(frozen=True)
-class Resonance:
+@dataclass(frozen=True, repr=False)
+class Resonance(ShortRepr):
     """A peak of a response over speed.
 
     speed [rad/s]; amplitude, 0-p [m]; amplification: the factor speed / (N2 - N1) between the

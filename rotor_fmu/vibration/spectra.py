@@ -10,13 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..short_repr import ShortRepr
 from .turns import Synchronous, hann, synchronous
 
 MOST_ORDER = 8.0
 
 
-@dataclass(frozen=True)
-class FullSpectrum:
+@dataclass(frozen=True, repr=False)
+class FullSpectrum(ShortRepr):
     """Amplitudes over signed orders of a block of turns at one speed.
 
     Attributes
@@ -56,8 +57,8 @@ class FullSpectrum:
         return float(self.order[1] - self.order[0])
 
 
-@dataclass(frozen=True)
-class Cascade:
+@dataclass(frozen=True, repr=False)
+class Cascade(ShortRepr):
     """Full spectra through a run (a waterfall).
 
     first: the first turn of each block, shape (m,); passage: the number of the stretch without a

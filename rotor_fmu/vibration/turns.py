@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..short_repr import ShortRepr
+
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
@@ -39,8 +41,8 @@ class TooFewRows(TooFewTurns):
     """A signal that was recorded too coarsely; the message gives its rows per turn."""
 
 
-@dataclass(frozen=True)
-class Turns:
+@dataclass(frozen=True, repr=False)
+class Turns(ShortRepr):
     """Whole turns of a shaft in the order in which they were made, all of shape (turns,).
 
     passage: the number of the stretch without a rest or a reversal that each lies in; sense: 1, or
@@ -187,8 +189,8 @@ def synchronous(
     )
 
 
-@dataclass(frozen=True)
-class _Passage:
+@dataclass(frozen=True, repr=False)
+class _Passage(ShortRepr):
     """A passage that holds whole turns: rows in which a new angle was reached, the angle turned
     there, in the sense of the passage [rad], its time [s], the first mark [rad], the turns."""
 

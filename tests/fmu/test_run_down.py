@@ -34,7 +34,7 @@ def perturbed(count, *sets):
     runs = []
     for i in range(count):
         phases = [f"disc[{disc}].phase={i * 1e-5!r}" for disc in (1, 2, 3)]
-        runs.append(summary(direct(*sets, *phases, step=0.04)))
+        runs.append(summary(direct(*sets, *phases, step=0.04), "disc[3]"))
     return runs
 
 
@@ -66,7 +66,7 @@ def converged(fmu):
 
 
 def test_the_papers_run_peaks_where_the_prototypes_did(paper):
-    figures = summary(paper)
+    figures = summary(paper, "disc[3]")
     assert figures["status"] == COARSE
     assert figures["steps"] == 10_000
     assert figures["h_min"] == figures["h_max"] == 0.004
@@ -77,7 +77,7 @@ def test_the_papers_run_peaks_where_the_prototypes_did(paper):
 
 
 def test_the_converged_run_peaks_where_the_prototypes_did(converged):
-    figures = summary(converged)
+    figures = summary(converged, "disc[3]")
     assert figures["status"] == "ok"
     for axis, (size, at) in CONVERGED.items():
         assert figures[f"{axis}_peak_um"] == pytest.approx(size, rel=0.01)
@@ -86,7 +86,7 @@ def test_the_converged_run_peaks_where_the_prototypes_did(converged):
 
 
 def test_the_journal_rocks_at_the_horizontal_peak_and_circulates_above_it(converged):
-    figures = summary(converged)
+    figures = summary(converged, "disc[3]")
     lowest, highest = figures["psi_at_x_peak_deg"]
     assert 220 < lowest < highest < 355
     assert figures["circulation_hz"][0] == pytest.approx(28.3, abs=0.5)
@@ -94,7 +94,7 @@ def test_the_journal_rocks_at_the_horizontal_peak_and_circulates_above_it(conver
 
 
 def test_the_converged_runs_energy_closes(converged):
-    assert abs(summary(converged)["energy_residual"]) < 1e-3
+    assert abs(summary(converged, "disc[3]")["energy_residual"]) < 1e-3
 
 
 def test_the_rotor_comes_to_rest_where_it_started(converged):

@@ -8,7 +8,7 @@ import fmpy
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
-from rotor_fmu.model.settings import choose
+from rotor_fmu.model.settings import METHODS, choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from rotor_fmu.fmi.log import with_code
@@ -114,6 +114,29 @@ def test_so_it_does_with_every_preset(fmu, preset):
     simulation = Simulation(rig(), choose(preset), speed=400.0)
     for seen, expected in run_both(machine, simulation, [400.0] * 20):
         assert (seen == expected).all()
+
+
+RADAU = {"solver.method": 1 + list(METHODS).index("radau5")}
+
+
+@pytest.mark.filterwarnings("ignore::rotor_fmu.model.simulation.RotorWarning")
+@pytest.mark.parametrize("file", [EXAMPLES[0], EXAMPLES[4]], ids=lambda file: file.name)
+def test_so_it_does_in_stages(make, file):
+    toml, rotor = load_rotor(file)
+    machine = Machine(make(rotor_toml=toml)).start(RADAU)
+    simulation = Simulation(rotor, choose(method="radau5"), speed=400.0)
+    for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(30)]):
+        assert (seen == expected).all()
+    assert simulation.read("solver.newton") > 0
+
+
+def test_so_it_does_in_stages_driven_by_a_torque(make):
+    machine = Machine(make(is_free=True)).start(RADAU, w_start=200.0, tau_drive=0.1)
+    simulation = Simulation(rig(), choose(method="radau5"), speed=200.0, drive_torque=0.1)
+    for _ in range(20):
+        machine.step(H)
+        simulation.advance(machine.t, 0.1)
+        assert (machine.read() == observed(simulation, machine.computed)).all()
 
 
 def test_so_it_does_with_every_parameter_changed(fmu):

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import bearing_curves, modes
-from rotor_fmu.model.linear.journal import BearingAlone
+from rotor_fmu.model.linear.bearing import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper

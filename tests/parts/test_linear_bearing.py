@@ -56,7 +56,7 @@ def run(machine, times, *, speed=0.0, rate=0.0, h=1e-4, loads=None, method="newm
     z = []
     for t in times:
         sim.advance(t, speed + rate * sim.time, np.zeros(1))
-        z.append(sim.motion.q[sim.structure.probes[0].dof])
+        z.append(sim.motion.q[sim.structure.probes[-1].dof])
     return np.array(z), sim
 
 

@@ -20,7 +20,6 @@ from rotor_fmu.model.schemes.family import (
 from rotor_fmu.model.structure.dense import clearance_contacts
 
 from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
-from rotor_fmu.runs.signals import RUN_DOWN_RATE
 
 from ..false_state import bouncing, one_axis
 from ..false_state import cycles as false_state
@@ -28,7 +27,7 @@ from ..false_state.planting import plant
 from . import bounces
 from .findings import Findings, title_of
 from .planted import lasting_cycles
-from .rotor import perturbed
+from .rotor import RUN_DOWN_RATE, perturbed
 from .survey_plots import SHOWN
 
 _H = 2.5e-4  # at which the integrators are compared [s]

@@ -16,7 +16,7 @@ from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.figure_style import save
 
-from .. import tolerances
+from .. import order_five, tolerances
 from ..false_state import cycles as false_state
 from ..false_state import one_axis
 from . import false_state_figures, survey_plots
@@ -69,6 +69,12 @@ def page_text(findings: Findings) -> str:
         "tolerance_table": _table(tolerances.head(), tolerances.table(tolerances.rows())),
         "worst_table": _table(tolerances.worst_head(), tolerances.worst(tolerances.rows())),
         **tolerances.in_words(tolerances.rows()),
+        "five_table": _table(order_five.head(), order_five.table(order_five.rows())),
+        "five_tolerance_table": _table(
+            order_five.tolerance_head(order_five.rows()),
+            order_five.tolerance_table(order_five.rows()),
+        ),
+        **order_five.in_words(order_five.rows()),
     }
     return Template(template).substitute(numbers)
 

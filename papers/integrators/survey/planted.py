@@ -10,13 +10,11 @@ from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.schemes.family import Scheme
 from rotor_fmu.model.simulation import StepFailure
 
-from rotor_fmu.runs.signals import RUN_DOWN_RATE
-
 from ..false_state import cycles as false_state
 from ..false_state import one_axis
 from ..false_state.planting import plant
 from .grid import Experiment, Row
-from .rotor import STEPS, is_of_the_rotor, perturbed, work_of
+from .rotor import RUN_DOWN_RATE, STEPS, is_of_the_rotor, perturbed, work_of
 from .sources import file_digest, source_digest
 
 SPEEDS = (50.0, 120.0, 160.0, 185.0, 200.0, 220.0, 260.0, 300.0, 400.0)  # of planted cycles [rad/s]

@@ -13,12 +13,13 @@ from rotor_fmu.model.simulation import Simulation, StepFailure
 from rotor_fmu.model.structure.dense import clearance_contacts
 
 from rotor_fmu.files import unfinished
-from rotor_fmu.runs.signals import RUN_DOWN_RATE, RUN_DOWN_SPEED, RUN_DOWN_STOP
 from rotor_fmu.runs.summary import PEAKS_AFTER
 
 from .grid import Experiment, Row
 from .sources import file_digest, source_digest
 
+# Paper A's run-down: 400 - 10 t rad/s, over 40 s.
+RUN_DOWN_SPEED, RUN_DOWN_RATE, RUN_DOWN_STOP = 400.0, -10.0, 40.0
 REPETITIONS = 12
 PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
 WINDOW = 0.04  # communication step, over which amplitudes are compared [s]

@@ -90,6 +90,7 @@ def _index(rotor: Rotor, table: Sequence[Variable], name: str, needs_python: boo
     variables = "<table>\n" + "\n".join(cells) + "\n</table>"
     return Template(page).substitute(
         name=name,
+        machine=html.escape(rotor.name or name),
         summary=html.escape(summary(rotor, table[0].name == "tau_drive")),
         drive=_DRIVES[table[0].name],
         fmi=fmi,

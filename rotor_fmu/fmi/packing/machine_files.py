@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,6 +18,7 @@ from .archive import DESCRIPTION, xml_bytes
 from .documents import documents
 
 ROTOR_FILE = "resources/rotor.toml"
+_LONGEST = 48  # identifier: some file systems and hosts take no more with what follows it
 
 
 @dataclass(frozen=True)
@@ -29,9 +31,18 @@ class Machine:
     table: Sequence[Variable]
     is_free: bool
 
-    def named(self, name: str, free_name: str) -> str:
-        """Return the one of an FMU's two names that fits the drive of the machine."""
-        return free_name if self.is_free else name
+    def identifier(self, is_native: bool = False) -> str:
+        """Return the FMU's identifier, after which its file is named too."""
+        return fmu_identifier(self.rotor, self.is_free, is_native)
+
+
+def fmu_identifier(rotor: Rotor, is_free: bool = False, is_native: bool = False) -> str:
+    """Return what a machine's FMU is called: what its file says, else its name in one word; `Free`
+    behind it where a torque drives it, `Native` where it needs no Python."""
+    words = re.findall(r"[A-Za-z0-9]+", rotor.name)
+    name = "".join(word[0].upper() + word[1:] for word in words)[:_LONGEST]
+    name = rotor.identifier or (name if name and not name[0].isdecimal() else f"Rotor{name}")
+    return f"{name}{'Free' * is_free}{'Native' * is_native}"
 
 
 def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:

@@ -11,8 +11,6 @@ from ..description import Described
 from .archive import write_archive
 from .machine_files import machine_files, machine_of
 
-NAME, FREE_NAME = "RotorBearingNative", "RotorBearingFreeNative"
-
 
 def build_native(
     out: Path,
@@ -22,8 +20,8 @@ def build_native(
     platforms: Sequence[str] = tuple(PLATFORMS),
     reduction: int = 0,
 ) -> Path:
-    """Build `RotorBearingNative.fmu`, or `RotorBearingFreeNative.fmu` where a torque is to drive
-    the rotor, in the folder `out` and return its path.
+    """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
+    `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
     standard; platforms: of `library.build.PLATFORMS`; reduction: component modes kept of the shaft,
@@ -31,7 +29,7 @@ def build_native(
     missing and cannot be made, and `OSError` if `out` cannot be written.
     """
     machine = machine_of(rotor_toml, is_free, reduction)
-    name = machine.named(NAME, FREE_NAME)
+    name = machine.identifier(is_native=True)
     contents = machine_files(machine, Described(machine.rotor, name), fmi)
     contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)
     out.mkdir(parents=True, exist_ok=True)

@@ -15,7 +15,6 @@ from ..description import Described
 from .archive import contents_of, wrap, write_archive
 from .machine_files import Machine, machine_files, machine_of
 
-FMU_NAME, FREE_FMU_NAME = "RotorBearing.fmu", "RotorBearingFree.fmu"
 SYSTEMS = ("linux64", "win64")  # of pythonfmu's wrapper
 _SKIN = Path(__file__).parents[1] / "python"
 _CLASS = "RotorBearing"  # which pythonfmu names the wrapper's files after
@@ -30,8 +29,8 @@ def build(
     reduction: int = 0,
     platforms: Sequence[str] | None = None,
 ) -> Path:
-    """Build `RotorBearing.fmu`, or `RotorBearingFree.fmu` where a torque is to drive the rotor, in
-    the folder `out` and return its path.
+    """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
+    `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; reduction: component modes kept
     of the shaft, 0 for all of it; platforms: of `SYSTEMS`, by default those whose library is there,
@@ -52,7 +51,7 @@ def build(
         raw = folder / "raw.fmu"
         wrap(folder / f"{package}_entry.py", [folder / package], raw)
         wrapped = contents_of(raw)
-    name = _identifier(machine)
+    name = machine.identifier()
     for path in [path for path in wrapped if path.startswith("binaries/")]:
         wrapped[path.replace(f"/{_CLASS}.", f"/{name}.")] = wrapped.pop(path)
     return write_archive(out / f"{name}.fmu", wrapped | contents)
@@ -121,15 +120,11 @@ def _contents(machine: Machine, libraries: dict[str, bytes]) -> dict[str, bytes]
     from importlib.metadata import version  # which no run needs
 
     tool = f"PythonFMU {version('pythonfmu')}"
-    described = Described(machine.rotor, _identifier(machine), tool=tool, needs_python=True)
+    described = Described(machine.rotor, machine.identifier(), tool=tool, needs_python=True)
     _, sources = _package(libraries)
     return machine_files(machine, described, 2) | {
         f"resources/{path}": data for path, data in sources.items()
     }
-
-
-def _identifier(machine: Machine) -> str:
-    return Path(machine.named(FMU_NAME, FREE_FMU_NAME)).stem
 
 
 def _has_pythonfmu(archive: zipfile.ZipFile) -> bool:

@@ -26,13 +26,18 @@ class Chart {
     this.plot = Bokeh.Plotting.figure({
       height: options.height ?? 300,
       sizing_mode: "stretch_width",
-      tools: options.tools ?? "xpan,xbox_zoom,reset",
+      tools: options.tools ?? "xpan,xwheel_zoom,xbox_zoom,reset",
       x_axis_label: options.x,
       y_axis_label: options.y,
       match_aspect: options.square ?? false,
       ...(options.xRange ? { x_range: options.xRange } : {}),
       ...(options.yRange ? { y_range: options.yRange } : {}),
     });
+    // the wheel zooms about the pointer, dragging selects, a double click shows all again
+    const tool = (kind) => this.plot.toolbar.tools.find((each) => each instanceof kind) ?? null;
+    this.plot.toolbar.active_scroll = tool(Bokeh.WheelZoomTool);
+    this.plot.toolbar.active_drag = tool(Bokeh.BoxZoomTool);
+    this.plot.on_event("doubletap", () => this.plot.reset.emit());
     this.plot.toolbar.logo = null;
     this.plot.toolbar.autohide = true;
     CHARTS.push(this);
@@ -136,8 +141,9 @@ function link(charts) {
   }
 }
 
+// A range that no zoom leaves.
 const fixedRange = (start, end) =>
-  new Bokeh.Range1d({ start, end, reset_start: start, reset_end: end });
+  new Bokeh.Range1d({ start, end, reset_start: start, reset_end: end, bounds: [start, end] });
 
 const repaint = () => CHARTS.forEach((chart) => chart.paint());
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);

@@ -3,6 +3,9 @@
 const HERTZ = "Speed [Hz]";
 const degrees = (re, im) => (Math.atan2(im, re) * 180) / Math.PI;
 const UNITS = { 1: "µm 0-p", 2: "µm peak-to-peak" };
+// The lines of the Bode plot, and where their data lie.
+const LINES = [["1x of x", "bodeX"], ["1x of y", "bodeY"], ["2x", "twice"], ["0.5x", "half"]];
+const SECOND = 4; // colour and dash of a second place
 
 class OverSpeed {
   constructor(runs) {
@@ -17,57 +20,101 @@ class OverSpeed {
     const lowest = values.reduce((a, b) => Math.min(a, b), Infinity);
     // down to standstill where the run comes near it; speeds are negative where it turns backward
     const margin = 0.02 * (highest - lowest);
-    const from = lowest > 0 && lowest < 0.4 * highest ? 0 : lowest - margin;
-    const to = highest < 0 && highest > 0.4 * lowest ? 0 : highest + margin;
+    const from = lowest >= 0 && lowest < 0.4 * highest ? 0 : lowest - margin;
+    const to = highest <= 0 && highest > 0.4 * lowest ? 0 : highest + margin;
     this.shared = (id, y, options = {}) =>
       new Chart(id, { x: label, y, xRange: fixedRange(from, to), ...options });
     this.bode = this.shared("bode", " ", { height: 320 });
+    this.turns = 1; // what is shown of a hertz: 1, or 60 revolutions a minute
+    this.hovered = [];
     this.parts.forEach((part, r) => this.bodeLines(part, r));
-    this.bode.plot.add_tools(
-      new Bokeh.HoverTool({
-        mode: "vline", renderers: this.parts.map((part) => part.hovered),
-        tooltips: [[this.across, "@x{0.00}"], ["1x", "@y{0.00} µm"]],
-      }),
-    );
+    this.hover = new Bokeh.HoverTool({ mode: "vline", renderers: this.hovered });
+    this.bode.plot.add_tools(this.hover);
+    this.lineCriticals();
   }
 
   bodeLines(part, r) {
-    for (const name of ["bodeX", "bodeY", "twice", "half"]) {
-      part[name] = this.bode.source(["x", "y"]);
+    LINES.forEach(([name, key], i) => {
+      part[key] = this.bode.source(["x", "y"]);
+      this.hovered.push(this.bodeLine(part[key], name, this.lone ? i : r, i, i > 1 ? 1.5 : 2));
+    });
+    part.second = this.bode.source(["x", "y"]);
+    this.hovered.push(this.bodeLine(part.second, "second place, 1x of x", SECOND, SECOND, 2));
+  }
+
+  bodeLine(source, name, paint, dash, width) {
+    const renderer = this.bode.plot.line({ field: "x" }, { field: "y" }, {
+      source, line_width: width, line_dash: DASHES[dash % DASHES.length],
+    });
+    renderer.name = name;
+    this.bode.keep(renderer, { line_color: `c${paint}` });
+    return renderer;
+  }
+
+  get lone() {
+    return this.runs.length === 1;
+  }
+
+  // The linear critical speeds of the machine of the first run.
+  lineCriticals() {
+    if (this.across === "t") return;
+    for (const hz of this.runs[0].criticals?.hz ?? []) {
+      const span = new Bokeh.Span({
+        dimension: "height", location: hz, line_width: 1, line_dash: [2, 4],
+      });
+      this.bode.plot.add_layout(span);
+      this.bode.painted.push([span, { line_color: "soft" }]);
     }
-    part.hovered = this.bode.line(part.bodeX, `c${r}`, 0);
-    this.bode.line(part.bodeY, `c${r}`, 1);
-    this.bode.line(part.twice, `c${r}`, 2, { line_width: 1.5 });
-    this.bode.line(part.half, `c${r}`, 3, { line_width: 1.5 });
+  }
+
+  // What tooltips and axes say of speeds: hertz, or revolutions a minute.
+  scaleSpeed(turns) {
+    this.turns = turns;
+    const unit = turns === 1 ? "Hz" : "rpm";
+    const digits = turns === 1 ? 2 : 0;
+    const isSpeed = this.across === "hz";
+    this.hover.formatters = {
+      "@x": new Bokeh.CustomJSHover({ code: `return (${isSpeed ? turns : 1} * value).toFixed(${digits})` }),
+    };
+    this.hover.tooltips = [
+      ["line", "$name"], ["amplitude", `@y{0.00} ${UNITS[this.factor]}`],
+      isSpeed ? ["speed", `@x{custom} ${unit}`] : ["time", "@x{0.00} s"],
+    ];
+    const formatter = () => turns === 1 ? new Bokeh.BasicTickFormatter()
+      : new Bokeh.CustomJSTickFormatter({ code: `return String(+(${turns} * tick).toFixed(1))` });
+    const name = (axis) => axis.setv({ axis_label: `Speed [${unit}]`, formatter: formatter() });
+    if (isSpeed) this.overSpeed.forEach((chart) => name(chart.plot.below[0]));
+    if (this.runs[this.shownRun ?? 0].isOneWay) name(this.cascade.plot.left[0]);
   }
 
   // All but the first picture, which does not wait for them.
   build() {
     const { shared } = this;
     this.orbit = new Chart("orbit", {
-      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
+      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,wheel_zoom,box_zoom,reset",
       height: 320,
     });
+    this.base = new Chart("timebase", { x: "Turns", y: "Displacement [µm]", height: 320 });
     this.phase = shared("phase", "Phase, lag negative [deg]");
     this.spectrum = new Chart("spectrum", { x: "Whirl frequency [Hz], backward < 0", y: " " });
     this.cascade = new Chart("cascade", {
-      x: "Order of the speed, backward < 0", y: " ", tools: "pan,box_zoom,reset", height: 340,
+      x: "Order of the speed, backward < 0", y: " ", tools: "pan,wheel_zoom,box_zoom,reset", height: 340,
     });
     for (const range of [this.cascade.plot.x_range, this.cascade.plot.y_range]) {
       range.range_padding = 0;
     }
     this.polar = new Chart("polar", {
-      x: " ", y: " ", square: true, tools: "pan,box_zoom,reset", height: 340,
+      x: " ", y: " ", square: true, tools: "pan,wheel_zoom,box_zoom,reset", height: 340,
     });
     this.whirl = shared("whirl", "-1 backward, 0 a line, 1 forward", {
       yRange: fixedRange(-1.1, 1.1),
     });
     this.poincare = new Chart("poincare", {
-      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,box_zoom,reset",
+      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,wheel_zoom,box_zoom,reset",
     });
     this.force = shared("force", "Largest of the turn [N]");
     this.angle = shared("angle", "Where it touches [deg]", {
-      yRange: fixedRange(0, 360), tools: "pan,box_zoom,reset",
+      yRange: fixedRange(0, 360), tools: "pan,wheel_zoom,box_zoom,reset",
     });
     this.energy = shared("energy", "Power [W]");
     const touches = this.runs.some((run) => run.touches.length);
@@ -98,8 +145,17 @@ class OverSpeed {
       sinks: (run.power?.sinks ?? []).map(() => source(this.energy)),
     });
     const paint = `c${r}`;
-    this.phase.line(part.phaseX, paint, 0);
-    this.phase.line(part.phaseY, paint, 1);
+    part.base = [0, 1].map((axis) => {
+      const feed = source(this.base);
+      this.base.line(feed, this.lone ? `c${axis}` : paint, axis, { line_width: 1.5 });
+      return feed;
+    });
+    part.baseMarks = source(this.base);
+    this.base.dots(part.baseMarks, "mark", 7);
+    part.otherOrbit = source(this.orbit);
+    this.orbit.line(part.otherOrbit, `c${SECOND}`, SECOND, { line_width: 1.5 });
+    this.phase.line(part.phaseX, this.lone ? "c0" : paint, 0);
+    this.phase.line(part.phaseY, this.lone ? "c1" : paint, 1);
     this.orbit.line(part.ring, "soft", 1, { line_width: 1 });
     this.orbit.line(part.orbit, paint, 0, { line_width: 1.5 });
     this.orbit.dots(part.marks, "mark", 9);
@@ -142,7 +198,7 @@ class OverSpeed {
 
   async show() {
     const charts = [
-      this.orbit, this.phase, this.spectrum, this.cascade, this.polar, this.whirl,
+      this.orbit, this.base, this.phase, this.spectrum, this.cascade, this.polar, this.whirl,
       this.poincare, this.force, this.angle, this.energy,
     ];
     for (const chart of charts) {
@@ -150,13 +206,20 @@ class OverSpeed {
     }
   }
 
-  fillBode(placeName) {
+  fillBode(placeName, secondName = "") {
+    this.others = this.runs.map((run) => run.places.find((p) => p.name === secondName));
     this.places = this.runs.map(
       (run) => run.places.find((p) => p.name === placeName) ??
         run.places.find((p) => p.name === run.chosen),
     );
     this.bode.plot.left[0].axis_label = `1x amplitude [${UNITS[this.factor]}]`;
-    this.bode.name(this.each([["1x of x", 0], ["1x of y", 1], ["2x", 2], ["0.5x", 3]]));
+    const other = this.others[0];
+    const criticals = this.across === "hz" ? this.runs[0].criticals?.hz ?? [] : [];
+    this.bode.name([
+      ...this.each(LINES.map(([name], i) => [name, i, i])),
+      ...(other ? [[`${other.label}, 1x of x`, `c${SECOND}`, SECOND]] : []),
+      ...(criticals.length ? [["linear critical speeds", "soft", 2]] : []),
+    ]);
     this.runs.forEach((run, r) => {
       const part = this.parts[r];
       const place = this.places[r];
@@ -168,12 +231,14 @@ class OverSpeed {
       part.bodeY.data = this.parted(x, long(yRe, yIm));
       part.twice.data = this.parted(x, twice.map((v) => this.factor * v));
       part.half.data = this.parted(x, half.map((v) => this.factor * v));
+      const second = this.others[r]?.curves;
+      part.second.data = second ? this.parted(x, long(second.xRe, second.xIm)) : { x: [], y: [] };
     });
   }
 
   // Curves of places and contacts by their names.
-  fill(placeName, touchName) {
-    this.fillBode(placeName);
+  fill(placeName, touchName, secondName) {
+    this.fillBode(placeName, secondName);
     const unit = UNITS[this.factor];
     this.spectrum.plot.left[0].axis_label = `Amplitude [${unit}]`;
     this.polar.plot.below[0].axis_label = `1x of x, real part [${unit}]`;
@@ -238,17 +303,19 @@ class OverSpeed {
   // Names of lines that every run has, in the run's colour.
   each(entries) {
     return this.runs.flatMap((run, r) =>
-      entries.map(([text, dash]) => [
-        this.runs.length > 1 ? `${run.name}: ${text}` : text, `c${r}`, dash ?? r,
+      entries.map(([text, dash, paint]) => [
+        this.lone ? text : `${run.name}: ${text}`, `c${this.lone ? paint ?? r : r}`, dash ?? r,
       ]),
     );
   }
 
   names() {
     const each = (entries) => this.each(entries);
-    this.phase.name(each([["x", 0], ["y", 1]]));
+    this.phase.name(each([["x", 0, 0], ["y", 1, 1]]));
     const ring = this.places.some((p) => p?.clearance != null) ? [["clearance", "soft", 1]] : [];
-    this.orbit.name([...each([["path"]]), ["keyphasor mark", "mark"], ...ring]);
+    const other = this.others[0] ? [[this.others[0].label, `c${SECOND}`, SECOND]] : [];
+    this.orbit.name([...each([["path"]]), ...other, ["keyphasor mark", "mark"], ...ring]);
+    this.base.name([...each([["x", 0, 0], ["y", 1, 1]]), ["keyphasor mark", "mark"]]);
     this.spectrum.name(each([["amplitude"]]));
     this.polar.name([...each([["all speeds"]]), ["the one picked", "mark"]]);
     const most = Math.max(...this.runs.map((run) => run.whirl.turns));
@@ -324,6 +391,12 @@ class OverSpeed {
       part.orbit.data = { x, y };
       const marks = (values) => values.filter((_, i) => i % run.orbit.points === 0);
       part.marks.data = { x: marks(x), y: marks(y) };
+      const turns = x.map((_, i) => i / run.orbit.points);
+      [x, y].forEach((values, axis) => { part.base[axis].data = { x: turns, y: values }; });
+      part.baseMarks.data = { x: marks(turns), y: marks(x) };
+      const second = this.others[r]?.orbits;
+      part.otherOrbit.data = second
+        ? { x: slice(second.re), y: slice(second.im) } : { x: [], y: [] };
       const width = run.orders.length;
       const top = place.cascade.slice(at * width, (at + 1) * width).map((v) => this.factor * v);
       part.spectrum.data = { x: run.orders.map((k) => k * Math.abs(now)), top, order: run.orders };

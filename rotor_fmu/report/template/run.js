@@ -29,7 +29,7 @@ function pick(station) {
   const text = words.filter(Boolean).join(". ");
   field("reading").textContent = text;
   field("station").setAttribute("aria-valuetext", `${shown(found[0].hz)} Hz`);
-  for (const chart of [over.bode, over.phase, over.orbit, over.spectrum, over.polar]) {
+  for (const chart of [over.bode, over.phase, over.orbit, over.base, over.spectrum, over.polar]) {
     chart.tell(text);
   }
   over.cascade.tell("Shades show the amplitude over order and speed. " + text);
@@ -65,12 +65,14 @@ function largest(run) {
 async function showOverSpeed(runs) {
   over = new OverSpeed(runs);
   options("place", runs[0].places.map((p) => [p.name, p.label]), runs[0].chosen);
+  options("second", [["", "none"], ...runs[0].places.map((p) => [p.name, p.label])], "");
   options("touch", runs[0].touches.map((t) => [t.name, t.label]));
   options("shown", runs.map((run, r) => [r, run.name]));
   field("station").max = runs[0].stations.hz.length - 1;
   const refill = () => {
-    over.fill(field("place").value, field("touch").value);
+    over.fill(field("place").value, field("touch").value, field("second").value);
     over.fillCascade(Number(field("shown").value));
+    over.scaleSpeed(Number(field("turns").value));
     pick(Number(field("station").value));
   };
   over.fillBode(field("place").value);
@@ -79,7 +81,7 @@ async function showOverSpeed(runs) {
   over.build();
   field("station").value = largest(runs[0]);
   refill();
-  for (const id of ["place", "touch", "shown"]) field(id).addEventListener("change", refill);
+  for (const id of ["place", "second", "touch", "shown", "turns"]) field(id).addEventListener("change", refill);
   field("unit").addEventListener("change", () => {
     over.factor = Number(field("unit").value);
     refill();
@@ -103,7 +105,9 @@ async function showOverTime(runs) {
     time.point(time.at);
   });
   await time.choose(0);
-  time.view(...time.whole);
+  const [first, last] = time.whole;
+  time.range.setv({ reset_start: first, reset_end: last, bounds: [first, last] });
+  time.view(first, last);
   const acts = {
     in: () => time.zoom(0.5), out: () => time.zoom(2), earlier: () => time.move(-0.5),
     later: () => time.move(0.5), all: () => time.view(...time.whole),

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 from rotor_fmu.model.kernels.jit import jit
-from rotor_fmu.model.step.interface_problem import solve_dense
+from rotor_fmu.model.step.interface_problem import solve_columns
 
 from .contacts import Contacts, RoundStops
 from .round_stop import hold_on_circle, push_inside
@@ -29,12 +29,13 @@ def complementarity(A: np.ndarray, b: np.ndarray, is_active: np.ndarray) -> tupl
     """
     m = len(b)
     z, w, x = np.zeros((3, m))
-    is_found = _pivot(A, b, is_active, z, w, x, np.zeros((m, m)), np.zeros(m, dtype=np.int64))
+    index, order = np.zeros(m, dtype=np.int64), np.arange(m)
+    is_found = _pivot(A, b, is_active, z, w, x, np.zeros((m, m)), index, order)
     return np.maximum(z, 0.0), is_found
 
 
 @jit
-def _solve_active(A, b, is_active, z, w, x, part, index):
+def _solve_active(A, b, is_active, z, w, x, part, index, order):
     """z of the active set, w = A z + b of the others; False if the set's matrix is singular."""
     m = len(b)
     count = 0
@@ -47,7 +48,7 @@ def _solve_active(A, b, is_active, z, w, x, part, index):
         x[i] = -b[index[i]]
         for j in range(count):
             part[i, j] = A[index[i], index[j]]
-    if not solve_dense(part[:count, :count], x[:count]):
+    if not solve_columns(part[:count, :count], order[:count], x[:count]):
         return False
     for i in range(count):
         z[index[i]] = x[i]
@@ -68,7 +69,7 @@ def _is_wrong(A, is_active, z, w, i, scale):
 
 
 @jit
-def _pivot(A, b, is_active, z, w, x, part, index):
+def _pivot(A, b, is_active, z, w, x, part, index, order):
     """`complementarity` with its scratch; False if no solution was found."""
     m = len(b)
     scale = 0.0
@@ -76,7 +77,7 @@ def _pivot(A, b, is_active, z, w, x, part, index):
         scale = max(scale, abs(b[i]))
     least, patience = m + 1, _PATIENCE
     for _ in range(_MOST_PIVOTS):
-        if not _solve_active(A, b, is_active, z, w, x, part, index):
+        if not _solve_active(A, b, is_active, z, w, x, part, index, order):
             return False
         wrong, last = 0, -1
         for i in range(m):

@@ -105,9 +105,8 @@ class BearingAlone:
         if d is None or self._is_broken(d):
             raise LinearError(
                 f"{self.where}: no equilibrium at {self.speed:g} rad/s: its load is "
-                f"{abs(load):.4g} N, and its film carries "
-                f"{self._capacity(load):.4g} N in that direction when it is as thin as its "
-                f"roughness, {self.part.roughness:g} m"
+                f"{abs(load):.4g} N, and its film carries {self._capacity(load):.4g} N in that "
+                f"direction when it is as thin as its roughness, {self.part.roughness:g} m"
             )
         return d
 

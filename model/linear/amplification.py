@@ -1,0 +1,129 @@
+"""Amplification factors of critical speeds and their separation margins, by API 617 and 684.
+
+A critical speed is a peak of the response; with the speeds N1 below and N2 above it at which the
+response has fallen to 0.707 of the peak, the amplification factor is
+
+    AF = Nc / (N2 - N1)                                      (API 684, 2nd edition, chapter 2)
+
+which tends to 1 / (2 zeta) as the damping ratio zeta of the mode becomes small. The separation that
+is required, a share of the minimum operating speed for a critical speed below it, of the maximum
+continuous speed for one above it (API 617, 7th edition, part 1, 2.6.2), is none for AF < 2.5 and
+
+    below:  min(0.16, 0.17 (1 - 1 / (AF - 1.5)))
+    above:  min(0.26, 0.10 + 0.17 (1 - 1 / (AF - 1.5)))
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+HALF_POWER = math.sqrt(0.5)
+DAMPED = 2.5  # amplification factor below which a peak is critically damped
+_PRECISE = 1e-10  # of a speed
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A peak of a response over the speed: the critical speed [rad/s], the response there, and the
+    speeds below and above at which it has fallen to 0.707 of that [rad/s]; NaN where it does not
+    fall so far, because the speeds end or a higher peak follows."""
+
+    speed: float
+    amplitude: float
+    below: float
+    above: float
+
+    @property
+    def amplification(self) -> float:
+        """AF = Nc / (N2 - N1); where one of both is missing the other one's distance counts twice;
+        NaN where both are [1]."""
+        width = self.above - self.below
+        if math.isnan(self.below):
+            width = 2 * (self.above - self.speed)
+        elif math.isnan(self.above):
+            width = 2 * (self.speed - self.below)
+        return self.speed / width
+
+    @property
+    def is_one_sided(self) -> bool:
+        """Whether the response falls to 0.707 of the peak on one side only."""
+        return math.isnan(self.below) != math.isnan(self.above)
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The separation of a peak from the operating range: required and actual, shares of the nearer
+    end of the range [1]; the actual one is 0 within the range."""
+
+    required: float
+    actual: float
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the peak lies far enough from the range, or needs no distance."""
+        return self.required == 0.0 or self.actual >= self.required
+
+
+def required_margin(amplification: float, is_above: bool) -> float:
+    """Return the separation that a critical speed needs from the operating range [1].
+
+    amplification: AF [1]; is_above: whether it lies above the range.
+    """
+    if not amplification >= DAMPED:
+        return 0.0
+    share = 0.17 * (1 - 1 / (amplification - 1.5))
+    return min(0.26, 0.10 + share) if is_above else min(0.16, share)
+
+
+def margin(peak: Peak, low: float, high: float) -> Margin:
+    """Return the separation of a peak from the operating range, from the minimum to the maximum
+    continuous speed [rad/s]."""
+    needed = required_margin(peak.amplification, peak.speed > high)
+    if peak.speed > high:
+        return Margin(needed, (peak.speed - high) / high)
+    if peak.speed < low:
+        return Margin(needed, (low - peak.speed) / low)
+    # within the range no distance is enough, unless the peak is critically damped
+    return Margin(max(needed, required_margin(peak.amplification, is_above=True)), 0.0)
+
+
+def peaks(response: Callable[[float], float], speeds: Sequence[float] | np.ndarray) -> list[Peak]:
+    """Return the peaks of a response over ascending speeds [rad/s], each exact to rounding.
+
+    response: of a speed; speeds: so close together that each peak has one of them higher than its
+    neighbours.
+    """
+    at = np.asarray(speeds, dtype=float)
+    values = np.array([response(speed) for speed in at])
+    inner = np.flatnonzero((values[1:-1] > values[:-2]) & (values[1:-1] >= values[2:])) + 1
+    return [_peak(response, at, values, int(i)) for i in inner]
+
+
+def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray, i: int) -> Peak:
+    top = minimize_scalar(
+        lambda speed: -response(speed),
+        bounds=(at[i - 1], at[i + 1]),
+        method="bounded",
+        options={"xatol": _PRECISE * at[i]},
+    )
+    speed, largest = float(top.x), -float(top.fun)
+
+    def excess(s: float) -> float:
+        return response(s) - HALF_POWER * largest
+
+    def fallen(side: range) -> float:
+        inside = speed
+        for k in side:
+            if values[k] > largest:  # the flank of a higher peak
+                return math.nan
+            if values[k] <= HALF_POWER * largest:
+                return float(brentq(excess, inside, at[k], xtol=_PRECISE * speed))
+            inside = at[k]
+        return math.nan
+
+    return Peak(speed, largest, fallen(range(i - 1, -1, -1)), fallen(range(i + 1, len(at))))

@@ -1,0 +1,257 @@
+"""Frequency response of displacements to a force, and the sensitivity of the control loops of
+magnetic bearings (ISO 14839-3).
+
+At a speed, displacements u exp(i omega t) answer forces f exp(i omega t) by
+(K + i omega D - omega^2 M) u = f. A control loop reads the displacement at a sensor and acts with
+the force -H(s) at a magnet, beside the magnet's own negative stiffness; with the matrix G of the
+sensors' displacements by the magnets' forces, that stiffness included, the sensitivity of loop j is
+the j-th diagonal element of (1 + G H)^-1: what remains of a disturbance that is added to its sensor
+while all loops are closed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.signal
+
+from ..machine.rotor import Rotor
+from .machine import LinearError, LinearMachine
+from .modes import check_speed
+from .static import check_node
+
+_PADE = 4  # order of the approximation of a delay, for the poles alone
+_UNSTABLE = 1e-6  # share of growth of a pole that is more than rounding
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """Displacements of n nodes by a force on one, at f frequencies [rad/s] and one speed [rad/s].
+
+    contacts: `open` or `pinned`; force: its node (from 1); nodes: from 1; receptance: complex of
+    shape (f, n, 2, 2) [m/N], displacement in x, y by the force in x, y.
+    """
+
+    speed: float
+    contacts: str
+    frequencies: np.ndarray
+    force: int
+    nodes: tuple[int, ...]
+    receptance: np.ndarray
+
+
+@dataclass(frozen=True)
+class ControlLoop:
+    """The control of a magnetic bearing, alike in x and y.
+
+    name; sensor, magnet: nodes (from 1); kp [A/m], ki [A/(m.s)], kd [A.s/m]: gains of the
+    controller; force_per_current [N/A]; negative_stiffness: of the magnet, positive [N/m];
+    filter_frequency: corner of the first-order low pass before kp and kd [Hz], 0 without one;
+    amplifier_time: time constant of the amplifier [s]; delay: of the controller [s].
+    """
+
+    name: str
+    sensor: int
+    magnet: int
+    kp: float
+    kd: float
+    force_per_current: float
+    ki: float = 0.0
+    negative_stiffness: float = 0.0
+    filter_frequency: float = 0.0
+    amplifier_time: float = 0.0
+    delay: float = 0.0
+
+    def rational(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return numerator and denominator of the force by the displacement [N/m] without the
+        delay, highest power of s first."""
+        pass_time = 1 / (2 * math.pi * self.filter_frequency) if self.filter_frequency else 0.0
+        low_pass = np.array([pass_time, 1.0])
+        numerator = np.array([self.kd, self.kp])
+        denominator = np.polymul(low_pass, [self.amplifier_time, 1.0])
+        if self.ki:
+            numerator = np.polyadd(np.append(numerator, 0.0), self.ki * low_pass)
+            denominator = np.append(denominator, 0.0)
+        force = self.force_per_current * numerator
+        return np.trim_zeros(force, "f"), np.trim_zeros(denominator, "f")
+
+    def __call__(self, s: complex) -> complex:
+        """Return the force by the displacement at s [N/m]."""
+        numerator, denominator = self.rational()
+        ratio = np.polyval(numerator, s) / np.polyval(denominator, s)
+        return complex(ratio * np.exp(-s * self.delay))
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Sensitivity of control loops, each in x and y, at f frequencies [rad/s] and one speed
+    [rad/s].
+
+    loops: names, with the axis; sensitivity: complex of shape (f, loops) [1]; is_stable: whether
+    all poles of the closed loops decay.
+    """
+
+    speed: float
+    frequencies: np.ndarray
+    loops: tuple[str, ...]
+    sensitivity: np.ndarray
+    is_stable: bool
+
+    @property
+    def largest(self) -> np.ndarray:
+        """The largest size of each loop's sensitivity, shape (loops,) [1]."""
+        return np.abs(self.sensitivity).max(axis=0)
+
+
+def frequency_response(
+    rotor: Rotor,
+    frequencies: Sequence[float] | np.ndarray,
+    force: int,
+    nodes: Sequence[int],
+    *,
+    speed: float = 0.0,
+    contacts: str | None = None,
+) -> FrequencyResponse:
+    """Return the displacements of nodes (from 1) by a force on a node, at frequencies [rad/s] above
+    0 and a speed [rad/s].
+
+    contacts: `open` or `pinned`; None: open where the machine is held without them. Raises
+    `LinearError`.
+    """
+    at = _checked(frequencies)
+    plant = _Plant(rotor, speed, contacts)
+    return FrequencyResponse(
+        speed=speed,
+        contacts=plant.machine.contacts,
+        frequencies=at,
+        force=force,
+        nodes=tuple(nodes),
+        receptance=np.array([_blocks(plant(1j * w, [force], nodes))[:, 0] for w in at]),
+    )
+
+
+def sensitivity(
+    rotor: Rotor,
+    frequencies: Sequence[float] | np.ndarray,
+    loops: Sequence[ControlLoop],
+    *,
+    speed: float = 0.0,
+    contacts: str | None = "open",
+) -> Sensitivity:
+    """Return the sensitivity of control loops at frequencies [rad/s] above 0 and a speed [rad/s].
+
+    Raises `LinearError` without a loop, and for a node that the machine does not have.
+    """
+    at = _checked(frequencies)
+    if not loops:
+        raise LinearError("loops: at least one must be given")
+    plant = _Plant(rotor, speed, contacts)
+    magnets, sensors = [loop.magnet for loop in loops], [loop.sensor for loop in loops]
+    negative = np.kron(np.diag([loop.negative_stiffness for loop in loops]), np.eye(2))
+    rows = []
+    for w in at:
+        both = plant(1j * w, magnets, [*magnets, *sensors])
+        size = 2 * len(loops)
+        of_magnets, of_sensors = both[:size], both[size:]
+        closed = np.linalg.inv(np.eye(size) - negative @ of_magnets)
+        H = np.kron(np.diag([loop(1j * w) for loop in loops]), np.eye(2))
+        rows.append(np.diag(np.linalg.inv(np.eye(size) + of_sensors @ closed @ H)))
+    return Sensitivity(
+        speed=speed,
+        frequencies=at,
+        loops=tuple(f"{loop.name} {axis}" for loop in loops for axis in "xy"),
+        sensitivity=np.array(rows),
+        is_stable=_is_stable(plant, loops),
+    )
+
+
+def _checked(frequencies: Sequence[float] | np.ndarray) -> np.ndarray:
+    at = np.array(frequencies, dtype=float)
+    if len(at) < 1 or not (np.isfinite(at) & (at > 0)).all():
+        raise LinearError("frequencies: must be above 0 and finite, at least one")
+    return at
+
+
+def _blocks(matrix: np.ndarray) -> np.ndarray:
+    """Return a matrix of x, y in turn as shape (n, m, 2, 2)."""
+    rows, columns = (size // 2 for size in matrix.shape)
+    return matrix.reshape(rows, 2, columns, 2).transpose(0, 2, 1, 3)
+
+
+class _Plant:
+    """The machine at a speed: displacements of nodes by forces on nodes."""
+
+    def __init__(self, rotor: Rotor, speed: float, contacts: str | None) -> None:
+        check_speed(speed)
+        self.machine = LinearMachine(rotor, contacts)
+        self.linear = self.machine.at(speed)
+
+    def selection(self, nodes: Sequence[int]) -> np.ndarray:
+        """Return x, y of nodes by the unknowns, shape (2 n, N)."""
+        rows = [
+            4 * (check_node(self.machine, node) - 1) + axis for node in nodes for axis in (0, 1)
+        ]
+        return self.machine.expand.tocsr()[rows].toarray()
+
+    def __call__(self, s: complex, forces: Sequence[int], nodes: Sequence[int]) -> np.ndarray:
+        """Return x, y of nodes by forces in x, y on nodes, shape (2 nodes, 2 forces) [m/N]."""
+        moved = self.linear.factorized(s)(self.selection(forces).T.astype(complex))[0]
+        return self.selection(nodes) @ moved
+
+
+def _is_stable(plant: _Plant, loops: Sequence[ControlLoop]) -> bool:
+    """Return whether all poles of the machine with its closed loops decay, delays approximated by
+    Pade's rational functions."""
+    linear = plant.linear
+    M, D, K = (matrix.toarray() for matrix in (linear.M, linear.D, linear.K))
+    for loop in loops:
+        at = plant.selection([loop.magnet])
+        K = K - loop.negative_stiffness * at.T @ at
+    size = len(M)
+    inverse = np.linalg.inv(M)
+    rotor = np.block([[np.zeros((size, size)), np.eye(size)], [-inverse @ K, -inverse @ D]])
+    whole, read, push = [rotor], [], []
+    for loop in loops:
+        numerator, denominator = loop.rational()
+        if loop.delay:
+            late, early = _pade(loop.delay)
+            numerator, denominator = np.polymul(numerator, late), np.polymul(denominator, early)
+        if len(numerator) > len(denominator):
+            raise LinearError(
+                f"loop {loop.name}: needs filter_frequency or amplifier_time: without either its "
+                "force grows with the frequency beyond all bounds"
+            )
+        system = scipy.signal.tf2ss(numerator, denominator)
+        for axis in (0, 1):
+            whole.append(system[0])
+            read.append((plant.selection([loop.sensor])[axis], system))
+            push.append(inverse @ plant.selection([loop.magnet])[axis])
+    A = scipy.linalg.block_diag(*whole)
+    begin = 2 * size
+    for (sensor, (a, b, c, d)), force in zip(read, push, strict=True):
+        end = begin + len(a)
+        A[begin:end, :size] += b @ sensor[None, :]
+        A[size : 2 * size, begin:end] -= force[:, None] @ c
+        A[size : 2 * size, :size] -= d[0, 0] * np.outer(force, sensor)
+        begin = end
+    poles = np.linalg.eigvals(A)
+    scale = float(plant.machine.structure.numbers[0].lowest_omega)
+    return bool((poles.real <= _UNSTABLE * np.maximum(np.abs(poles), scale)).all())
+
+
+def _pade(delay: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return numerator and denominator of a rational function near to exp(-s delay)."""
+    n = _PADE
+    terms = [
+        math.factorial(2 * n - k)
+        * math.factorial(n)
+        / (math.factorial(2 * n) * math.factorial(k) * math.factorial(n - k))
+        * delay**k
+        for k in range(n, -1, -1)
+    ]
+    signs = [(-1.0) ** k for k in range(n, -1, -1)]
+    return np.array(terms) * signs, np.array(terms)

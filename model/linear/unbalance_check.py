@@ -1,0 +1,268 @@
+"""The response to unbalance held against API 617 and 684: critical speeds with amplification
+factors and separation margins, vibration at the probes, clearances."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from . import orbit
+from .amplification import Margin, Peak, margin, peaks
+from .campbell import campbell
+from .machine import LinearError
+from .placement import vibration_limit
+from .static import check_node
+from .unbalance import SteadyWhirl
+
+_POINTS = 301
+_BEYOND = 1.25  # of the maximum continuous speed: how far critical speeds are looked for
+_AROUND = np.array([-6, -4, -3, -2, -1.5, -1, -0.6, -0.3, 0, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
+_CLEARANCE = 0.75  # of a clearance, which the motion may take
+_MODES = 12
+
+
+@dataclass(frozen=True)
+class ProbeCritical:
+    """A critical speed as a probe shows it: node (from 1), axis `x` or `y`, the peak (amplitude 0-p
+    [m]), its separation from the operating range, None where no range was given."""
+
+    node: int
+    axis: str
+    peak: Peak
+    margin: Margin | None
+
+
+@dataclass(frozen=True)
+class ProbeLevel:
+    """The largest motion of a node (from 1) in the operating range, of the major axis: peak-to-peak
+    [m], and the speed of it [rad/s]."""
+
+    node: int
+    peak_to_peak: float
+    speed: float
+
+
+@dataclass(frozen=True)
+class ClearanceLevel:
+    """How much of a radial clearance [m] the motion takes at most between standstill and the
+    maximum continuous speed: the part's name, amplitude 0-p of the major axis under the unbalance
+    [m] and the speed of it [rad/s]; the same once the unbalance is scaled up until the probes reach
+    their limit [m]."""
+
+    name: str
+    clearance: float
+    amplitude: float
+    speed: float
+    scaled: float
+
+    @property
+    def is_met(self) -> bool:
+        """Whether the scaled motion takes at most 75 % of the clearance."""
+        return self.scaled <= _CLEARANCE * self.clearance
+
+
+@dataclass(frozen=True)
+class UnbalanceCheck:
+    """The response of a machine to unbalance in its operating range, against API 617 and 684.
+
+    low, high: minimum and maximum continuous speed [rad/s]; unbalances: (node from 1, amount
+    [kg.m], angle [rad]), None: the machine's own; limit: of vibration at the probes, peak-to-peak
+    [m]; scale: factor on the unbalance with which the probes reach that limit [1].
+    """
+
+    contacts: str
+    low: float
+    high: float
+    unbalances: tuple[tuple[int, float, float], ...] | None
+    criticals: tuple[ProbeCritical, ...]
+    probes: tuple[ProbeLevel, ...]
+    limit: float
+    scale: float
+    clearances: tuple[ClearanceLevel, ...]
+
+    @property
+    def is_met(self) -> bool:
+        """Whether all margins are there, the probes below their limit, and the clearances
+        sufficient."""
+        return (
+            all(critical.margin.is_met for critical in self.criticals if critical.margin)
+            and all(probe.peak_to_peak <= self.limit for probe in self.probes)
+            and all(clearance.is_met for clearance in self.clearances)
+        )
+
+
+def unbalance_check(
+    rotor: Rotor,
+    low: float,
+    high: float,
+    probes: Sequence[int],
+    *,
+    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    clearances: Mapping[int, float] | None = None,
+    contacts: str | None = None,
+) -> UnbalanceCheck:
+    """Return the response to unbalance held against API 617 and 684.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The machine; the clearances of its open contacts are checked.
+    low, high : float
+        Minimum and maximum continuous speed [rad/s].
+    probes : sequence of int
+        Nodes (from 1) with probes.
+    unbalances : sequence of (int, float, float), optional
+        Node (from 1), amount [kg.m] and angle [rad] of each unbalance. By default the machine's.
+    clearances : mapping of int to float, optional
+        Radial clearances [m] of seals by their nodes (from 1).
+    contacts : str, optional
+        `open` or `pinned`. By default open where the machine is held without them.
+
+    Returns
+    -------
+    UnbalanceCheck
+        What was found.
+
+    Raises
+    ------
+    LinearError
+        If the range, a node or a clearance cannot be.
+    """
+    if not (0 < low <= high < math.inf):
+        raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
+    response = _Response(rotor, contacts, unbalances, clearances or {})
+    speeds = _speeds(rotor, _BEYOND * high, contacts)
+    criticals = [
+        replace(critical, margin=margin(critical.peak, low, high))
+        for critical in _criticals(response, probes, speeds)
+    ]
+    limit = vibration_limit(high)
+    within = np.unique(np.append(speeds[(speeds > low) & (speeds < high)], [low, high]))
+    levels = [_level(response, node, within) for node in probes]
+    largest = max((level.peak_to_peak for level in levels), default=0.0)
+    scale = limit / largest if largest > 0 else math.inf
+    return UnbalanceCheck(
+        contacts=response.machine.contacts,
+        low=low,
+        high=high,
+        unbalances=None if unbalances is None else tuple(unbalances),
+        criticals=tuple(criticals),
+        probes=tuple(levels),
+        limit=limit,
+        scale=scale,
+        clearances=tuple(response.clearance_levels(np.append(speeds[speeds < high], high), scale)),
+    )
+
+
+def critical_peaks(
+    rotor: Rotor,
+    top: float,
+    nodes: Sequence[int],
+    *,
+    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    contacts: str | None = None,
+) -> tuple[ProbeCritical, ...]:
+    """Return the peaks of x and y of nodes (from 1) up to the speed `top` [rad/s], by ascending
+    speed, with their amplification factors; see `unbalance_check` for the rest."""
+    if not 0 < top < math.inf:
+        raise LinearError(f"highest speed = {top:g} rad/s: must be > 0 and finite")
+    response = _Response(rotor, contacts, unbalances, {})
+    return tuple(_criticals(response, nodes, _speeds(rotor, top, contacts)))
+
+
+def _criticals(
+    response: _Response, nodes: Sequence[int], speeds: np.ndarray
+) -> list[ProbeCritical]:
+    result = []
+    for node in nodes:
+        check_node(response.machine, node)
+        for axis in (0, 1):
+            seen = peaks(partial(response.axis, node, axis), speeds)
+            result += [ProbeCritical(node, "xy"[axis], peak, None) for peak in seen]
+    return sorted(result, key=lambda c: (c.peak.speed, c.node, c.axis))
+
+
+def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
+    """Return speeds up to `top` so close together that no peak lies between them: those of a grid,
+    and more of them about the damped critical speeds."""
+    grid = np.linspace(top / _POINTS, top, _POINTS)
+    found = campbell(rotor, np.linspace(0.0, 1.2 * top, 13), count=_MODES, contacts=contacts)
+    about = [c.speed * (1 + max(c.log_dec, 0.0) / (2 * math.pi) * _AROUND) for c in found.critical]
+    return np.unique(np.concatenate([s[(s > 0) & (s <= top)] for s in (grid, *about)]))
+
+
+def _level(response: _Response, node: int, speeds: np.ndarray) -> ProbeLevel:
+    major = [response.major(speed, node) for speed in speeds]
+    at = int(np.argmax(major))
+    return ProbeLevel(node, 2 * major[at], float(speeds[at]))
+
+
+class _Response:
+    """The steady motion at any speed, solved for once."""
+
+    def __init__(
+        self,
+        rotor: Rotor,
+        contacts: str | None,
+        unbalances: Sequence[tuple[int, float, float]] | None,
+        clearances: Mapping[int, float],
+    ) -> None:
+        self._whirl = SteadyWhirl(rotor, contacts, unbalances)
+        self.machine = self._whirl.machine
+        self._known: dict[float, np.ndarray] = {}
+        self._gaps = self._clearances(rotor, clearances)
+
+    def _clearances(
+        self, rotor: Rotor, clearances: Mapping[int, float]
+    ) -> list[tuple[str, float, int, int]]:
+        """Return name, clearance, and the dofs whose distance closes it."""
+        result = []
+        ground = self.machine.expand.shape[0] // 2 - 1
+        for node, clearance in clearances.items():
+            if not (0 < clearance < math.inf):
+                raise LinearError(f"clearance of node {node} = {clearance:g} m: must be > 0")
+            dof = 2 * (check_node(self.machine, node) - 1)
+            result.append((f"node {node}", clearance, dof, ground))
+        if self.machine.contacts == "open":
+            parts = dict(rotor.named_parts())
+            interfaces = self.machine.structure.interfaces
+            for name, i in zip(
+                self.machine.supports.interfaces, range(len(interfaces)), strict=True
+            ):
+                gap = getattr(parts[name], "clearance", None)
+                if interfaces.has_wall[i] and gap is not None:
+                    end = int(interfaces.end[i]) % (ground + 1)
+                    result.append((name, float(gap), int(interfaces.dof[i]), end))
+        return result
+
+    def _at(self, speed: float) -> np.ndarray:
+        """Return x, y of every dof, shape (size, 2)."""
+        speed = float(speed)
+        if speed not in self._known:
+            self._known[speed] = self._whirl.at(speed)[0].reshape(-1, 2)
+        return self._known[speed]
+
+    def axis(self, node: int, axis: int, speed: float) -> float:
+        """Return the amplitude of a node in x or y [m]."""
+        return float(abs(self._at(speed)[2 * (node - 1), axis]))
+
+    def major(self, speed: float, node: int) -> float:
+        """Return the major semi-axis of a node [m]."""
+        x, y = self._at(speed)[2 * (node - 1)]
+        return float(orbit.semi_axes(x, y)[0])
+
+    def clearance_levels(self, speeds: np.ndarray, scale: float) -> list[ClearanceLevel]:
+        """Return how much of each clearance is taken."""
+        result = []
+        for name, clearance, dof, end in self._gaps:
+            distance = [self._at(speed)[dof] - self._at(speed)[end] for speed in speeds]
+            major = [float(orbit.semi_axes(*d)[0]) for d in distance]
+            at = int(np.argmax(major))
+            scaled = max(scale, 1.0) * major[at] if major[at] else 0.0
+            result.append(ClearanceLevel(name, clearance, major[at], float(speeds[at]), scaled))
+        return result

@@ -1,0 +1,58 @@
+"""How a machine is run: its speeds in the terms of API 684, and the rates of its speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from ..quantities import NOT_NEGATIVE, POSITIVE, QuantityError, check, quantities, quantity
+
+# Speeds of which none may lie below the one before.
+_ASCENDING = ("minimum_speed", "rated_speed", "maximum_continuous_speed", "trip_speed")
+
+
+@dataclass(frozen=True)
+class Operation:
+    """The table `[operation]` of a machine file; None: not given.
+
+    Raises `QuantityError` for a value that cannot be, and for speeds that do not ascend.
+    """
+
+    rated_speed: float | None = quantity(
+        "rad/s", "rated speed, at which its FMU starts", POSITIVE, None
+    )
+    minimum_speed: float | None = quantity(
+        "rad/s", "lowest speed of the operating range", NOT_NEGATIVE, None
+    )
+    maximum_continuous_speed: float | None = quantity(
+        "rad/s", "highest speed of the operating range, where a run-up ends", POSITIVE, None
+    )
+    trip_speed: float | None = quantity(
+        "rad/s", "speed at which it is shut down, where a run-down begins", POSITIVE, None
+    )
+    run_up_rate: float | None = quantity("rad/s2", "rate of the speed in a run-up", POSITIVE, None)
+    run_down_rate: float | None = quantity(
+        "rad/s2", "rate of the speed in a run-down, without sign", POSITIVE, None
+    )
+
+    def __post_init__(self) -> None:
+        for name, declared in quantities(self).items():
+            if getattr(self, name) is not None:
+                check(f"operation.{name}", declared, getattr(self, name))
+        given = [(name, value) for name in _ASCENDING if (value := getattr(self, name)) is not None]
+        for (below, low), (above, high) in pairwise(given):
+            if not low <= high:
+                raise QuantityError(
+                    f"operation.{above} = {high:g} rad/s: must be at least operation.{below} = "
+                    f"{low:g} rad/s"
+                )
+
+    @property
+    def continuous_speeds(self) -> list[float]:
+        """The speeds that are given of those at which it may run for long [rad/s], ascending."""
+        return [speed for name, speed in self.speeds.items() if name != "trip_speed"]
+
+    @property
+    def speeds(self) -> dict[str, float]:
+        """The speeds that are given [rad/s], by their names, ascending."""
+        return {n: value for n in _ASCENDING if (value := getattr(self, n)) is not None}

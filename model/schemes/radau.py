@@ -1,0 +1,141 @@
+"""Radau IIA with three stages, of order five, L-stable (Ehle 1969; Hairer and Wanner, Solving
+Ordinary Differential Equations II, sec. IV.5 and IV.8).
+
+Stages at C h with the weights A; the last stage is the end of the step. With
+A = T diag(LAMBDA) T^-1 the linear part of a step falls apart into three systems, each of the size
+of one stage.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ..kernels.functions import inverse, modulus
+from ..kernels.jit import jit
+
+STAGES = 3
+_ROOT = math.sqrt(6.0)
+C = np.array([(4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0])
+A = np.array(
+    [
+        [(88 - 7 * _ROOT) / 360, (296 - 169 * _ROOT) / 1800, (-2 + 3 * _ROOT) / 225],
+        [(296 + 169 * _ROOT) / 1800, (88 + 7 * _ROOT) / 360, (-2 - 3 * _ROOT) / 225],
+        [(16 - _ROOT) / 36, (16 + _ROOT) / 36, 1 / 9],
+    ]
+)
+
+
+def _cofactors(a: list[list[complex]]) -> list[list[complex]]:
+    """Return the cofactors of a matrix of three rows."""
+    return [
+        [
+            a[(i + 1) % 3][(j + 1) % 3] * a[(i + 2) % 3][(j + 2) % 3]
+            - a[(i + 1) % 3][(j + 2) % 3] * a[(i + 2) % 3][(j + 1) % 3]
+            for j in range(3)
+        ]
+        for i in range(3)
+    ]
+
+
+def _inverse(a: list[list[complex]]) -> list[list[complex]]:
+    """Return the inverse of a matrix of three rows."""
+    minors = _cofactors(a)
+    determinant = sum(x * y for x, y in zip(a[0], minors[0], strict=True))
+    return [[minors[j][i] / determinant for j in range(3)] for i in range(3)]
+
+
+def _eigenvalues() -> list[complex]:
+    """Return the reciprocals of the roots of s^3 - 9 s^2 + 36 s - 60, the real one first."""
+    s = 3.6
+    for _ in range(60):
+        s -= (((s - 9.0) * s + 36.0) * s - 60.0) / ((3.0 * s - 18.0) * s + 36.0)
+    half, product = 0.5 * (9.0 - s), 60.0 / s
+    pair = complex(half, math.sqrt(product - half * half))
+    return [1.0 / s + 0j, 1.0 / pair, 1.0 / pair.conjugate()]
+
+
+def _eigenvector(value: complex) -> list[complex]:
+    """Return the eigenvector of A, its last entry 1: a row of cofactors of A - value."""
+    shifted = [[complex(A[i, j]) - (value if i == j else 0.0) for j in range(3)] for i in range(3)]
+    row = _cofactors(shifted)[0]
+    return [entry / row[2] for entry in row]
+
+
+_VALUES = _eigenvalues()
+_VECTORS = [_eigenvector(value) for value in _VALUES]
+_T = [[_VECTORS[s][i] for s in range(3)] for i in range(3)]
+_T_INVERSE = _inverse(_T)
+LAMBDA, T, T_INVERSE = np.array(_VALUES), np.array(_T), np.array(_T_INVERSE)
+# A^2, of displacements by accelerations, and A^-1, of rates by changes.
+A_SQUARED = np.array(
+    [[sum(A[i, k] * A[k, j] for k in range(3)) for j in range(3)] for i in range(3)]
+)
+A_INVERSE = np.array(
+    [[entry.real for entry in row] for row in _inverse([[complex(x) for x in row] for row in A])]
+)
+# T[i, s] T^-1[s, j]: the share of system s in what stage j does to stage i.
+SHARES = np.array(
+    [[[_T[i][s] * _T_INVERSE[s][j] for j in range(3)] for i in range(3)] for s in range(3)]
+)
+
+
+def _lagrange(nodes: list[float], x: float) -> list[float]:
+    """Return the weights by which values at the nodes make the value at x of their polynomial."""
+    return [
+        math.prod((x - other) / (node - other) for other in nodes if other != node)
+        for node in nodes
+    ]
+
+
+def _derivative_at_end() -> list[float]:
+    """Return the weights by which values at the stages make the derivative of their polynomial at
+    the end of the step, times its length."""
+    nodes = C.tolist()
+    by_last = sum(1.0 / (1.0 - other) for other in nodes[:2])
+    others = [
+        (1.0 - nodes[1 - i]) / ((nodes[i] - nodes[1 - i]) * (nodes[i] - 1.0)) for i in range(2)
+    ]
+    return [*others, by_last]
+
+
+# What the start of a step and its first two stages lead one to expect of its end.
+EXPECTED = np.array(_lagrange([0.0, float(C[0]), float(C[1])], 1.0))
+END_SLOPE = np.array(_derivative_at_end())
+
+
+def _integrals() -> np.ndarray:
+    """Return the polynomials whose values at x are the integrals from 0 to x of the stages' own:
+    rows of the factors of x, x^2, x^3."""
+    rows = []
+    for i in range(3):
+        a, b = (float(C[j]) for j in range(3) if j != i)
+        scale = (float(C[i]) - a) * (float(C[i]) - b)
+        rows.append([a * b / scale, -0.5 * (a + b) / scale, 1.0 / (3.0 * scale)])
+    return np.array(rows)
+
+
+INTEGRALS = _integrals()
+# Of the third difference of a step's accelerations times h^2, what counts as its local error.
+ERROR_CONSTANT = 0.02
+
+
+@jit
+def weight_until(i, x):
+    """Return the weight of stage i [1] in an integral over the first x of a step, 0 < x <= 1."""
+    return ((INTEGRALS[i, 2] * x + INTEGRALS[i, 1]) * x + INTEGRALS[i, 0]) * x
+
+
+@jit
+def weight_at(i, x):
+    """Return the weight of stage i [1] in a value at x, a share of the step."""
+    return (3.0 * INTEGRALS[i, 2] * x + 2.0 * INTEGRALS[i, 1]) * x + INTEGRALS[i, 0]
+
+
+@jit
+def amplification(z):
+    """Return by what a step multiplies an oscillation of root lambda, z = lambda h."""
+    above = 1.0 + z * (0.4 + z * 0.05)
+    below = 1.0 - z * (0.6 - z * (0.15 - z * (1.0 / 60.0)))
+    return modulus(above * inverse(below))

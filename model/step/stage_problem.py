@@ -1,0 +1,398 @@
+"""The forces of all interfaces at all stages of a step at once, by Newton's method.
+
+    d = d_free + D F(d, v, z),   v = v_free + V F(d, v, z),   z = z_0 + h A z'(d, v, z)
+
+d, v: relative displacements and velocities of the interfaces at the stages; D, V: what forces at
+any stage do to them; z: internal states of the laws, with the weights A of `schemes.radau`.
+Unknowns are the forces that act, and the rates of the states. The matrix is factorized anew only
+where a contact opens or closes, and where the iteration has become slow.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.functions import modulus
+from ..kernels.jit import jit, jit_not_inlined
+from ..parts.law import Kinematics, Weights
+from ..schemes.radau import A_INVERSE, STAGES, A, C
+from .laws import law_force, law_gap, law_rates, law_tangent, relative
+
+SLIDING, FREE = 0, 1
+# Where Newton starts, one after another: sliding on at the same depth, or without forces. A step in
+# which none arrives is repeated with half its length.
+ATTEMPTS = (SLIDING, FREE)
+ITERATIONS = 16
+# Of the accuracy asked for, what a correction by an old matrix may leave; of its last correction,
+# what one may be without being slow, and without the iteration being damped: it would cycle where
+# sliding turns back.
+OLD, SLOW, CYCLING = 0.01, 0.1, 0.7
+LEAST_RELAX = 0.25
+# Of a state and of its change, the difference by which its derivatives are taken, and the least;
+# of an interface's length, that of a displacement.
+_SHARE, _LEAST = 1e-7, 1e-10
+
+
+@jit
+def _kinematics(stages, i, j):
+    """Return the `Kinematics` of an interface at a stage."""
+    return Kinematics(stages.d[i, j], stages.v_relative[i, j], stages.omega[i], stages.omega[i])
+
+
+@jit
+def _may_act(structure, old, stages):
+    """Return whether any interface may act in the step."""
+    if len(old.internal_state) > 0:
+        return True
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if interface.has_wall == 0 or old.force[j] != 0.0:
+            return True
+        for i in range(STAGES):
+            if law_gap(structure.laws, interface, stages.d_free[i, j]) < 0.0:
+                return True
+    return False
+
+
+@jit
+def _start(structure, h, place, old, stages):
+    """Set Newton's starting point."""
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        d0, v0 = relative(interface, old.q), relative(interface, old.v)
+        a0, jerk = relative(interface, old.v_dot), relative(interface, old.jerk)
+        is_placed = interface.has_wall == 0 or old.force[j] != 0.0
+        for i in range(STAGES):
+            t = C[i] * h
+            d = stages.d_free[i, j]
+            if place == SLIDING and is_placed:
+                d = d0 + t * (v0 + t * (0.5 * a0 + t * (1.0 / 6.0) * jerk))
+                if interface.has_wall == 1:
+                    d = d * (modulus(d0) / modulus(d))
+            stages.d[i, j] = d
+        for i in range(STAGES):
+            v = stages.v_free[i, j]
+            if place == SLIDING and is_placed:
+                v = v0
+                for k in range(STAGES):
+                    change = stages.d[k, j] - d0 - (C[k] * h) * v0
+                    v += A_INVERSE[i, k] * (1.0 / h) * change
+            stages.v_relative[i, j] = v
+    for i in range(STAGES):
+        for s in range(len(old.internal_state)):
+            rate = old.internal_rate[s]
+            stages.internal_rate[i, s] = rate
+            stages.internal_state[i, s] = old.internal_state[s] + C[i] * h * rate
+
+
+@jit
+def _call_laws(structure, stages):
+    """Fill in the forces and rates of the laws at the present motion; returns whether other
+    interfaces act than at the last call."""
+    has_changed = False
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        first, count = interface.internal_state, interface.states
+        for i in range(STAGES):
+            moving = _kinematics(stages, i, j)
+            states = stages.internal_state[i, first:]
+            force = law_force(structure.laws, interface, moving, states)
+            stages.law_force[i, j] = force
+            acts = 1 if force != 0.0 or interface.has_wall == 0 else 0
+            has_changed = has_changed or acts != stages.acts[i, j]
+            stages.acts[i, j] = acts
+            for s in range(count):
+                stages.law_state[i, first + s] = states[s]
+            if count > 0:
+                rates = stages.law_rate[i, first:]
+                law_rates(structure.laws, interface, moving, states, rates)
+    return has_changed
+
+
+@jit_not_inlined
+def _take_tangent(structure, h, old, stages, i, j):
+    """Fill in the derivatives of force and rates at a stage by displacement, velocity, states."""
+    interface = structure.interfaces[j]
+    first, count = interface.internal_state, interface.states
+    tangent, moving = stages.tangent[i, j], _kinematics(stages, i, j)
+    states, spare = stages.internal_state[i, first:], stages.trial_state
+    for column in range(2):
+        weights = Weights(1.0 - column, 1.0 * column, 0.0)
+        _, p, q = law_tangent(structure.laws, interface, moving, weights, states, spare)
+        tangent[0, 2 * column], tangent[1, 2 * column] = (p + q).real, (p + q).imag
+        tangent[0, 2 * column + 1], tangent[1, 2 * column + 1] = (q - p).imag, (p - q).real
+    if count == 0:
+        return
+    d_step = _SHARE * interface.length
+    v_step = d_step * (1.0 / h) + _SHARE * modulus(moving.velocity)
+    for column in range(4 + count):
+        d, v = moving.displacement, moving.velocity
+        for s in range(count):
+            spare[s] = states[s]
+        if column < 4:
+            step = d_step if column < 2 else v_step
+            aside = complex(step, 0.0) if column % 2 == 0 else complex(0.0, step)
+            if column < 2:
+                d += aside
+            else:
+                v += aside
+        else:
+            s = column - 4
+            change = abs(states[s]) + h * abs(stages.law_rate[i, first + s])
+            step = _SHARE * change + _LEAST
+            spare[s] += step
+        beside = Kinematics(d, v, moving.speed, moving.sliding_speed)
+        rates = stages.trial_rate
+        law_rates(structure.laws, interface, beside, spare, rates)
+        for s in range(count):
+            tangent[2 + s, column] = (rates[s] - stages.law_rate[i, first + s]) / step
+        if column >= 4:
+            force = law_force(structure.laws, interface, beside, spare)
+            change_of_force = (force - stages.law_force[i, j]) * (1.0 / step)
+            tangent[0, column] = change_of_force.real
+            tangent[1, column] = change_of_force.imag
+
+
+@jit
+def _list_unknowns(structure, stages):
+    """List the forces that act and all rates; returns how many there are of both."""
+    m, size = len(structure.interfaces), len(stages.law_rate[0])
+    count = 0
+    for i in range(STAGES):
+        for j in range(m):
+            if stages.acts[i, j] == 1:
+                for axis in range(2):
+                    stages.unknowns[count] = 2 * (i * m + j) + axis
+                    count += 1
+    forces = count
+    for i in range(STAGES):
+        for s in range(size):
+            stages.unknowns[count] = 6 * m + i * size + s
+            count += 1
+    return forces, count
+
+
+@jit
+def _linearize(structure, h, old, stages, forces, count):
+    """Fill in and factorize the matrix of the unknowns; returns False if it is singular."""
+    m, size = len(structure.interfaces), len(stages.law_rate[0])
+    for j in range(m):
+        for i in range(STAGES):
+            if stages.acts[i, j] == 1 or structure.interfaces[j].states > 0:
+                _take_tangent(structure, h, old, stages, i, j)
+    jacobian = stages.jacobian
+    row = 0
+    for i in range(STAGES):
+        for j in range(m):
+            if stages.acts[i, j] == 1:
+                for axis in range(2):
+                    _fill_row(structure, h, stages, row, i, j, axis, forces, count)
+                    row += 1
+    for i in range(STAGES):
+        for j in range(m):
+            for s in range(structure.interfaces[j].states):
+                _fill_row(
+                    structure,
+                    h,
+                    stages,
+                    forces + i * size + structure.interfaces[j].internal_state + s,
+                    i,
+                    j,
+                    2 + s,
+                    forces,
+                    count,
+                )
+    for k in range(count):
+        jacobian[k, k] += 1.0
+    return _factorize(jacobian, stages.pivots, count)
+
+
+@jit
+def _fill_row(structure, h, stages, row, i, j, output, forces, count):
+    """Fill in minus the derivatives of a force or a rate by all unknowns."""
+    m, size = len(structure.interfaces), len(stages.law_rate[0])
+    tangent, matrix_row, at = stages.tangent[i, j, output], stages.jacobian[row], 2 * (i * m + j)
+    d_x, d_y = stages.by_d[at], stages.by_d[at + 1]
+    v_x, v_y = stages.by_v[at], stages.by_v[at + 1]
+    for k in range(forces):
+        u = stages.unknowns[k]
+        matrix_row[k] = -(
+            tangent[0] * d_x[u] + tangent[1] * d_y[u] + tangent[2] * v_x[u] + tangent[3] * v_y[u]
+        )
+    for k in range(forces, count):
+        matrix_row[k] = 0.0
+    first = structure.interfaces[j].internal_state
+    for s in range(structure.interfaces[j].states):
+        for k in range(STAGES):
+            matrix_row[forces + k * size + first + s] = -tangent[4 + s] * h * A[i, k]
+
+
+@jit
+def _factorize(a, pivots, count):
+    """Overwrite the first rows and columns of a by its factors, with partial pivoting; False if
+    they are singular."""
+    for k in range(count):
+        pivot = k
+        for i in range(k + 1, count):
+            if abs(a[i, k]) > abs(a[pivot, k]):
+                pivot = i
+        pivots[k] = pivot
+        if not abs(a[pivot, k]) > 0.0:
+            return False
+        if pivot != k:
+            for j in range(count):
+                a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
+        inverse = 1.0 / a[k, k]
+        a[k, k] = inverse
+        for i in range(k + 1, count):
+            ratio = a[i, k] * inverse
+            a[i, k] = ratio
+            if ratio != 0.0:
+                for j in range(k + 1, count):
+                    a[i, j] -= ratio * a[k, j]
+    return True
+
+
+@jit
+def _solve(a, pivots, count, x):
+    """Overwrite the first entries of x by the solution, with the factors of `_factorize`."""
+    for k in range(count):
+        pivot = pivots[k]
+        if pivot != k:
+            x[k], x[pivot] = x[pivot], x[k]
+    for k in range(count):
+        for i in range(k + 1, count):
+            x[i] -= a[i, k] * x[k]
+    for k in range(count - 1, -1, -1):
+        total = x[k]
+        for j in range(k + 1, count):
+            total -= a[k, j] * x[j]
+        x[k] = total * a[k, k]
+
+
+@jit
+def _known(structure, old, stages, i, j, output):
+    """Return what a force (its x, its y) or a rate is at the free motion, linearized."""
+    tangent, interface = stages.tangent[i, j, output], structure.interfaces[j]
+    first = interface.internal_state
+    if output < 2:
+        force = stages.law_force[i, j]
+        known = force.real if output == 0 else force.imag
+    else:
+        known = stages.law_rate[i, first + output - 2]
+    d = stages.d_free[i, j] - stages.d[i, j]
+    v = stages.v_free[i, j] - stages.v_relative[i, j]
+    known += tangent[0] * d.real + tangent[1] * d.imag + tangent[2] * v.real + tangent[3] * v.imag
+    for s in range(interface.states):
+        change = old.internal_state[first + s] - stages.internal_state[i, first + s]
+        known += tangent[4 + s] * change
+    return known
+
+
+@jit
+def _improve(structure, h, accuracy, relax, old, stages, forces, count):
+    """Solve the linearized problem and go the share `relax` of the way to its motion; returns the
+    largest correction of a displacement or a state, over what it may be [1]."""
+    m, size = len(structure.interfaces), len(stages.law_rate[0])
+    solution, unknowns = stages.solution, stages.unknowns
+    for row in range(count):
+        u = unknowns[row]
+        if u < 6 * m:
+            solution[row] = _known(structure, old, stages, u // (2 * m), u // 2 % m, u % 2)
+    for j in range(m):
+        first = structure.interfaces[j].internal_state
+        for s in range(structure.interfaces[j].states):
+            for i in range(STAGES):
+                at = forces + i * size + first + s
+                solution[at] = _known(structure, old, stages, i, j, 2 + s)
+    _solve(stages.jacobian, stages.pivots, count, solution)
+    largest = 0.0
+    for i in range(STAGES):
+        for j in range(m):
+            interface = structure.interfaces[j]
+            row = 2 * (i * m + j)
+            d_x = d_y = v_x = v_y = 0.0
+            for k in range(forces):
+                u, force = unknowns[k], solution[k]
+                d_x += stages.by_d[row, u] * force
+                d_y += stages.by_d[row + 1, u] * force
+                v_x += stages.by_v[row, u] * force
+                v_y += stages.by_v[row + 1, u] * force
+            d = stages.d_free[i, j] + complex(d_x, d_y)
+            change = modulus(d - stages.d[i, j])
+            is_open = stages.acts[i, j] == 0 and law_gap(structure.laws, interface, d) >= 0.0
+            if not is_open:
+                largest = max(largest, change / (accuracy * interface.length))
+            if not change < math.inf:
+                return math.inf
+            v = stages.v_free[i, j] + complex(v_x, v_y)
+            stages.d[i, j] += relax * (d - stages.d[i, j])
+            stages.v_relative[i, j] += relax * (v - stages.v_relative[i, j])
+            stages.force[i, j] = 0.0
+            first = interface.internal_state
+            for s in range(interface.states):
+                z = old.internal_state[first + s]
+                for k in range(STAGES):
+                    z += h * A[i, k] * solution[forces + k * size + first + s]
+                change = abs(z - stages.internal_state[i, first + s])
+                moved = abs(z) + abs(z - old.internal_state[first + s])
+                if change > 0.0:
+                    largest = max(largest, change / (accuracy * (moved + _LEAST)))
+                stages.internal_state[i, first + s] += relax * (
+                    z - stages.internal_state[i, first + s]
+                )
+                stages.internal_rate[i, first + s] = solution[forces + i * size + first + s]
+    for k in range(forces):
+        u, force = unknowns[k], solution[k]
+        i, j = u // (2 * m), u // 2 % m
+        stages.force[i, j] += complex(force, 0.0) if u % 2 == 0 else complex(0.0, force)
+    return largest
+
+
+@jit
+def _iterate(structure, h, accuracy, old, stages):
+    """Return whether Newton's method arrives from where it starts, and the iterations."""
+    for i in range(STAGES):
+        for j in range(len(structure.interfaces)):
+            stages.acts[i, j] = -1
+    is_new, before, relax, forces, count = True, math.inf, 1.0, 0, 0
+    for iteration in range(ITERATIONS):
+        has_changed = _call_laws(structure, stages)
+        is_new = is_new or has_changed
+        was_new = is_new
+        if is_new:
+            forces, count = _list_unknowns(structure, stages)
+            if count > 0 and not _linearize(structure, h, old, stages, forces, count):
+                return False, iteration + 1
+        is_new = False
+        correction = _improve(structure, h, accuracy, relax, old, stages, forces, count)
+        if not correction < math.inf:
+            return False, iteration + 1
+        if relax == 1.0 and correction <= (1.0 if was_new else OLD):
+            return True, iteration + 1
+        is_new = relax < 1.0 or correction > SLOW * before
+        is_slower = correction >= CYCLING * before
+        relax = max(LEAST_RELAX, 0.5 * relax) if is_slower else min(1.0, 2.0 * relax)
+        before = correction
+    return False, ITERATIONS
+
+
+@jit
+def solve_stages(structure, h, accuracy, old, stages):
+    """Solve for the forces and the states' rates at the stages; returns (converged, iterations).
+
+    accuracy: of the displacements, in lengths of their interfaces [1].
+    """
+    for i in range(STAGES):
+        for j in range(len(structure.interfaces)):
+            stages.force[i, j] = 0.0
+    if not _may_act(structure, old, stages):
+        return True, 0
+    total = 0
+    for place in ATTEMPTS:
+        _start(structure, h, place, old, stages)
+        is_converged, iterations = _iterate(structure, h, accuracy, old, stages)
+        total += iterations
+        if is_converged:
+            return True, total
+    return False, total

@@ -1,0 +1,377 @@
+"""A step of Radau IIA: the motion at its three stages, solved for at once.
+
+The linear part of all stages falls apart into three complex systems of the size of the shaft
+(`schemes.radau`), each a band matrix, and is eliminated exactly; what remains are the forces of the
+interfaces at the stages (`stage_problem`).
+
+Speed and rate differ between the stages of a rotor that speeds up. The matrices are those of the
+middle of the step; what the gyroscopic and circulatory terms differ by is a small force, taken of
+the motion that is expected.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from ..kernels.band import add_product, factorize, solve
+from ..kernels.functions import inverse
+from ..kernels.jit import jit, jit_not_inlined
+from ..parts.housing import masses
+from ..schemes.radau import A_SQUARED, END_SLOPE, LAMBDA, SHARES, STAGES, T_INVERSE, A, C, T
+from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
+from .laws import MOST_STATES, relative
+from .stage_problem import solve_stages
+from .step import DONE, NOT_CONVERGED, NOT_FINITE, add_internal, by_axis, is_sane
+
+
+class Stages(NamedTuple):
+    """Scratch of a step in stages: nothing in it outlives the step but the factorized matrices,
+    valid for `key` = (h, speed, rate), whether the interfaces are condensed (1) in its last entry.
+
+    omega, alpha, theta, drive, torque, loads: rotation, torque on a free rotor, torque that the
+    motion needs, and loads at the stages; ledger: at the end of the step. q, v, v_dot: motion at
+    the stages; force: of the interfaces; internal_state, internal_rate: of the laws; powers: flows
+    of the ledger [W]. modal: accelerations of the three systems. d_free, v_free: relative motion of
+    the interfaces without their forces, d, v_relative: with them; by_d, by_v: what forces at all
+    stages do to these. acts: which interfaces do, law_force, law_state, law_rate: what the laws
+    say; tangent: of forces and rates by displacement, velocity, and states. jacobian, solution,
+    pivots, unknowns: of Newton's method. housing: accelerations by forces on the housings, in x and
+    in y; housing_d, housing_v: displacements and velocities. scratch, trial_state, trial_rate:
+    scratch of single calls.
+    """
+
+    key: Annotated[np.ndarray, float, "4"]
+    omega: Annotated[np.ndarray, float, "3"]
+    alpha: Annotated[np.ndarray, float, "3"]
+    theta: Annotated[np.ndarray, float, "3"]
+    drive: Annotated[np.ndarray, float, "3"]
+    torque: Annotated[np.ndarray, float, "3"]
+    ledger: Annotated[np.ndarray, float, "flows"]
+    loads: Annotated[np.ndarray, complex, "3", "loads"]
+    q: Annotated[np.ndarray, complex, "3", "size"]
+    v: Annotated[np.ndarray, complex, "3", "size"]
+    v_dot: Annotated[np.ndarray, complex, "3", "size"]
+    force: Annotated[np.ndarray, complex, "3", "interfaces"]
+    internal_state: Annotated[np.ndarray, float, "3", "internal_states"]
+    internal_rate: Annotated[np.ndarray, float, "3", "internal_states"]
+    powers: Annotated[np.ndarray, float, "3", "flows"]
+    factors: Annotated[np.ndarray, complex, "3", "n", "width"]
+    columns: Annotated[np.ndarray, complex, "3", "interfaces", "n"]
+    modal: Annotated[np.ndarray, complex, "3", "n"]
+    scratch: Annotated[np.ndarray, complex, "4", "n"]
+    housing: Annotated[np.ndarray, float, "2", "housings", "3", "3"]
+    housing_d: Annotated[np.ndarray, float, "2", "housings", "3", "3"]
+    housing_v: Annotated[np.ndarray, float, "2", "housings", "3", "3"]
+    d_free: Annotated[np.ndarray, complex, "3", "interfaces"]
+    v_free: Annotated[np.ndarray, complex, "3", "interfaces"]
+    d: Annotated[np.ndarray, complex, "3", "interfaces"]
+    v_relative: Annotated[np.ndarray, complex, "3", "interfaces"]
+    by_d: Annotated[np.ndarray, float, "6 * interfaces", "6 * interfaces"]
+    by_v: Annotated[np.ndarray, float, "6 * interfaces", "6 * interfaces"]
+    acts: Annotated[np.ndarray, np.int64, "3", "interfaces"]
+    law_force: Annotated[np.ndarray, complex, "3", "interfaces"]
+    law_state: Annotated[np.ndarray, float, "3", "internal_states"]
+    law_rate: Annotated[np.ndarray, float, "3", "internal_states"]
+    tangent: Annotated[
+        np.ndarray, float, "3", "interfaces", f"{2 + MOST_STATES}", f"{4 + MOST_STATES}"
+    ]
+    jacobian: Annotated[
+        np.ndarray,
+        float,
+        "6 * interfaces + 3 * internal_states",
+        "6 * interfaces + 3 * internal_states",
+    ]
+    solution: Annotated[np.ndarray, float, "6 * interfaces + 3 * internal_states"]
+    pivots: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
+    unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
+    trial_state: Annotated[np.ndarray, float, f"{MOST_STATES}"]
+    trial_rate: Annotated[np.ndarray, float, f"{MOST_STATES}"]
+
+
+@jit
+def spin_of_stage(stages, i):
+    """Return the `Spin` of stage i."""
+    return spin_of(stages.omega[i], stages.alpha[i], stages.theta[i])
+
+
+@jit
+def _factor(structure, spin, h, stages):
+    """Factorize the three systems of a step."""
+    n, width = structure.M.shape
+    kappa = circulation(structure, spin.omega)
+    for s in range(STAGES):
+        by_v = h * LAMBDA[s]
+        by_q = by_v * by_v
+        gyroscopic = -1j * (by_v * spin.omega + 0.5 * spin.alpha * by_q)
+        circulatory = -1j * kappa * by_q
+        factors = stages.factors[s]
+        for i in range(n):
+            for d in range(width):
+                factors[i, d] = (
+                    structure.M[i, d]
+                    + by_v * structure.C[i, d]
+                    + by_q * structure.K[i, d]
+                    + gyroscopic * structure.G[i, d]
+                )
+        if kappa != 0.0:
+            for i in range(n):
+                for d in range(width):
+                    factors[i, d] += circulatory * structure.K_shaft[i, d]
+        factorize(factors)
+    _factor_housings(structure, h, stages)
+    stages.key[0] = h
+    stages.key[1] = spin.omega
+    stages.key[2] = spin.alpha
+    stages.key[3] = 0.0
+
+
+@jit
+def _factor_housings(structure, h, stages):
+    """Fill in what forces on the housings do."""
+    for j in range(len(structure.housings)):
+        housing = structure.housings[j]
+        mass = masses(housing)
+        for axis in range(2):
+            damping = housing.cx if axis == 0 else housing.cy
+            stiffness = housing.kx if axis == 0 else housing.ky
+            by_force = stages.housing[axis, j]
+            for i in range(STAGES):
+                for k in range(STAGES):
+                    by_force[i, k] = 0.0
+                    stages.housing_d[axis, j, i, k] = 0.0
+                    stages.housing_v[axis, j, i, k] = 0.0
+            for s in range(STAGES):
+                by_v = h * LAMBDA[s]
+                by_q = by_v * by_v
+                response = inverse(mass[axis] + by_v * damping + by_q * stiffness)
+                for i in range(STAGES):
+                    for k in range(STAGES):
+                        share = SHARES[s, i, k] * response
+                        by_force[i, k] += share.real
+                        stages.housing_d[axis, j, i, k] += (share * by_q).real
+                        stages.housing_v[axis, j, i, k] += (share * by_v).real
+
+
+@jit_not_inlined
+def _condense(structure, h, stages):
+    """Fill in what forces at the interfaces do to their relative displacements and velocities."""
+    n, m = len(structure.weight), len(structure.interfaces)
+    by_d, by_v = stages.by_d, stages.by_v
+    for s in range(STAGES):
+        for b in range(m):
+            dof = structure.interfaces[b].dof
+            column = stages.columns[s, b]
+            for i in range(n):
+                column[i] = 0.0
+            column[dof] = 1.0
+            solve(stages.factors[s], column, dof)
+    for a in range(m):
+        for b in range(m):
+            wall = structure.interfaces[a].end
+            is_shared = structure.interfaces[b].end == wall and wall < n + len(structure.housings)
+            for i in range(STAGES):
+                for k in range(STAGES):
+                    d, v = 0.0j, 0.0j
+                    for s in range(STAGES):
+                        factor = h * LAMBDA[s]
+                        part = factor * (
+                            SHARES[s, i, k] * stages.columns[s, b, structure.interfaces[a].dof]
+                        )
+                        v += part
+                        d += factor * part
+                    row, column = 2 * (i * m + a), 2 * (k * m + b)
+                    by_d[row, column] = by_d[row + 1, column + 1] = d.real
+                    by_d[row, column + 1] = -d.imag
+                    by_d[row + 1, column] = d.imag
+                    by_v[row, column] = by_v[row + 1, column + 1] = v.real
+                    by_v[row, column + 1] = -v.imag
+                    by_v[row + 1, column] = v.imag
+                    if is_shared:
+                        for axis in range(2):
+                            on = stages.housing_d[axis, wall - n, i, k]
+                            by_d[row + axis, column + axis] += on
+                            by_v[row + axis, column + axis] += stages.housing_v[
+                                axis, wall - n, i, k
+                            ]
+    stages.key[3] = 1.0
+
+
+@jit
+def _add_differences(structure, spin, at, ahead, old, scratch, out):
+    """out += what gyroscopic and circulatory terms at a stage, `ahead` [s] from the start, differ
+    by from those of the middle of the step, of the motion that the start leads one to expect."""
+    faster, rate = at.omega - spin.omega, 0.5 * (at.alpha - spin.alpha)
+    kappa = circulation(structure, at.omega) - circulation(structure, spin.omega)
+    if faster == 0.0 and rate == 0.0 and kappa == 0.0:
+        return
+    n = len(out)
+    half = 0.5 * ahead * ahead
+    for i in range(n):
+        q = old.q[i] + ahead * old.v[i] + half * old.v_dot[i]
+        v = old.v[i] + ahead * old.v_dot[i] + half * old.jerk[i]
+        scratch[i] = 1j * (faster * v + rate * q)
+    add_product(structure.G, scratch, out)
+    if kappa != 0.0:
+        for i in range(n):
+            scratch[i] = 1j * kappa * (old.q[i] + ahead * old.v[i] + half * old.v_dot[i])
+        add_product(structure.K_shaft, scratch, out)
+
+
+@jit
+def _free_response(structure, spin, h, old, stages):
+    """Fill in the accelerations of the three systems and of the housings without the interfaces'
+    forces."""
+    n = len(structure.weight)
+    at_start, by_time, scratch = stages.scratch[0], stages.scratch[1], stages.scratch[2]
+    for i in range(n):
+        at_start[i] = 0.0
+        by_time[i] = 0.0
+    add_internal(structure, spin, -1.0, 1.0, old.q, old.v, scratch, at_start)
+    add_internal(structure, spin, -1.0, 0.0, old.v, old.v, scratch, by_time)
+    for s in range(STAGES):
+        for i in range(n):
+            stages.modal[s, i] = 0.0
+    right = stages.scratch[3]
+    for k in range(STAGES):
+        ahead = C[k] * h
+        for i in range(n):
+            right[i] = at_start[i] + ahead * by_time[i]
+        at = spin_of_stage(stages, k)
+        add_applied(structure, at, stages.loads[k], right)
+        _add_differences(structure, spin, at, ahead, old, scratch, right)
+        for s in range(STAGES):
+            share = T_INVERSE[s, k]
+            for i in range(n):
+                stages.modal[s, i] += share * right[i]
+    for s in range(STAGES):
+        solve(stages.factors[s], stages.modal[s])
+    for i in range(STAGES):
+        for j in range(len(structure.housings) + 1):
+            stages.v_dot[i, n + j] = 0.0
+    for k in range(STAGES):
+        g = free_fall_acceleration(structure, stages.loads[k])
+        for j in range(len(structure.housings)):
+            housing = structure.housings[j]
+            q = old.q[n + j] + (C[k] * h) * old.v[n + j]
+            force = by_axis(*masses(housing), g) - by_axis(housing.kx, housing.ky, q)
+            force -= by_axis(housing.cx, housing.cy, old.v[n + j])
+            _push_housing(stages, n, j, k, force)
+
+
+@jit
+def _push_housing(stages, n, j, k, force):
+    """Add what a force on a housing at stage k [N] does to its accelerations."""
+    for i in range(STAGES):
+        stages.v_dot[i, n + j] += by_axis(
+            stages.housing[0, j, i, k], stages.housing[1, j, i, k], force
+        )
+
+
+@jit
+def _fill_free(structure, h, old, stages):
+    """Fill in the relative motion of the interfaces without their forces; returns whether it is
+    finite."""
+    n = len(structure.weight)
+    is_finite = True
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        d, v = relative(interface, old.q), relative(interface, old.v)
+        for i in range(STAGES):
+            free_d = d + (C[i] * h) * v
+            free_v = v
+            for k in range(STAGES):
+                w = 0.0j
+                for s in range(STAGES):
+                    w += T[k, s] * stages.modal[s, interface.dof]
+                if interface.end < n + len(structure.housings):
+                    w -= stages.v_dot[k, interface.end]
+                free_d += (h * h * A_SQUARED[i, k]) * w
+                free_v += (h * A[i, k]) * w
+            stages.d_free[i, j] = free_d
+            stages.v_free[i, j] = free_v
+            is_finite = is_finite and is_sane(free_d, 1e150)
+    return is_finite
+
+
+@jit
+def _fill_motion(structure, h, old, stages):
+    """Fill in the motion at the stages, of the forces that were found."""
+    n = len(structure.weight)
+    size = len(old.q)
+    for j in range(len(structure.interfaces)):
+        wall = structure.interfaces[j].end
+        for k in range(STAGES):
+            force = stages.force[k, j]
+            if force != 0.0:
+                for s in range(STAGES):
+                    share = T_INVERSE[s, k] * force
+                    for i in range(n):
+                        stages.modal[s, i] += share * stages.columns[s, j, i]
+                if wall < n + len(structure.housings):
+                    _push_housing(stages, n, wall - n, k, -force)
+    for k in range(STAGES):
+        for i in range(n):
+            stages.v_dot[k, i] = (
+                T[k, 0] * stages.modal[0, i]
+                + T[k, 1] * stages.modal[1, i]
+                + T[k, 2] * stages.modal[2, i]
+            )
+    for k in range(STAGES):
+        for i in range(size):
+            by_q = by_v = 0.0j
+            for l in range(STAGES):  # noqa: E741
+                by_q += A_SQUARED[k, l] * stages.v_dot[l, i]
+                by_v += A[k, l] * stages.v_dot[l, i]
+            stages.q[k, i] = old.q[i] + (C[k] * h) * old.v[i] + (h * h) * by_q
+            stages.v[k, i] = old.v[i] + h * by_v
+
+
+@jit
+def _arrive(structure, h, stages, new):
+    """Make the last stage the new state."""
+    last = STAGES - 1
+    for i in range(len(new.q)):
+        new.q[i] = stages.q[last, i]
+        new.v[i] = stages.v[last, i]
+        new.a[i] = new.v_dot[i] = stages.v_dot[last, i]
+        slope = 0.0j
+        for k in range(STAGES):
+            slope += END_SLOPE[k] * stages.v_dot[k, i]
+        new.jerk[i] = slope * (1.0 / h)
+    for j in range(len(new.force)):
+        new.force[j] = stages.force[last, j]
+    for i in range(len(new.internal_state)):
+        new.internal_state[i] = stages.internal_state[last, i]
+        new.internal_rate[i] = stages.internal_rate[last, i]
+        new.internal_rate_carried[i] = stages.internal_rate[last, i]
+
+
+@jit
+def try_stages(structure, spin, h, accuracy, old, new, stages):
+    """Take one step of length h [s] from `old` to `new`; `spin` is that of its middle, those of the
+    stages and their loads are in `stages`; accuracy: of the interfaces' displacements [1].
+
+    Returns the status, see `step`, and the Newton iterations. Whatever the status, `old` is
+    untouched.
+    """
+    key = stages.key
+    if key[0] != h or key[1] != spin.omega or key[2] != spin.alpha:
+        _factor(structure, spin, h, stages)
+    _free_response(structure, spin, h, old, stages)
+    if not _fill_free(structure, h, old, stages):
+        return NOT_FINITE, 0
+    if key[3] == 0.0:
+        _condense(structure, h, stages)
+    is_converged, iterations = solve_stages(structure, h, accuracy, old, stages)
+    if not is_converged:
+        return NOT_CONVERGED, iterations
+    _fill_motion(structure, h, old, stages)
+    for i in range(len(structure.deflections)):
+        dof = structure.deflections[i, 0]
+        for k in range(STAGES):
+            if not is_sane(stages.q[k, dof], structure.numbers[0].bound):
+                return NOT_FINITE, iterations
+    _arrive(structure, h, stages, new)
+    return DONE, iterations

@@ -1,0 +1,231 @@
+"""A step of Radau IIA in the time loop: rotation and loads at its stages, its local error, what the
+ledger and the amplitudes take of it."""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.jit import jit, jit_not_inlined
+from ..schemes.radau import EXPECTED, STAGES, A, C, weight_at, weight_until
+from ..step.excitation import spin_of
+from ..step.stages import spin_of_stage, try_stages
+from ..step.step import DONE, NOT_CONVERGED, Motion
+from .energy import powers
+from .error_control import tolerated_error
+from .memory import move_loads, spin_at
+from .monitors import monitor_revolution
+from .recorder import is_due, rows_within, write
+
+# Of the tolerance, to which the interfaces' displacements are solved for, and the bounds of that.
+OF_TOLERANCE, FINEST, COARSEST = 1e-3, 1e-9, 1e-6
+SEEN = 0.1  # of the rotation or the lowest mode, between looks at an amplitude, at most [rad]
+
+
+@jit
+def _motion_at(motion, stages, i):
+    """Return the `Motion` of stage i, as far as energies and powers ask for it."""
+    return Motion(
+        stages.q[i],
+        stages.v[i],
+        stages.v_dot[i],
+        stages.v_dot[i],
+        motion.jerk,
+        stages.force[i],
+        stages.internal_state[i],
+        stages.internal_rate[i],
+        stages.internal_rate[i],
+    )
+
+
+@jit
+def turn_in_stages(
+    structure, control, t, h, motion, trial, memory, work, stages, spin_iterations, spin_tolerance
+):
+    """Take a step in stages to time t [s] with the rotation that goes with it; see
+    `time_loop._turn`, whose results these are."""
+    r = memory.record[0]
+    last = STAGES - 1
+    for i in range(STAGES):
+        at = t if i == last else r.t + C[i] * h
+        move_loads(memory, at)
+        for k in range(len(memory.loads)):
+            stages.loads[i, k] = memory.loads[k]
+        stages.drive[i] = r.drive
+        spin = spin_at(memory.record, at, r.alpha)
+        stages.omega[i], stages.alpha[i], stages.theta[i] = spin.omega, spin.alpha, spin.theta
+    middle = spin_at(memory.record, r.t + 0.5 * h, r.alpha)
+    accuracy = min(COARSEST, max(FINEST, OF_TOLERANCE * control.tolerance))
+    status, total, torque = NOT_CONVERGED, 0, 0.0
+    for correction in range(spin_iterations):
+        status, iterations = try_stages(structure, middle, h, accuracy, motion, trial, stages)
+        total += iterations
+        if status != DONE:
+            break
+        largest = 0.0
+        for i in range(STAGES):
+            torque = powers(
+                structure,
+                spin_of_stage(stages, i),
+                stages.loads[i],
+                _motion_at(motion, stages, i),
+                work.losses,
+                stages.powers[i],
+            )
+            drive = stages.drive[i]
+            stages.torque[i] = torque
+            if r.is_free == 1:
+                change = (drive - torque) / structure.numbers[0].inertia
+                stages.alpha[i] += change
+                largest = max(largest, h * abs(change))
+        is_small = largest <= spin_tolerance * (1.0 + abs(stages.omega[last]))
+        if r.is_free == 0 or (is_small and correction > 0):
+            break
+        _follow(r, h, stages)
+        status = NOT_CONVERGED
+    return status, total, spin_of_stage(stages, last), torque
+
+
+@jit
+def _follow(r, h, stages):
+    """Make speeds and angles of a free rotor those of its rates at the stages."""
+    for i in range(STAGES):
+        omega = r.omega
+        for k in range(STAGES):
+            omega += h * A[i, k] * stages.alpha[k]
+        stages.omega[i] = omega
+    for i in range(STAGES):
+        theta = r.theta
+        for k in range(STAGES):
+            theta += h * A[i, k] * stages.omega[k]
+        stages.theta[i] = theta
+
+
+@jit
+def stage_error(structure, control, size, frequency, h, motion, stages):
+    """Return what `error_control.local_error` does, of a step in stages: by the mean square over
+    the masses of its last acceleration less that which its start and its first two stages lead one
+    to expect."""
+    weights, difference = structure.weights, stages.scratch[0]
+    n, width = weights.shape
+    for i in range(n):
+        difference[i] = (
+            EXPECTED[0] * motion.v_dot[i]
+            + EXPECTED[1] * stages.v_dot[0, i]
+            + EXPECTED[2] * stages.v_dot[1, i]
+            - stages.v_dot[2, i]
+        )
+    total = 0.0
+    for i in range(n):
+        for d in range(min(width, n - i)):
+            weight = weights[i, d]
+            if weight != 0.0:
+                x, y = difference[i], difference[i + d]
+                total += (1.0 if d == 0 else 2.0) * weight * (x.real * y.real + x.imag * y.imag)
+    tolerated = tolerated_error(structure, control, size, frequency, h)
+    return control.error_constant * h * h * math.sqrt(max(0.0, total)) / tolerated
+
+
+@jit
+def add_stage_work(h, memory, stages):
+    """Add to the ledger what flowed in the step."""
+    for i in range(len(memory.power)):
+        flow = 0.0
+        for k in range(STAGES):
+            flow += A[STAGES - 1, k] * stages.powers[k, i]
+        memory.work[i] += h * flow
+        memory.power[i] = stages.powers[STAGES - 1, i]
+
+
+@jit
+def pass_stages(structure, h, motion, trial, memory, stages):
+    """Let the amplitudes see the motion within an accepted step, at even distances of `SEEN` at
+    most; trial is overwritten."""
+    last = STAGES - 1
+    fastest = max(abs(stages.omega[last]), structure.numbers[0].lowest_omega)
+    parts = max(1, math.ceil(h * fastest / SEEN))
+    for k in range(1, parts):
+        x = k / parts
+        omega, theta = _turned_within(h, x, stages)
+        _displace_within(h, x, motion, trial, stages)
+        spin = spin_of(omega, stages.alpha[last], theta)
+        monitor_revolution(structure, spin, trial, memory)
+
+
+@jit
+def _back(h, x, k):
+    """Return the weight of stage k in an integral from the end of a step back to x of it [s]."""
+    return h * (weight_until(k, x) - A[STAGES - 1, k])
+
+
+@jit
+def _turned_within(h, x, stages):
+    """Return speed and angle at a share x of the step."""
+    omega, theta = stages.omega[STAGES - 1], stages.theta[STAGES - 1]
+    for k in range(STAGES):
+        omega += _back(h, x, k) * stages.alpha[k]
+        theta += _back(h, x, k) * stages.omega[k]
+    return omega, theta
+
+
+@jit
+def _displace_within(h, x, motion, trial, stages):
+    """Make the displacements of `trial` those at a share x of the step that led to `motion`: the
+    polynomials through the velocities at the stages."""
+    for i in range(len(motion.q)):
+        trial.q[i] = motion.q[i]
+    for k in range(STAGES):
+        back = _back(h, x, k)
+        for i in range(len(motion.q)):
+            trial.q[i] += back * stages.v[k, i]
+
+
+@jit_not_inlined
+def record_stages(structure, h, motion, trial, memory, work, stages, recorder, out):
+    """Record an accepted step, whose end is the present state, and in between what is due there;
+    trial is overwritten. The state is as it was."""
+    r = memory.record[0]
+    parts = rows_within(structure, memory.record, recorder.head)
+    r.h_last = h / parts
+    if parts > 1:
+        t, omega, theta, alpha, torque = r.t, r.omega, r.theta, r.alpha, r.torque
+        for i in range(len(memory.work)):
+            stages.ledger[i] = memory.work[i]
+        for k in range(1, parts):
+            x = k / parts
+            _move_within(h, x, motion, trial, memory, stages)
+            r.t = t - (1.0 - x) * h
+            if is_due(structure, memory.record, recorder.head):
+                write(structure, trial, memory, work, recorder, out)
+        r.t, r.omega, r.theta, r.alpha, r.torque = t, omega, theta, alpha, torque
+        for i in range(len(memory.work)):
+            memory.work[i] = stages.ledger[i]
+    if is_due(structure, memory.record, recorder.head):
+        write(structure, motion, memory, work, recorder, out)
+    r.h_last = h
+
+
+@jit
+def _move_within(h, x, motion, trial, memory, stages):
+    """Make `trial`, the rotation and the ledger those at a share x of the step: the polynomials
+    through the rates at the stages."""
+    r = memory.record[0]
+    _displace_within(h, x, motion, trial, stages)
+    for i in range(len(motion.q)):
+        trial.v[i], trial.v_dot[i] = motion.v[i], 0.0
+    for i in range(len(motion.internal_state)):
+        trial.internal_state[i] = motion.internal_state[i]
+    for i in range(len(memory.work)):
+        memory.work[i] = stages.ledger[i]
+    r.omega, r.theta = _turned_within(h, x, stages)
+    r.alpha = r.torque = 0.0
+    for k in range(STAGES):
+        at, back = weight_at(k, x), _back(h, x, k)
+        r.alpha += at * stages.alpha[k]
+        r.torque += at * stages.torque[k]
+        for i in range(len(motion.q)):
+            trial.v[i] += back * stages.v_dot[k, i]
+            trial.v_dot[i] += at * stages.v_dot[k, i]
+        for i in range(len(motion.internal_state)):
+            trial.internal_state[i] += back * stages.internal_rate[k, i]
+        for i in range(len(memory.work)):
+            memory.work[i] += back * stages.powers[k, i]

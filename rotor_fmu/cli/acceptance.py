@@ -1,0 +1,169 @@
+"""`rotor-fmu critical-map` and `stability`: what API 617 and 684 ask for beside the response."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import typer
+
+from ..errors import InputError
+from ..output_options import with_output_options
+from ..runs.job import load_rotor
+from .linear import Contacts, Rated, RotorFile, print_answer, rated_speed
+
+if TYPE_CHECKING:
+    from ..model.linear import Stage
+    from ..model.machine.rotor import Rotor
+
+Stages = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller [W, m, m, 1], whose cross "
+        "coupling follows from Alford's formula; repeatable."
+    ),
+]
+CrossCouplings = Annotated[
+    list[str] | None,
+    typer.Option(help="NODE:STIFFNESS of a given cross coupling [N/m]; repeatable."),
+]
+
+
+@with_output_options
+def critical_map(
+    rotor: RotorFile = None,
+    stiffness: Annotated[
+        str | None,
+        typer.Option(
+            help="FROM:TO or FROM:TO:POINTS in N/m, spaced evenly on a logarithmic axis; default: "
+            "two decades on either side of the bearings' own."
+        ),
+    ] = None,
+    count: Annotated[int, typer.Option(help="Number of lines, the lowest ones.")] = 4,
+    at_rest: Annotated[
+        bool,
+        typer.Option(
+            "--at-rest", help="Natural frequencies at standstill instead of critical speeds."
+        ),
+    ] = False,
+    rigid_pedestals: Annotated[
+        bool, typer.Option("--rigid-pedestals", help="Take housings and pedestals as ground.")
+    ] = False,
+    contacts: Contacts = None,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/critical_map"),
+) -> dict[str, Any]:
+    """Compute the undamped critical speed map: forward critical speeds over the bearings'
+    stiffness, with the stiffness that the bearings have themselves."""
+    values = None if stiffness is None else _stiffnesses(stiffness)
+    _, machine = load_rotor(rotor)
+    if not 1 <= count <= 100:
+        raise InputError(f"--count {count}: must be from 1 to 100")
+    from ..linear import acceptance
+
+    result = acceptance.critical_map(
+        machine,
+        values,
+        count=count,
+        synchronous=not at_rest,
+        rigid_pedestals=rigid_pedestals,
+        contacts=contacts,
+    )
+    return print_answer(result, result.table(), result.figure(), out, "critical_map")
+
+
+@with_output_options
+def stability(
+    rated: Rated = None,
+    rotor: RotorFile = None,
+    level: Annotated[int, typer.Option(help="Level of the analysis, 1 or 2.")] = 1,
+    stage: Stages = None,
+    cross_coupling: CrossCouplings = None,
+    node: Annotated[
+        int | None,
+        typer.Option(
+            help="With level 1: node of the cross coupling; default: midway between the bearings."
+        ),
+    ] = None,
+    contacts: Contacts = None,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/stability"),
+) -> dict[str, Any]:
+    """Compute the stability of the first forward mode at the rated speed by API 617: its
+    logarithmic decrement over the cross coupling (level 1) or with each seal (level 2)."""
+    if level not in (1, 2):
+        raise InputError(f"--level {level}: must be 1 or 2")
+    machine = load_rotor(rotor)[1]
+    speed = rated_speed(rated, machine)
+    couplings = cross_couplings(machine, speed, stage, cross_coupling)
+    from ..linear import acceptance
+
+    result: acceptance.StabilityLevel1 | acceptance.StabilityLevel2
+    if level == 1:
+        if node is not None and not 1 <= node <= len(machine.nodes):
+            raise InputError(f"--node {node}: must be from 1 to {len(machine.nodes)}")
+        result = acceptance.level_1(
+            machine, speed, node=node, anticipated=sum(couplings.values()), contacts=contacts
+        )
+    else:
+        result = acceptance.level_2(machine, speed, cross_couplings=couplings, contacts=contacts)
+    return print_answer(result, result.table(), result.figure(), out, "stability")
+
+
+def cross_couplings(
+    machine: Rotor, speed: float, stages: list[str] | None, given: list[str] | None
+) -> dict[int, float]:
+    """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
+    `--cross-coupling`."""
+    of_stages = [(s.node, s.cross_coupling(speed)) for s in map(_stage, stages or [])]
+    result: dict[int, float] = {}
+    for number, q in (*of_stages, *map(_coupling, given or [])):
+        if not 1 <= number <= len(machine.nodes):
+            raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
+        result[number] = result.get(number, 0.0) + q
+    return result
+
+
+def _stiffnesses(text: str) -> np.ndarray:
+    ends = text.split(":")
+    try:
+        low, high = (float(end) for end in ends[:2])
+        count = int(ends[2]) if len(ends) == 3 else 33
+        is_range = len(ends) in (2, 3) and 0 < low < high < math.inf and 2 <= count <= 1000
+    except ValueError:
+        is_range = False
+    if not is_range:
+        raise InputError(
+            f"--stiffness {text}: must be FROM:TO or FROM:TO:POINTS, ascending from above 0 N/m, "
+            "with 2 to 1000 points"
+        )
+    return np.geomspace(low, high, count)
+
+
+def _stage(text: str) -> Stage:
+    from ..model.linear import Stage
+
+    try:
+        node, *numbers = text.split(":")
+        power, diameter, width, ratio = (float(number) for number in numbers)
+        result = Stage(int(node), power, diameter, width, ratio)
+        is_known = all(0 < value < math.inf for value in result[1:])
+    except ValueError:
+        is_known = False
+    if not is_known:
+        raise InputError(
+            f"--stage {text}: must be NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO, all above 0"
+        )
+    return result
+
+
+def _coupling(text: str) -> tuple[int, float]:
+    node, _, q = text.partition(":")
+    try:
+        result = int(node), float(q)
+        is_known = 0 <= result[1] < math.inf
+    except ValueError:
+        is_known = False
+    if not is_known:
+        raise InputError(f"--cross-coupling {text}: must be NODE:STIFFNESS, at least 0 N/m")
+    return result

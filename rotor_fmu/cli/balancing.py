@@ -1,0 +1,50 @@
+"""`rotor-fmu balance`: correction unbalances from runs with trial unbalances."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import InputError
+from ..output_options import with_output_options
+from ..runs.job import load_rotor
+from .linear import RotorFile, one_speed, print_answer
+
+
+@with_output_options
+def balance(
+    rotor: RotorFile = None,
+    speed: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--speed", help="Balancing speed, in rad/s or with rpm or Hz added; repeatable."
+        ),
+    ] = None,
+    plane: Annotated[
+        list[int] | None,
+        typer.Option(help="Node of a correction plane, counted from 1; repeatable."),
+    ] = None,
+    node: Annotated[
+        list[int] | None,
+        typer.Option(help="Node where vibration is measured; repeatable; default: the planes."),
+    ] = None,
+    trial: Annotated[
+        float | None,
+        typer.Option(
+            help="Trial unbalance of each plane [kg m]; default: all together pull with a tenth of "
+            "the rotor's weight."
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/balance"),
+) -> dict[str, Any]:
+    """Balance a machine by influence coefficients (ISO 21940-12), from runs in time: as it is, with
+    a trial unbalance in each correction plane, and with the correction unbalances."""
+    if not speed or not plane:
+        raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
+    speeds, (_, machine) = [one_speed(text) for text in speed], load_rotor(rotor)
+    from ..acceptance.balancing import balance as balanced
+
+    result = balanced(machine, speeds, plane, measured=node, trial=trial)
+    return print_answer(result, result.table(), result.figure(), out, "balance")

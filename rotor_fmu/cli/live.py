@@ -1,0 +1,37 @@
+"""`rotor-fmu page`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..errors import InputError, writable_folder
+from ..files import write_text
+from ..linear.machine_warnings import machine_warnings
+from ..output_options import with_output_options
+from ..runs.job import load_rotor
+from .runs import RotorFile
+
+
+@with_output_options
+def page(
+    rotor: RotorFile = None,
+    out: Annotated[Path, typer.Option(help="The page to write.")] = Path("page.html"),
+) -> dict[str, Any]:
+    """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
+    needs no network."""
+    toml, machine = load_rotor(rotor)
+    writable_folder(out.parent)
+    if out.is_dir():
+        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    warnings = machine_warnings(machine)
+    for warning in warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    from ..fmi.packing.machine_files import machine_of
+    from ..live.page import solver_page
+
+    write_text(solver_page(machine_of(toml, False, 0)), out)
+    typer.echo(out)
+    return {"out": out, "bytes": out.stat().st_size, "warnings": warnings}

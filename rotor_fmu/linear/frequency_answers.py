@@ -1,0 +1,271 @@
+"""Frequency responses and the sensitivity of control loops, for Python and the command line."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..errors import InputError, read_text
+from ..figure_style import BLUE, GREEN, GREY, ORANGE
+from ..model.linear import frequency_response as model
+from ..model.machine.rotor import Rotor
+from ..threads import with_one_thread
+from .acceptance_plots import plain_ticks
+from .answers import Displayed, Machine, displayed, rotor_of
+from .linear_plots import PURPLE, new_figure
+from .linear_tables import Table, hertz, turns
+
+_COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
+ZONES = "ABCD"
+
+
+class FrequencyResponse(model.FrequencyResponse, Displayed):
+    """`model.linear.frequency_response.FrequencyResponse`, shown."""
+
+    def table(self) -> Table:
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row for each resonance of each node.
+        """
+        heads = ("node", "direction", "[Hz]", "um/N", "phase [deg]")
+        rows = []
+        for k, node in enumerate(self.nodes):
+            for i, axis in enumerate("xy"):
+                values = self.receptance[:, k, i, i]
+                rows += [
+                    (
+                        node,
+                        f"{axis} by {axis}",
+                        hertz(self.frequencies[at]),
+                        abs(values[at]) * 1e6,
+                        math.degrees(np.angle(values[at])),
+                    )
+                    for at in _peaks(np.abs(values))
+                ]
+        title = (
+            f"Frequency response to a force on node {self.force} where it peaks, "
+            f"{turns(self.speed, self.contacts)}"
+        )
+        return Table(title, heads, rows)
+
+    def figure(self) -> Figure:
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Sizes and phases of x by x and y by y, and the size of y by x.
+        """
+        figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
+        above, below = grid[:, 0]
+        frequency = self.frequencies / (2 * math.pi)
+        for k, (node, color) in enumerate(zip(self.nodes, _COLORS, strict=False)):
+            for (i, j), dashes in (((0, 0), "-"), ((1, 1), (0, (4, 2))), ((1, 0), (0, (1, 1.5)))):
+                values = self.receptance[:, k, i, j]
+                if i != j and not (np.abs(values) > 0).any():
+                    continue
+                label = f"node {node}: {'xy'[i]} by {'xy'[j]}"
+                above.plot(
+                    frequency, np.abs(values) * 1e6, color=color, lw=1.3, ls=dashes, label=label
+                )
+                if i == j:
+                    phase = np.degrees(np.unwrap(np.angle(values)))
+                    below.plot(frequency, phase, color=color, lw=1.2, ls=dashes)
+        above.set_yscale("log")
+        plain_ticks(above.yaxis)
+        above.set_ylabel("Displacement by force [um/N]")
+        below.set_ylabel("Phase [deg]")
+        below.set_xlabel("Frequency [Hz]")
+        above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
+        state = turns(self.speed, self.contacts)
+        figure.suptitle(
+            f"Response to a force on node {self.force}, {state}", fontsize=10, x=0.01, ha="left"
+        )
+        return figure
+
+
+@dataclass(frozen=True)
+class Sensitivity(model.Sensitivity, Displayed):
+    """`model.linear.frequency_response.Sensitivity` with the bounds of the zones, shown.
+
+    Attributes
+    ----------
+    zones : tuple of float
+        Largest sensitivity of zones A, B and C [1], as the user gave them; empty without.
+    """
+
+    zones: tuple[float, ...] = ()
+
+    def zone(self, largest: float) -> str:
+        """Return the zone of a largest sensitivity.
+
+        Parameters
+        ----------
+        largest : float
+            Largest size of a loop's sensitivity [1].
+
+        Returns
+        -------
+        str
+            `A` to `D`; `-` where no bounds were given.
+        """
+        if not self.zones:
+            return "-"
+        return ZONES[int(np.searchsorted(self.zones, largest, side="left"))]
+
+    def table(self) -> Table:
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row for each loop and axis.
+        """
+        size = np.abs(self.sensitivity)
+        rows = [
+            (
+                name,
+                float(size[:, k].max()),
+                20 * math.log10(size[:, k].max()),
+                hertz(self.frequencies[int(np.argmax(size[:, k]))]),
+                self.zone(float(size[:, k].max())),
+            )
+            for k, name in enumerate(self.loops)
+        ]
+        title = f"Sensitivity of the control loops at {turns(self.speed, 'open')}"
+        if not self.is_stable:
+            title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
+        return Table(title, ("loop", "largest", "[dB]", "at [Hz]", "zone"), rows)
+
+    def figure(self) -> Figure:
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The size of each sensitivity over the frequency, with the bounds of the zones.
+        """
+        figure, grid = new_figure(6.8, 4.4, 1)
+        axes = grid[0, 0]
+        frequency = self.frequencies / (2 * math.pi)
+        for k, (name, color) in enumerate(zip(self.loops, _COLORS * 4, strict=False)):
+            dashes = "-" if name.endswith("x") else (0, (4, 2))
+            axes.plot(
+                frequency,
+                np.abs(self.sensitivity[:, k]),
+                color=color,
+                ls=dashes,
+                lw=1.4,
+                label=name,
+            )
+        for bound, names in zip(self.zones, ("A | B", "B | C", "C | D"), strict=False):
+            axes.axhline(bound, color="black", lw=0.9, ls=(0, (4, 3)))
+            axes.annotate(
+                names,
+                (1.0, bound),
+                xycoords=("axes fraction", "data"),
+                xytext=(-2, 2),
+                textcoords="offset points",
+                ha="right",
+                fontsize=8,
+            )
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_xlim(frequency[0], frequency[-1])
+        plain_ticks(axes.xaxis)
+        plain_ticks(axes.yaxis)
+        axes.set_xlabel("Frequency [Hz]")
+        axes.set_ylabel("Sensitivity [1]")
+        axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
+        axes.set_title(
+            f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}", loc="left", fontsize=10
+        )
+        return figure
+
+
+@with_one_thread
+def frequency_response(machine: Machine, *arguments: Any, **options: Any) -> FrequencyResponse:
+    """Return `model.linear.frequency_response.frequency_response` of a machine."""
+    result = model.frequency_response(rotor_of(machine), *arguments, **options)
+    return displayed(FrequencyResponse, result)
+
+
+@with_one_thread
+def sensitivity(
+    machine: Machine, *arguments: Any, zones: Sequence[float] = (), **options: Any
+) -> Sensitivity:
+    """Return `model.linear.frequency_response.sensitivity` of a machine; zones: the largest
+    sensitivities of zones A, B and C [1]."""
+    result = model.sensitivity(rotor_of(machine), *arguments, **options)
+    return Sensitivity(
+        **{field.name: getattr(result, field.name) for field in fields(result)}, zones=tuple(zones)
+    )
+
+
+def _peaks(size: np.ndarray) -> list[int]:
+    inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    return inner.tolist() if len(inner) else [int(np.argmax(size))]
+
+
+def node_of(rotor: Rotor, text: str, option: str) -> int:
+    """Return the node (from 1) of a number, or of the name of a part; `InputError` otherwise."""
+    named = {name: part.node for name, part in rotor.named_parts() if hasattr(part, "node")}
+    if text in named:
+        return int(named[text])
+    if text.isdecimal() and 1 <= int(text) <= len(rotor.nodes):
+        return int(text)
+    near = get_close_matches(text, named, 1, 0.0)
+    hint = f"; the nearest name is {near[0]}" if near else ""
+    raise InputError(
+        f"{option} {text}: must be a node from 1 to {len(rotor.nodes)}, or a part's name{hint}"
+    )
+
+
+def read_loops(option: str, path: Path, rotor: Rotor) -> list[model.ControlLoop]:
+    """Return the control loops of a file, tables `[[loop]]` with the quantities of `ControlLoop`,
+    sensor and magnet as nodes or as names of parts; `InputError` for anything else."""
+    try:
+        tables = tomllib.loads(read_text(option, path))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{option} {path}: {error}") from error
+    for key in tables.keys() - {"loop"}:
+        raise InputError(f"{option} {path}: {key}: unknown; only [[loop]] may be there")
+    listed = tables.get("loop")
+    if not isinstance(listed, list) or not listed:
+        raise InputError(f"{option} {path}: no [[loop]] is there; at least one is needed")
+    return [_loop(f"{option} {path}: loop[{i}]", of, rotor) for i, of in enumerate(listed, 1)]
+
+
+def _loop(where: str, table: dict[str, Any], rotor: Rotor) -> model.ControlLoop:
+    known = {field.name: field for field in fields(model.ControlLoop)}
+    for key in table:
+        if key not in known:
+            near = get_close_matches(key, known, 1, 0.0)[0]
+            raise InputError(f"{where}.{key}: unknown; the nearest is {near}")
+    values: dict[str, Any] = {"name": str(table.get("name", where.rpartition(": ")[2]))}
+    for key in ("sensor", "magnet"):
+        if key not in table:
+            raise InputError(f"{where}.{key}: must be given, a node or a part's name")
+        values[key] = node_of(rotor, str(table[key]), f"{where}.{key} =")
+    for key in known.keys() - values.keys():
+        if key not in table:
+            if key in ("kp", "kd", "force_per_current"):
+                raise InputError(f"{where}.{key}: must be given")
+            continue
+        value = table[key]
+        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value) or value < 0:
+            raise InputError(f"{where}.{key} = {value!r}: must be a number >= 0")
+        values[key] = float(value)
+    return model.ControlLoop(**values)

@@ -1,0 +1,187 @@
+"""The controls of the page: a field, and where its range is known a slider, for everything that a
+host may set in the FMU; and what a run records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..fmi.packing.machine_files import Machine
+from ..fmi.solver_parameters import PREFIX, REDUCTION
+from ..fmi.variables import Variable, unit
+from ..model.machine.rotor import Rotor
+from ..model.quantities import ANY, Rule
+from ..model.structure.assembly import assemble
+from ..operation import operating_speeds
+from ..report.measuring_points import spoken
+
+# What the page sets by itself from the course of the speed, and what no host can set.
+NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
+# Shown at once; the others of a part are one click away.
+_USUAL = ("clearance", "mu", "e", "eta_v", "preset", "tolerance", "gravity")
+_RECORDED = ("x", "y", "r_amp", "fn", "ft", "psi", "w", "tau", "phi")
+_OF_SOLVER = ("solver.steps", "solver.h_last", "solver.error")
+_SHOWN_UNITS = {"um": "µm", "deg": "°"}
+_RPM = 30.0 / math.pi
+_SAMPLES_A_TURN = 16
+_DECADE, _FEW = 10.0, 4.0  # how far a slider goes from the value in the machine file
+
+
+def course(rotor: Rotor) -> dict[str, Any]:
+    """Return the controls of the course of the speed, at first the machine's run-down."""
+    usual = operating_speeds(rotor)
+    speed, rate = _linear(0.0, 3 * usual.trip), usual.run_down_rate
+    rates = {"low": rate / _DECADE, "high": _DECADE * rate, "log": True}
+    rows = (
+        ("from", "speed at the start", "rpm", _RPM, usual.trip, speed),
+        ("to", "speed at the end", "rpm", _RPM, 0.0, speed),
+        ("rate", "rate of the speed", "rpm/s", _RPM, rate, rates),
+        ("hold", "time at the last speed", "s", 1.0, 0.0, None),
+        ("samples", "samples a turn, at the highest speed", "", 1.0, float(_SAMPLES_A_TURN), None),
+    )
+    return {
+        "title": "speed",
+        "controls": [
+            {
+                "name": f"course.{name}",
+                "reference": None,
+                "kind": "Real",
+                "text": text,
+                "about": text,
+                "unit": shown,
+                "factor": factor,
+                "start": start,
+                "unset": False,
+                "choices": [],
+                "slider": slider,
+                "usual": True,
+            }
+            for name, text, shown, factor, start, slider in rows
+        ],
+    }
+
+
+def groups(machine: Machine) -> list[dict[str, Any]]:
+    """Return the controls of a machine, in groups: its loads, its parts, the solver."""
+    rules = {str(name): quantity.rule for name, quantity, _ in machine.rotor.parameters()}
+    largest = _largest(machine.table)
+    weight = _weight(machine)
+    found: dict[str, dict[str, Any]] = {}
+    for reference, v in enumerate(machine.table):
+        if v.is_observed or v.name in NO_CONTROLS:
+            continue
+        part, _, quantity = v.name.rpartition(".")
+        title = "loads" if v.causality == "input" else _title(part) if part else "machine"
+        slider = _slider(v, rules.get(v.name), largest[_kind(v)])
+        if v.causality == "input":
+            slider = _linear(-weight, weight) if v.unit == "N" else _linear(-10.0, 10.0)
+        group = found.setdefault(title, {"title": title, "controls": []})
+        group["controls"].append(
+            _control(v, reference) | {"slider": slider, "usual": quantity in _USUAL}
+        )
+    return list(found.values())
+
+
+def _title(part: str) -> str:
+    return spoken(part).replace("_", " ")
+
+
+def _kind(v: Variable) -> tuple[str, str]:
+    """Return what parts of one kind share: the kind and the quantity."""
+    part, _, quantity = v.name.rpartition(".")
+    return part.partition("[")[0], quantity
+
+
+def _largest(table: Sequence[Variable]) -> Mapping[tuple[str, str], float]:
+    """Return the largest value in size of a quantity over all parts of one kind."""
+    result: dict[tuple[str, str], float] = {}
+    for v in table:
+        if v.start is not None:
+            result[_kind(v)] = max(result.get(_kind(v), 0.0), abs(float(v.start)))
+    return result
+
+
+def _weight(machine: Machine) -> float:
+    """Return the rotor's weight on earth, rounded up to one digit: what loads compare with [N]."""
+    mass = float(assemble(machine.rotor).mass_sum[::2].sum())
+    decade = 10.0 ** math.floor(math.log10(mass * 9.81))
+    return math.ceil(mass * 9.81 / decade) * decade
+
+
+def _control(v: Variable, reference: int) -> dict[str, Any]:
+    part, _, _ = v.name.rpartition(".")
+    shown = unit(v.unit).display if v.kind == "Real" else None
+    text = v.text.partition(";")[0].removeprefix(f"{spoken(part)}: ")
+    return {
+        "name": v.name,
+        "reference": reference,
+        "kind": v.kind,
+        "text": text.partition(": 0 ")[0],
+        "label": spoken(v.name),
+        "about": v.text,
+        "unit": _unit_text(v, shown),
+        "factor": shown[1] if shown else 1.0,
+        "start": None if v.start is None else float(v.start),
+        "unset": v.is_unset_at_start,
+        "choices": list(v.choices),
+    }
+
+
+def _unit_text(v: Variable, shown: tuple[str, float] | None) -> str:
+    if v.kind != "Real" or v.unit == "1":
+        return ""
+    return _SHOWN_UNITS.get(shown[0], shown[0]) if shown else v.unit
+
+
+def _slider(v: Variable, rule: Rule | None, largest: float) -> dict[str, Any] | None:
+    """Return the range of a quantity's slider, None for one that has only a field."""
+    if v.kind != "Real" or v.name.startswith(PREFIX):
+        return None
+    if v.unit == "rad":
+        return _linear(-math.pi, math.pi)
+    if not largest or rule is None:
+        return None
+    if rule is ANY:
+        return _linear(-_FEW * largest, _FEW * largest)
+    if rule.is_strict and rule.least == 0.0:
+        high = min(_DECADE * largest, rule.most)
+        return {"low": largest / _DECADE, "high": high, "log": True}
+    return _linear(rule.least, min(rule.least + _FEW * largest, rule.most))
+
+
+def _linear(low: float, high: float) -> dict[str, Any]:
+    return {"low": low, "high": high, "log": False}
+
+
+def recorded(machine: Machine) -> list[dict[str, Any]]:
+    """Return what a run records: outputs, what the pictures are made of, what the solver does."""
+    return [
+        _control(v, reference)
+        for reference, v in enumerate(machine.table)
+        if v.is_observed
+        and (
+            v.causality == "output"
+            or v.name.rpartition(".")[2] in _RECORDED
+            or v.name in _OF_SOLVER
+        )
+    ]
+
+
+def places(machine: Machine) -> list[dict[str, str | None]]:
+    """Return the places that move, those with an amplitude first: titles, names of x and y, and of
+    the amplitude and the clearance where they have them."""
+    names = {v.name for v in machine.table}
+    parts = list(dict.fromkeys(v.name.rpartition(".")[0] for v in machine.table if v.is_observed))
+    found = [
+        {
+            "title": _title(part),
+            "x": f"{part}.x",
+            "y": f"{part}.y",
+            "amplitude": f"{part}.r_amp" if f"{part}.r_amp" in names else None,
+            "clearance": f"{part}.clearance" if f"{part}.clearance" in names else None,
+        }
+        for part in parts
+        if {f"{part}.x", f"{part}.y"} <= names
+    ]
+    return sorted(found, key=lambda place: place["amplitude"] is None)

@@ -1,0 +1,132 @@
+"""Values that a machine may have but that nobody means: asked about, not refused."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from ..model.machine.rotor import Rotor
+from ..model.parts.base import Body
+from ..model.quantities import quantities
+from ..operation import operating_speeds
+
+
+class Usual(NamedTuple):
+    """The range in which a number usually lies, and units that are mistaken for its own: their
+    names with what one is in it."""
+
+    low: float
+    high: float
+    mistaken: tuple[tuple[str, float], ...]
+
+
+_LENGTHS = (("mm", 1e-3), ("um", 1e-6))
+_DEGREES = (("deg", math.pi / 180),)
+_MATERIAL = {
+    "young": Usual(1e8, 2e12, (("GPa", 1e9), ("MPa", 1e6), ("psi", 6894.757))),
+    "density": Usual(500.0, 25e3, (("g/cm3", 1e3), ("lb/in3", 27679.9))),
+}
+_OF_PARTS = {
+    "diameter": Usual(1e-4, 20.0, _LENGTHS),
+    "width": Usual(1e-4, 20.0, _LENGTHS),
+    "journal_radius": Usual(1e-4, 5.0, _LENGTHS),
+    "clearance": Usual(1e-8, 0.05, _LENGTHS),
+    "e": Usual(0.0, 0.02, _LENGTHS),
+    "mass": Usual(0.0, 1e6, (("g", 1e-3),)),
+    "amount": Usual(0.0, 10.0, (("g.mm", 1e-6), ("g.m", 1e-3))),
+    "phase": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),
+    "wear_angle": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),
+    "mu": Usual(0.0, 2.0, (("percent", 0.01),)),
+}
+_OF_THE_MACHINE = {
+    "inclination": Usual(-math.pi, math.pi, _DEGREES),
+    "gravity_angle": Usual(-2 * math.pi, 2 * math.pi, _DEGREES),
+}
+_SOFT = (1e8, 5e10)  # of no metal [Pa]: a model's shaft, which may be as light as it likes
+_SHAFT = Usual(1e-3, 100.0, _LENGTHS)
+_HEAVY = 5e5  # kg of a disc: heavier than any that runs
+_RIM = 1500.0  # m/s, above which steel bursts
+_RPM = math.pi / 30
+
+
+def questions(rotor: Rotor) -> list[str]:
+    """Return a sentence for each value of a machine that is probably meant in another unit, or that
+    does not fit the machine's other values."""
+    return [*_ranges(rotor), *_relations(rotor)]
+
+
+def _ranges(rotor: Rotor) -> Iterator[str]:
+    of_model = _SOFT[0] <= rotor.material.young < _SOFT[1]
+    known = {n: usual for n, usual in _MATERIAL.items() if not (of_model and n == "density")}
+    yield from _asked("material", rotor.material, known)
+    yield from _asked("", rotor, _OF_THE_MACHINE)
+    shaft = _question("shaft: its length", rotor.length, "m", _SHAFT)
+    if shaft:
+        yield shaft
+    for i, section in enumerate(rotor.sections, 1):
+        for side in ("outer_left", "outer_right"):
+            where = f"shaft.element[{i}].{side}"
+            asked = _question(where, getattr(section, side), "m", _OF_PARTS["diameter"])
+            if asked:
+                yield asked
+                return  # the others are as large
+    for where, part in rotor.named_parts():
+        yield from _asked(where, part, _OF_PARTS)
+
+
+def _asked(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str]:
+    for name, declared in quantities(item).items():
+        value = getattr(item, name)
+        if name in usual and isinstance(value, (int, float)):
+            shown = f"{where}.{name}" if where else name
+            asked = _question(shown, value, declared.unit, usual[name])
+            if asked:
+                yield asked
+
+
+def _question(shown: str, value: float, unit: str, usual: Usual) -> str:
+    """Return the question about a value that is unusual, or nothing."""
+    if usual.low <= value <= usual.high:
+        return ""
+    with_unit = f"{value:g}" if unit == "1" else f"{value:g} {unit}"
+    likely = [name for name, one in usual.mistaken if usual.low <= value * one <= usual.high]
+    meant = f"; {value:g} {likely[0]}?" if likely else ""
+    return f"{shown} = {with_unit}: is that what is meant{meant or '?'}"
+
+
+def _relations(rotor: Rotor) -> Iterator[str]:
+    density = rotor.material.density
+    for where, part in rotor.named_parts():
+        radius, clearance = (getattr(part, n, None) for n in ("journal_radius", "clearance"))
+        is_usual = clearance is not None and clearance <= _OF_PARTS["clearance"].high
+        if radius and clearance and is_usual and clearance > radius:
+            yield (
+                f"{where}.clearance = {clearance:g} m: is larger than the journal, whose radius is "
+                f"{radius:g} m{_smaller(clearance, radius)}"
+            )
+        for element in part.elements(where, density):
+            is_asked = getattr(part, "mass", None) == getattr(element, "mass", 0.0)
+            if isinstance(element, Body) and element.mass > _HEAVY and not is_asked:
+                yield f"{where}: has a mass of {element.mass / 1e3:.4g} t; are its lengths in m?"
+    yield from _speed(rotor)
+
+
+def _smaller(value: float, largest: float) -> str:
+    likely = [name for name, one in _LENGTHS if value * one < 0.1 * largest]
+    return f"; {value:g} {likely[0]}?" if likely else ""
+
+
+def _speed(rotor: Rotor) -> Iterator[str]:
+    """Yield the question about a speed at which the largest disc would burst."""
+    radii = [disc.diameter / 2 for disc in rotor.discs]
+    radius = max(radii, default=0.0)
+    if not rotor.operation.speeds or radius > _OF_PARTS["diameter"].high / 2:
+        return
+    rated = operating_speeds(rotor).rated
+    if rated * radius > _RIM:
+        meant = f"; {rated:g} rpm?" if rated * _RPM * radius < _RIM else ""
+        yield (
+            f"operation.rated_speed = {rated:g} rad/s: moves the rim of the largest disc at "
+            f"{rated * radius:.4g} m/s{meant}"
+        )

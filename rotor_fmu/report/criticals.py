@@ -1,0 +1,67 @@
+"""The linear critical speeds of a machine that ran, to compare its peaks with."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..model.linear.campbell import campbell
+from ..model.linear.machine import OPEN, PINNED, LinearError, LinearMachine
+from ..model.machine.rotor import Rotor
+from .measuring_points import Recorded, hertz
+
+_SPEEDS, _MODES, _MOST = 15, 8, 6
+_LEAST = 0.02  # of the highest speed: below lie rigid-body motions
+
+
+class Criticals(NamedTuple):
+    """Critical speeds [Hz], ascending; contacts: how the clearances were taken, empty without."""
+
+    hz: tuple[float, ...]
+    contacts: str
+
+    @property
+    def sentence(self) -> str:
+        """What is to be said of them."""
+        if not self.hz:
+            return ""
+        listed = " and ".join(f"{hz:.1f}" for hz in self.hz)
+        listed = listed.replace(" and ", ", ", len(self.hz) - 2)
+        if not self.contacts:
+            return f"Linear critical speeds, dashed: {listed} Hz."
+        why = {
+            PINNED: "a journal that leaves its wall is held less than one that is pinned to it",
+            OPEN: "a journal that touches is held more than one that is free",
+        }[self.contacts]
+        return (
+            f"Linear critical speeds with contacts {self.contacts}, dashed: {listed} Hz. The run's "
+            f"peaks lie elsewhere where contacts open and close: {why}."
+        )
+
+
+def criticals_of(run: Recorded) -> Criticals:
+    """Return the critical speeds within a run's range of speeds; none of a machine that was not
+    recorded, or that cannot be linearized."""
+    finite = np.abs(run.w[np.isfinite(run.w)])
+    highest = float(finite.max(initial=0.0))
+    rotor = _as_run(run)
+    if rotor is None or highest == 0.0 or np.ptp(finite) < 0.05 * highest:
+        return Criticals((), "")
+    try:
+        machine = LinearMachine(rotor)
+        found = campbell(rotor, np.linspace(0.0, 1.05 * highest, _SPEEDS), count=_MODES)
+    except (LinearError, np.linalg.LinAlgError):
+        return Criticals((), "")
+    lowest = max(float(finite.min()), _LEAST * highest)
+    hz = [hertz(c.speed) for c in found.critical if lowest <= c.speed <= highest]
+    return Criticals(tuple(sorted(hz))[:_MOST], found.contacts if machine.has_contacts else "")
+
+
+def _as_run(run: Recorded) -> Rotor | None:
+    """Return the machine with the parameters of the run."""
+    if run.rotor is None:
+        return None
+    known = {str(name) for name, _, _ in run.rotor.parameters()}
+    given: Any = run.about.get("parameters", {})
+    return run.rotor.with_values({n: value for n, value in given.items() if n in known})

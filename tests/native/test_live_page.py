@@ -1,0 +1,259 @@
+"""The page on which a machine runs, in a browser: the FMU's numbers, and nothing leaves it."""
+
+import base64
+import csv
+import re
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import rig_toml
+from typer.testing import CliRunner
+
+from rotor_fmu.files import write_text
+from rotor_fmu.fmi.packing.machine_files import machine_of
+from rotor_fmu.live.page import solver_page, solver_table
+
+from ..browser import NASTY, NEEDED, Page, look
+from .wasm import Native, rows_of
+
+pytestmark = NEEDED
+# a run-down of half a second
+SHORT = "#course.to=395&course.rate=10&bearing%5B1%5D.mu=0.04"
+
+
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    file = tmp_path_factory.mktemp("live") / "rig.html"
+    write_text(solver_page(machine_of(None, False, 0)), file)
+    return file
+
+
+class LivePage(Page):
+    """A page at settings that its address holds."""
+
+    def __init__(self, driver, path, settings=SHORT):
+        driver.get(
+            "about:blank"
+        )  # an address that differs in its settings alone opens nothing anew
+        self.address = path.as_uri() + settings
+        super().__init__(driver, self)
+
+    def as_uri(self):
+        return self.address
+
+    def ended(self, runs=1):
+        self.wait(f"Number(document.documentElement.dataset.runs) >= {runs}")
+        return self
+
+    def notices(self):
+        return self.run(
+            "return [...document.querySelectorAll('.notice')].map((n) => n.textContent)"
+        )
+
+
+@pytest.mark.parametrize(("width", "dark"), [(400, True), (1500, False)])
+def test_the_page_is_small_and_silent_and_fits_its_width(silent, rig, width, dark):
+    look(silent, width, dark)
+    page = LivePage(silent, rig).ended()
+    assert rig.stat().st_size < 1_500_000
+    assert page.run("return document.documentElement.scrollWidth") <= width
+    assert page.run("return performance.getEntriesByType('resource')") == []
+    assert page.notices() == []
+    unnamed = page.run(
+        "return [...document.querySelectorAll('input, select, progress')].filter((each) =>"
+        "!each.labels.length && !each.getAttribute('aria-label')).map((each) => each.id)"
+    )
+    assert unnamed == []
+    named = page.run(
+        "return [...document.querySelectorAll('[role=img], img')].map((each) =>"
+        "each.getAttribute('aria-label') ?? each.alt)"
+    )
+    assert len(named) == 5
+    assert all(named)
+    ground = page.run(
+        "return getComputedStyle(document.querySelector('svg.chart')).backgroundColor"
+    )
+    assert ground == ("rgb(20, 24, 29)" if dark else "rgb(255, 255, 255)")
+
+
+def test_its_numbers_are_the_native_librarys_bit_for_bit(silent, rig):
+    page = LivePage(silent, rig).ended()
+    lines = list(csv.reader(page.run("return csv(now)").splitlines()))
+    native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
+    assert lines[0] == ["time", *page.run("return data.recorded.map((each) => each.name)")]
+    assert np.array(lines[1:], float).tobytes() == native.tobytes()
+    # what is drawn is what was computed
+    at = lines[0].index("disc[1].r_amp")
+    highest = page.run("return charts.amplitude.view.ys[1]")
+    assert highest == pytest.approx(1.04 * 1e6 * native[:, at].max(), rel=1e-6)
+
+
+def test_a_slider_moved_by_the_keys_runs_again_beside_the_run_before(silent, rig):
+    from selenium.webdriver.common.keys import Keys
+
+    page = LivePage(silent, rig).ended()
+    page.run("byName.get('bearing[1].clearance').range.focus()")
+    page.run("return document.activeElement").send_keys(Keys.ARROW_RIGHT)
+    page.ended(2)
+    clearance = page.run("return values['bearing[1].clearance']")
+    assert clearance > 5e-5
+    linked = page.run(
+        "return Object.fromEntries(new URLSearchParams(location.hash.slice(1)).entries())"
+    )
+    assert float(linked["bearing[1].clearance"]) == clearance
+    assert page.run(
+        "return [before.given['bearing[1].mu'], now.given['bearing[1].clearance']]"
+    ) == [
+        0.04,
+        clearance,
+    ]
+    keys = page.run("return document.querySelector('#amplitude .key').textContent")
+    assert keys == "the run beforethis run"
+    assert "; the run before: " in page.text("state")
+    page.find("compare").click()
+    assert page.run("return document.querySelector('#amplitude .key').textContent") == "this run"
+    page.find("reset").click()
+    assert page.run("return Object.keys(values)") == []
+
+
+def test_a_run_can_be_stopped_and_what_there_is_stays(silent, rig):
+    page = LivePage(silent, rig, "")
+    page.wait("now.n > 400")
+    page.find("stop").click()
+    page.ended()
+    rows, planned = page.run("return [now.n, now.plan.rows]")
+    assert 400 < rows < planned == 40001
+    assert page.notices() == ["The run ended early: stopped"]
+    assert len(page.run("return csv(now)").splitlines()) == 1 + rows
+
+
+def test_what_cannot_be_is_said_in_the_fmus_words(silent, rig):
+    page = LivePage(silent, rig, "#bearing[1].clearance=-1e-5&bearing[7].mu=0.1").ended()
+    assert page.notices() == [
+        "The address has bearing[7].mu = 0.1, which this machine does not know.",
+        "The run ended early: bearing[1].clearance = -1e-05 m: must be > 0 and finite",
+    ]
+    page.set(page.run("return byName.get('course.rate').input.id"), "0", "change")
+    page.find("run").click()
+    assert page.notices() == ["rate of the speed: must be > 0"]
+
+
+def test_no_request_leaves_the_page(driver, rig):
+    page = LivePage(driver, rig).ended()
+    page.run(
+        "window.blocked = []; window.refused = ''; const away = arguments[0];"
+        "document.addEventListener('securitypolicyviolation', (event) =>"
+        "  blocked.push(event.effectiveDirective));"
+        "fetch(away).catch((error) => { refused = String(error); });"
+        "const add = (kind, given) =>"
+        "  document.body.append(Object.assign(document.createElement(kind), given));"
+        "add('img', { src: away });"
+        "add('iframe', { src: away });"
+        "add('script', { textContent: 'x = 1' });",
+        "http://127.0.0.1:9/",
+    )
+    page.wait("refused && blocked.length >= 4")
+    blocked = set(page.run("return blocked"))
+    assert blocked == {"connect-src", "img-src", "script-src-elem", "frame-src"}
+    driver.get_log("browser")  # which names them
+
+
+def test_a_machines_name_is_shown_and_runs_nothing(silent, tmp_path):
+    nasty = f'</script></title>{NASTY} " onload=x'
+    toml = re.sub(r'(?m)^name = ".*"$', lambda _: f"name = '{nasty}'", rig_toml())
+    assert nasty in toml
+    write_text(solver_page(machine_of(toml, False, 0)), tmp_path / "nasty.html")
+    page = LivePage(silent, tmp_path / "nasty.html").ended()
+    assert page.run("return document.querySelector('h1').textContent") == nasty
+    assert page.run("return document.title") == nasty
+    assert page.run("return data.name") == nasty
+    assert page.run("return document.scripts.length") == 5
+
+
+def test_every_kind_of_control_reaches_the_fmu(silent, rig):
+    page = LivePage(silent, rig).ended()
+    page.run("field('auto').checked = false")
+    typed = {
+        "shaft.eta_h": "0.001",
+        "shaft.eta_v": "1e-6",  # with the damping of the rig, which turns, it whirls itself apart
+        "solver.preset": "3",
+        "disc[2].phase": "90",
+        "disc[1].fy": "-5",
+    }
+    for name, value in typed.items():
+        page.set(page.run("return byName.get(arguments[0]).input.id", name), value, "change")
+    page.run("byName.get('shaft.rotating_damping').input.click()")
+    page.find("run").click()
+    page.ended(2)
+    given = page.run("return now.given")
+    short = {"course.to": 395, "bearing[1].mu": 0.04}  # and the rate, which is the rig's
+    phase = given.pop("disc[2].phase")
+    assert phase == pytest.approx(np.pi / 2)
+    assert given == short | {
+        **{"shaft.eta_h": 0.001, "shaft.eta_v": 1e-6, "shaft.rotating_damping": 1},
+        **{"disc[1].fy": -5, "solver.preset": 3},
+    }
+    native = rows_of(Native(solver_table(machine_of(None, False, 0))), page.run("return now.plan"))
+    lines = list(csv.reader(page.run("return csv(now)").splitlines()))
+    assert np.array(lines[1:], float).tobytes() == native.tobytes()
+
+
+def test_the_page_of_a_recorded_run_begins_with_its_settings(silent, tmp_path):
+    from rotor_fmu.cli import app
+
+    sets = ("--set", "bearing[2].mu=0.02", "--set", "solver.tolerance=1e-2")
+    run, live = str(tmp_path / "run"), tmp_path / "live.html"
+    CliRunner().invoke(app, ["run-down", "--direct", "--stop", "1", *sets, "--out", run])
+    CliRunner().invoke(app, ["report", run, "--live", "--out", str(live)])
+    page = LivePage(silent, live, "").ended()
+    given = page.run("return now.given")
+    assert given.pop("course.rate") == pytest.approx(10.0)
+    assert given.pop("course.to") == pytest.approx(390.0)
+    assert given == {"bearing[2].mu": 0.02, "solver.tolerance": 0.01}
+    end = page.run("return [now.t[now.n - 1], column(now, 'disc[3].x')[now.n - 1]]")
+    rows = list(csv.DictReader((tmp_path / "run" / "run_down.csv").open()))
+    assert end[0] == pytest.approx(float(rows[-1]["time"]))
+    # other communication points, the same motion within the tolerance
+    assert end[1] == pytest.approx(float(rows[-1]["disc[3].x"]), abs=2e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["a", "b", "--live"], "a page on which a machine runs is of one run"),
+        (["a", "--live"], "its speed does not change at one rate"),
+    ],
+)
+def test_a_run_that_no_page_repeats_is_refused(tmp_path, monkeypatch, arguments, said):
+    from rotor_fmu.cli import app
+
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bent.csv").write_text("time,speed\n0,400\n0.5,390\n1,400\n")
+    for out in ("a", "b"):
+        call = ["run-down", "--direct", "--input", "bent.csv", "--stop", "1", "--out", out]
+        assert CliRunner().invoke(app, call).exit_code == 0
+    done = CliRunner().invoke(app, ["report", *arguments])
+    assert said in str(done.exception)
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_the_page_prints_its_pictures(silent, rig):
+    LivePage(silent, rig).ended()
+    assert len(base64.b64decode(silent.print_page())) > 20_000
+
+
+def test_the_sites_first_page_leads_to_pages_on_which_machines_run(silent, tmp_path, capfd):
+    site = runpy.run_path(str(Path(__file__).parents[2] / "docs" / "site" / "build.py"))
+    tree = tmp_path / "tree"
+    tree.mkdir()
+    (tree / "conf.py").write_text('project = "rotor-fmu"\nextensions = ["myst_parser"]\n')
+    (tree / "index.md").write_text("# rotor-fmu\n\nWords.\n\n## Two commands\n")
+    site["add_machines"](tree)
+    assert site["render"](tree, tmp_path / "site") == 0, capfd.readouterr().err
+    first = (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
+    linked = re.findall(r'href="(try/\w+\.html)"', first)
+    assert linked == ["try/rig.html", "try/drop.html"]
+    for name in linked:
+        LivePage(silent, tmp_path / "site" / name).ended()

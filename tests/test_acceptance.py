@@ -1,0 +1,305 @@
+"""What API 617 and 684 ask for: amplification factors and margins, the critical speed map,
+unbalances placed by mode shape, stability; against closed forms and against ROSS 2.3
+(tests/reference/make_ross_api.py made its numbers)."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import (
+    LinearError,
+    Stage,
+    critical_map,
+    critical_peaks,
+    level_1,
+    level_2,
+    placed_unbalances,
+    unbalance_check,
+)
+from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
+from rotor_fmu.model.linear.placement import residual_unbalance, vibration_limit
+from rotor_fmu.model.machine.toml import parse_rotor, rig
+from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
+
+from tests.test_ross import HERE, machine
+
+ROSS = json.loads((HERE / "ross_api_answers.json").read_text())
+ROOT = HERE.parent.parent
+RPM = math.pi / 30
+CLOSE = 1e-4
+
+
+def one_degree(zeta, natural=100.0):
+    """A mass on a spring under unbalance: the amplitude over the speed."""
+
+    def response(speed):
+        r = speed / natural
+        return r**2 / math.hypot(1 - r**2, 2 * zeta * r)
+
+    return response
+
+
+def grid(zeta):
+    return np.linspace(1.0, 300.0, 50 + int(20 / zeta))
+
+
+@pytest.mark.parametrize("zeta", [0.005, 0.02, 0.05])
+def test_the_amplification_factor_of_one_degree_of_freedom_is_half_the_inverse_damping(zeta):
+    (peak,) = peaks(one_degree(zeta), grid(zeta))
+    assert peak.amplification == pytest.approx(1 / (2 * zeta), rel=0.02)
+
+
+@pytest.mark.parametrize("zeta", [0.02, 0.1, 0.2])
+def test_critical_speed_and_half_power_speeds_are_those_of_the_closed_form(zeta):
+    """With s = (natural / speed)^2 the inverse square of the amplitude is (s - 1)^2 + 4 zeta^2 s:
+    a parabola, least at 1 - 2 zeta^2 and twice that at 2 zeta sqrt(1 - zeta^2) on either side."""
+    (peak,) = peaks(one_degree(zeta), grid(zeta))
+    middle, half = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
+    assert peak.speed == pytest.approx(100 / math.sqrt(middle), rel=1e-6)
+    assert peak.below == pytest.approx(100 / math.sqrt(middle + half), rel=1e-6)
+    assert peak.above == pytest.approx(100 / math.sqrt(middle - half), rel=1e-6)
+
+
+def test_a_peak_beside_a_higher_one_has_one_side():
+    def response(speed):
+        return 1 / (1 + (speed - 100) ** 2) + 2 / (1 + ((speed - 103) / 1.2) ** 2)
+
+    low, high = peaks(response, np.linspace(90, 110, 2001))
+    assert math.isnan(low.above)
+    assert low.is_one_sided
+    assert low.amplification == pytest.approx(low.speed / (2 * (low.speed - low.below)))
+    assert not high.is_one_sided
+
+
+def test_a_response_without_a_peak_has_no_critical_speed():
+    assert peaks(one_degree(0.8), grid(0.8)) == []
+
+
+@pytest.mark.parametrize(
+    ("factor", "is_above", "expected"),
+    [
+        (5.0, False, 0.17 * (1 - 1 / 3.5)),
+        (5.0, True, 0.10 + 0.17 * (1 - 1 / 3.5)),
+        (2.49, False, 0.0),
+        (2.49, True, 0.0),
+        (2.5, False, 0.0),
+        (2.5, True, 0.10),
+        (40.0, False, 0.16),
+        (40.0, True, 0.26),
+    ],
+)
+def test_required_margins_are_those_of_api_617(factor, is_above, expected):
+    """API 617, 7th edition, part 1, 2.6.2."""
+    assert required_margin(factor, is_above) == pytest.approx(expected, abs=1e-12)
+
+
+def test_margins_are_shares_of_the_nearer_end_of_the_range():
+    def at(speed):  # AF = 5
+        return margin(Peak(speed, 1.0, 0.9 * speed, 1.1 * speed), 100.0, 200.0)
+
+    assert at(80.0).actual == pytest.approx(0.2)
+    assert at(80.0).is_met
+    assert at(230.0).actual == pytest.approx(0.15)
+    assert not at(230.0).is_met
+    assert at(150.0).actual == 0.0
+    assert not at(150.0).is_met
+
+
+def test_limits_are_those_of_api_617():
+    """6350 W / N g.mm, W / 3.937 from 25 000 rev/min on; 25.4 um sqrt(12000 / N)."""
+    assert residual_unbalance(100.0, 10_000 * RPM) == pytest.approx(63.5e-6)
+    assert residual_unbalance(100.0, 40_000 * RPM) == pytest.approx(100 / 3.937 * 1e-6, rel=1e-5)
+    assert vibration_limit(6000 * RPM) == pytest.approx(25.4e-6)
+    assert vibration_limit(48_000 * RPM) == pytest.approx(12.7e-6)
+
+
+@pytest.mark.parametrize("file", ROSS)
+@pytest.mark.parametrize("is_synchronous", [False, True])
+def test_the_critical_map_is_that_of_ross(file, is_synchronous):
+    lines = ROSS[file]["critical_map"]["synchronous" if is_synchronous else "at rest"]
+    result = critical_map(
+        machine(file),
+        np.logspace(6, 9, 7),
+        synchronous=is_synchronous,
+        rigid_pedestals=True,
+        contacts="open",
+    )
+    np.testing.assert_allclose(result.speeds.T, lines, rtol=CLOSE)
+
+
+def test_on_the_stiffness_of_its_bearings_the_map_has_the_undamped_critical_speeds():
+    """Of a rotor on isotropic springs with little damping: where the unbalance response peaks."""
+    rotor = parse_rotor(SHAFT + support(1, 3e6, 10.0) + support(7, 3e6, 10.0))
+    result = critical_map(rotor, [1e6, 3e6, 1e7], count=2)
+    top = 1.2 * result.speeds[1, 1]
+    criticals = critical_peaks(rotor, top, [6], unbalances=[(5, 1e-5, 0.0)])
+    speeds = [c.peak.speed for c in criticals if c.axis == "x"]
+    np.testing.assert_allclose(speeds, result.speeds[1], rtol=1e-3)
+    crossings = [c for c in result.crossings if c.mode == 0]
+    assert {c.bearing for c in crossings} == {"support[1]", "support[2]"}
+    assert all(c.stiffness == pytest.approx(3e6) for c in crossings)
+
+
+def test_a_bearing_over_the_speed_meets_a_line_where_it_has_that_stiffness():
+    result = critical_map(machine("compressor.toml"), np.geomspace(1e7, 1e9, 9), count=2)
+    bearing = machine("compressor.toml").of_kind(LinearBearing)[0]
+    crossing = next(
+        c for c in result.crossings if (c.bearing, c.axis, c.mode) == ("linear_bearing[1]", "x", 0)
+    )
+    K, _ = bearing.matrices(crossing.speed)
+    assert K[0, 0] == pytest.approx(crossing.stiffness, rel=1e-9)
+
+
+@pytest.mark.parametrize("file", ROSS)
+def test_level_1_is_that_of_ross(file):
+    expected = ROSS[file]["level_1"]
+    result = level_1(
+        machine(file), 900.0, node=4, stiffness=expected["stiffness"], seals=True, contacts="open"
+    )
+    scale = np.abs(expected["log_dec"]).max()
+    np.testing.assert_allclose(result.log_dec, expected["log_dec"], rtol=CLOSE, atol=CLOSE * scale)
+
+
+@pytest.mark.parametrize("file", [file for file in ROSS if "peaks" in ROSS[file]])
+def test_critical_speeds_and_amplification_factors_are_those_of_ross(file):
+    of_ross = ROSS[file]["peaks"]
+    unbalances = [(node + 1, amount, phase) for node, amount, phase in of_ross["unbalances"]]
+    result = critical_peaks(machine(file), 1200.0, [of_ross["node"] + 1], unbalances=unbalances)
+    for expected in of_ross["found"]:
+        seen = [c.peak for c in result if c.axis == expected["axis"]]
+        peak = min(seen, key=lambda p: abs(p.speed - expected["speed"]))
+        assert peak.speed == pytest.approx(expected["speed"], rel=CLOSE)
+        assert peak.amplification == pytest.approx(expected["factor"], rel=CLOSE)
+
+
+SHAFT = """
+[material]
+young = 2.1e11
+density = 7800.0
+[shaft]
+nodes = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+diameters = [0.03, 0.03, 0.03, 0.03, 0.03, 0.03]
+[[disc]]
+node = 4
+diameter = 0.2
+width = 0.03
+"""
+
+
+def support(node, stiffness, damping=0.0):
+    return f"[[support]]\nnode = {node}\nstiffness = {stiffness}\ndamping = {damping}\n"
+
+
+def test_unbalances_stand_where_the_mode_bends():
+    """First mode: one in the middle for the whole weight; second: one a half, against each
+    other, each for the load of its bearing."""
+    rotor = parse_rotor(SHAFT + support(1, 1e8) + support(7, 1e8))
+    mass = float(sum(s.material.density * math.pi / 4 * 0.03**2 * 0.1 for s in rotor.sections))
+    mass += 7800 * math.pi / 4 * 0.2**2 * 0.03
+    speed = 10_000 * RPM
+    (first,) = placed_unbalances(rotor, 1, speed)
+    assert first.node == 4
+    assert first.mass == pytest.approx(mass, rel=1e-6)
+    assert first.amount == pytest.approx(2 * 6350e-6 * mass / 10_000, rel=1e-6)
+    left, right = placed_unbalances(rotor, 2, speed, factor=1.0)
+    assert left.node < 4 < right.node
+    assert abs(left.phase - right.phase) == pytest.approx(math.pi)
+    assert left.mass + right.mass == pytest.approx(mass, rel=1e-6)
+
+
+def test_an_overhung_disc_has_the_unbalance_of_its_overhung_mass():
+    rotor = parse_rotor(SHAFT.replace("node = 4", "node = 7") + support(1, 1e9) + support(5, 1e9))
+    (placed,) = placed_unbalances(rotor, 1, 5000 * RPM)
+    assert placed.node == 7
+    disc = 7800 * math.pi / 4 * 0.2**2 * 0.03
+    shaft = 7800 * math.pi / 4 * 0.03**2 * 0.2
+    assert disc + 0.5 * shaft < placed.mass < disc + shaft
+
+
+def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearance():
+    rotor = parse_rotor(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))
+    placed = [p[:3] for p in placed_unbalances(rotor, 1, 3000 * RPM)]
+    result = unbalance_check(
+        rotor, 2500 * RPM, 3000 * RPM, [2], unbalances=placed, clearances={4: 2e-5}
+    )
+    assert result.scale * result.probes[0].peak_to_peak == pytest.approx(25.4e-6)
+    (gap,) = result.clearances
+    assert gap.scaled == pytest.approx(result.scale * gap.amplitude)
+    doubled = unbalance_check(
+        rotor,
+        2500 * RPM,
+        3000 * RPM,
+        [2],
+        unbalances=[(n, 2 * u, p) for n, u, p in placed],
+        clearances={4: 2e-5},
+    )
+    assert doubled.clearances[0].scaled == pytest.approx(gap.scaled)
+
+
+def test_alford_s_cross_coupling_is_that_of_the_formula_in_its_own_units():
+    """API 617: q = HP B C / (D H N) (rho_d / rho_s) with N.m/s, mm, rev/min, C = 9.55, B = 3, q
+    in kN/mm."""
+    stage = Stage(3, 2000e3, 0.4, 0.02, 1.6)
+    expected = 2000e3 * 3 * 9.55 / (400 * 20 * 9000) * 1.6 * 1e6
+    assert stage.cross_coupling(9000 * RPM) == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_rotor_is_unstable_from_the_threshold_on():
+    rotor = machine("under_tension.toml")
+    result = level_1(rotor, 900.0, node=4, anticipated=5e3)
+    below, above = (
+        level_1(rotor, 900.0, node=4, stiffness=[q * result.threshold]).log_dec[0]
+        for q in (0.999, 1.001)
+    )
+    assert below > 0 > above
+    assert result.ratio == pytest.approx(result.threshold / 5e3)
+    assert result.sensitivity < 0
+
+
+def test_a_jeffcott_rotor_is_unstable_where_the_cross_coupling_is_its_damping_times_its_frequency():
+    """Q0 = c omega, of a mass between two bearings, and log dec = pi (c omega - q) / k nearly."""
+    text = SHAFT.replace("diameters = [0.03", "diameters = [0.1").replace("0.03,", "0.1,")
+    rotor = parse_rotor(text + support(4, 1e4, 2.0) + support(1, 1e-3) + support(7, 1e-3))
+    result = level_1(rotor, 50.0, node=4)
+    assert result.threshold == pytest.approx(2.0 * result.frequency[0], rel=1e-3)
+
+
+def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupling_drives():
+    """A point mass on a light shaft: Q0 = c omega exactly, where both circles have one eigenvalue
+    without cross coupling."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    result = level_1(parse_rotor(text), 150.0, node=2)
+    assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
+    assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
+
+
+def test_level_2_adds_what_acts_one_by_one():
+    rotor = machine("compressor.toml")
+    result = level_2(rotor, 900.0, cross_couplings={4: 1e6})
+    names = [case.name for case in result.cases]
+    assert names == ["rotor and bearings", "with seal[1]", "with the cross coupling", "with all"]
+    everything = level_1(rotor, 900.0, node=4, stiffness=[1e6], seals=True)
+    assert result.cases[-1].log_dec == pytest.approx(everything.log_dec[0])
+    bare = replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
+    assert result.cases[0].log_dec == pytest.approx(level_1(bare, 900.0).log_dec_alone)
+
+
+@pytest.mark.parametrize(
+    ("ask", "expected"),
+    [
+        (lambda: critical_map(rig(), [1e6, 1e5]), "stiffness: must be at least 2 values"),
+        (lambda: critical_map(rig(), [1e6, 1e7], count=0), "count = 0"),
+        (lambda: placed_unbalances(rig(), 99, 100.0), "mode = 99: must be from 1"),
+        (lambda: placed_unbalances(rig(), 1, 0.0), "maximum continuous speed = 0"),
+        (lambda: unbalance_check(rig(), 200.0, 100.0, [1]), "operating range = 200 to 100"),
+        (lambda: unbalance_check(rig(), 100.0, 200.0, [99]), "node = 99"),
+        (lambda: level_1(rig(), -1.0), "speed = -1 rad/s: must be > 0"),
+        (lambda: level_1(rig(), 100.0, node=99), "node = 99: must be from 1 to 8"),
+        (lambda: level_2(rig(), 100.0, cross_couplings={99: 1.0}), "node = 99"),
+    ],
+)
+def test_impossible_input_is_named(ask, expected):
+    with pytest.raises(LinearError, match=expected):
+        ask()

@@ -1,0 +1,212 @@
+"""Frequency response to a force, and the sensitivity of control loops: against closed forms of one
+degree of freedom, Routh's criterion, and the response to unbalance."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import LinearError, unbalance_response
+from rotor_fmu.model.linear.frequency_response import (
+    ControlLoop,
+    frequency_response,
+    sensitivity,
+)
+from rotor_fmu.model.machine.toml import parse_rotor
+
+from rotor_fmu.cli import app
+from rotor_fmu.errors import InputError
+from tests.test_ross import machine
+
+ROOT = Path(__file__).parent.parent
+JEFFCOTT = parse_rotor((ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text())
+FREQUENCIES = np.array([10.0, 60.0, 99.0, 150.0, 400.0])  # natural: 100 rad/s
+M, C, K = 1.0, 20.0, 1e4
+LOOP = ControlLoop("magnet", 2, 2, kp=100.0, kd=1.0, force_per_current=50.0)
+MAGNETS = ROOT / "examples" / "magnetic_bearing" / "compressor.toml"
+PNG = b"\x89PNG"
+
+
+def impedance(s):
+    return M * s**2 + C * s + K
+
+
+def test_the_response_of_one_degree_of_freedom_is_the_closed_form():
+    result = frequency_response(JEFFCOTT, FREQUENCIES, 2, [2])
+    expected = 1 / impedance(1j * FREQUENCIES)
+    np.testing.assert_allclose(result.receptance[:, 0, 0, 0], expected, rtol=1e-4)
+    np.testing.assert_allclose(result.receptance[:, 0, 1, 1], expected, rtol=1e-4)
+    assert np.abs(result.receptance[:, 0, 0, 1]).max() < 1e-9 * np.abs(expected).max()
+
+
+def test_a_force_that_turns_with_the_shaft_moves_it_as_an_unbalance_does():
+    rotor = machine("compressor.toml")
+    result = frequency_response(rotor, [500.0], 3, [2, 5], speed=500.0)
+    pull = 1e-4 * 500.0**2 * np.array([1.0, -1j])
+    expected = unbalance_response(rotor, [500.0], unbalances=[(3, 1e-4, 0.0)])
+    for k, node in enumerate((2, 5)):
+        x, y = result.receptance[0, k] @ pull
+        assert x == pytest.approx(expected.x[0, node - 1], rel=1e-9)
+        assert y == pytest.approx(expected.y[0, node - 1], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        replace(LOOP, amplifier_time=1e-3),
+        replace(LOOP, filter_frequency=200.0, ki=500.0, delay=5e-4, negative_stiffness=3e3),
+    ],
+)
+def test_the_sensitivity_of_one_degree_of_freedom_is_the_closed_form(loop):
+    result = sensitivity(JEFFCOTT, FREQUENCIES, [loop])
+    s = 1j * FREQUENCIES
+    low_pass = 1 / (1 + s / (2 * math.pi * loop.filter_frequency)) if loop.filter_frequency else 1.0
+    control = (loop.kp + loop.kd * s) * low_pass + loop.ki / s
+    control = control * 50.0 / (1 + s * loop.amplifier_time) * np.exp(-s * loop.delay)
+    expected = 1 / (1 + control / (impedance(s) - loop.negative_stiffness))
+    assert result.loops == ("magnet x", "magnet y")
+    for column in (0, 1):
+        np.testing.assert_allclose(result.sensitivity[:, column], expected, rtol=1e-4)
+
+
+def test_the_closed_loop_is_stable_as_routh_says():
+    """m T s^3 + (m + c T) s^2 + (c + k T + kd) s + k + kp is stable where the product of its inner
+    coefficients exceeds that of its outer ones."""
+    kp, kd = 50.0 * 4000.0, 0.0
+    # (m + c T)(c + k T + kd) = m T (k + kp): a quadratic equation for T
+    a, b = C * K, M * K + C * (C + kd) - M * (K + kp)
+    root = math.sqrt(b**2 - 4 * a * M * (C + kd))
+    for T in ((-b - root) / (2 * a), (-b + root) / (2 * a)):
+        below, above = (
+            sensitivity(
+                JEFFCOTT, [50.0], [replace(LOOP, kp=4000.0, kd=0.0, amplifier_time=factor * T)]
+            ).is_stable
+            for factor in (0.99, 1.01)
+        )
+        assert below != above
+
+
+def test_a_long_delay_makes_the_loop_unstable():
+    """Without damping of its own: (m s^2 + c s + k) + kp exp(-s T) crosses where the loop gain is
+    one; T from its phase."""
+    kp = 50.0 * 4000.0
+    # size: (k - m w^2)^2 + (c w)^2 = kp^2
+    p = np.roots([M**2, C**2 - 2 * K * M, K**2 - kp**2])
+    w = math.sqrt(max(p.real))
+    phase = math.pi + math.atan2((impedance(1j * w)).imag, impedance(1j * w).real)
+    T = (2 * math.pi - phase) % (2 * math.pi) / w
+    made = [
+        replace(LOOP, kp=4000.0, kd=0.0, amplifier_time=1e-9, delay=f * T) for f in (0.97, 1.03)
+    ]
+    stable = [sensitivity(JEFFCOTT, [50.0], [loop]).is_stable for loop in made]
+    assert stable == [True, False]
+
+
+LOOPS = """
+[[loop]]
+name = "left"
+sensor = "left_sensor"
+magnet = "left_magnet"
+kp = 12000.0
+ki = 1e5
+kd = 16.0
+filter_frequency = 2000.0
+amplifier_time = 1e-4
+delay = 1.5e-4
+force_per_current = 264.0
+negative_stiffness = 1.584e6
+"""
+
+
+@pytest.fixture
+def loops(tmp_path):
+    file = tmp_path / "loops.toml"
+    file.write_text(LOOPS + LOOPS.replace("left", "right"))
+    return file
+
+
+def test_the_command_tells_the_zone_of_each_loop(tmp_path, loops, capsys):
+    app(
+        [
+            *("frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops)),
+            *("--zones", "2:3:4", "--frequency", "1:1000Hz:201", "--out", str(tmp_path)),
+        ],
+        standalone_mode=False,
+    )
+    said = capsys.readouterr().out
+    assert "UNSTABLE" not in said
+    assert [line.split()[-1] for line in said.splitlines() if line.startswith((" left", "right"))]
+    data = json.loads((tmp_path / "frequency_response.json").read_text())
+    assert data["is_stable"] is True
+    largest = max(math.hypot(*value[0]) for value in data["sensitivity"])
+    assert ("B" if largest > 2 else "A") in said.split()
+    assert (tmp_path / "frequency_response.png").read_bytes().startswith(PNG)
+
+
+def test_the_command_tells_the_peaks_of_a_port(tmp_path, capsys):
+    app(
+        [
+            *("frequency-response", "--rotor", str(ROOT / "examples/jeffcott_rub/jeffcott.toml")),
+            *("--force", "disc", "--frequency", "1:50Hz", "--out", str(tmp_path)),
+        ],
+        standalone_mode=False,
+    )
+    assert "x by x  15." in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], "--force and --loop: one of both must be given"),
+        (["--force", "left_magnett"], "the nearest name is left_magnet"),
+        (["--force", "99"], "must be a node from 1 to"),
+        (["--force", "1", "--frequency", "0:5Hz"], "must be FROM:TO, both above 0"),
+        (["--force", "1", "--frequency", "5Hz"], "must be FROM:TO, both above 0"),
+        (["--force", "1", "--zones", "3:4:5"], "are of --loop"),
+        (["--loop", "none.toml"], "cannot be read"),
+        (["--loop", "LOOPS", "--zones", "5:4:3"], "three ascending numbers"),
+    ],
+)
+def test_impossible_wishes_are_refused(tmp_path, loops, arguments, expected):
+    given = [str(loops) if text == "LOOPS" else text for text in arguments]
+    with pytest.raises(InputError) as refused:
+        app(
+            [
+                *("frequency-response", "--rotor", str(MAGNETS), *given),
+                *("--out", str(tmp_path / "out")),
+            ],
+            standalone_mode=False,
+        )
+    assert expected in str(refused.value)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "expected"),
+    [
+        ("kp =", "kpp =", "loop[1].kpp: unknown; the nearest is kp"),
+        ("kd = 16.0\n", "", "loop[1].kd: must be given"),
+        ("delay = 1.5e-4", "delay = -1", "loop[1].delay = -1: must be a number >= 0"),
+        ('sensor = "left_sensor"\n', "", "loop[1].sensor: must be given"),
+        ('"left_sensor"', '"left_sensr"', "the nearest name is left_sensor"),
+        ("[[loop]]", "[[lop]]", "lop: unknown"),
+        ("[[loop]]", "[[loop", "loops.toml"),
+    ],
+)
+def test_a_bad_file_of_loops_is_refused(loops, before, after, expected):
+    loops.write_text(loops.read_text().replace(before, after))
+    with pytest.raises(InputError) as refused:
+        app(
+            ["frequency-response", "--rotor", str(MAGNETS), "--loop", str(loops)],
+            standalone_mode=False,
+        )
+    assert expected in str(refused.value)
+
+
+def test_a_loop_whose_force_grows_without_bounds_is_refused():
+    with pytest.raises(LinearError, match="needs filter_frequency or amplifier_time"):
+        sensitivity(JEFFCOTT, [50.0], [LOOP])
+    with pytest.raises(LinearError, match="frequencies: must be above 0"):
+        frequency_response(JEFFCOTT, [0.0], 2, [2])

@@ -1,0 +1,172 @@
+"""Numbers with units, in machine files and on the command line; the sources are the definitions of
+the units: inch 25.4 mm, pound 0.45359237 kg, standard gravity 9.80665 m/s2."""
+
+import math
+import subprocess
+import sys
+import tomllib
+
+import jsonschema
+import pytest
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+
+import rotor_fmu as rf
+from rotor_fmu.errors import InputError
+from rotor_fmu.machine_file.reading import machine_text, si_text
+from rotor_fmu.machine_file.schema import schema
+from rotor_fmu.units import in_si
+
+INCH, POUND, G = 0.0254, 0.45359237, 9.80665
+LBF = POUND * G
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("0.1", "m", 0.1),
+        ("0.1 mm", "m", 1e-4),
+        ("2 mil", "m", 2e-3 * INCH),
+        ("2mils", "m", 2e-3 * INCH),
+        ("5 µm", "m", 5e-6),
+        ("50 g.mm", "kg.m", 5e-5),
+        ("1 oz-in", "kg.m", POUND / 16 * INCH),
+        ("1 psi", "Pa", LBF / INCH**2),
+        ("0.283 lb/in3", "kg/m3", 0.283 * POUND / INCH**3),
+        ("7 lbf/in", "N/m", 7 * LBF / INCH),
+        ("7 lbf.s/in", "N.s/m", 7 * LBF / INCH),
+        ("3000 rpm", "rad/s", 100 * math.pi),
+        ("3000RPM", "rad/s", 100 * math.pi),
+        ("50Hz", "rad/s", 100 * math.pi),
+        ("3 kHz", "rad/s", 6000 * math.pi),
+        ("3000 cpm", "rad/s", 100 * math.pi),
+        ("60 rpm/s", "rad/s2", 2 * math.pi),
+        ("90 deg", "rad", math.pi / 2),
+        ("1 N/mm^1.5", "N/m**1.5", 1000**1.5),
+        ("5 percent", "1", 0.05),
+    ],
+)
+def test_a_unit_is_worth_what_its_definition_says(text, unit, expected):
+    assert in_si("x =", text, unit) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("3 rpm", "m", "x = 3 rpm: must be a length, in m or such as mm, um, inch, mil"),
+        ("3 furlnog", "m", "x = 3 furlnog: the unit 'furlnog' is unknown; must be a length"),
+        (
+            "5 lb/in",
+            "N/m",
+            "x = 5 lb/in: must be a stiffness, in N/m or such as N/mm, MN/m, lbf",
+        ),
+        ("5 1/min", "rad/s", "radians or turns a '1/min'? must be a speed of rotation"),
+        ("mm", "m", "x = mm: must be a number, in m or with mm or um or inch or mil behind it"),
+        ("1e999 mm", "m", "x = 1e999 mm: must be a number"),
+    ],
+)
+def test_a_unit_that_does_not_fit_is_one_line(text, unit, expected):
+    with pytest.raises(InputError) as error:
+        in_si("x =", text, unit)
+    assert expected in str(error.value)
+
+
+IN_UNITS = (
+    rig_toml()
+    .replace("clearance = 50e-6", 'clearance = "50 um"')
+    .replace("diameter = 0.12", 'diameter = "12 cm"')
+    .replace("young = 2.1e11", 'young = "210 GPa"')
+    .replace("rated_speed = 400.0", 'rated_speed = "63.66197723675814 Hz"')
+    .replace(
+        "diameters = [0.015, 0.015, 0.0093,",
+        'units = { diameters = "mm" }\ndiameters = [15, 15, "9.3 mm",',
+    )
+    .replace("0.0093, 0.0093, 0.0093, 0.015]", "9.3, 9.3, 9.3, 15]")
+)
+
+
+def test_a_machine_in_units_is_the_machine_in_si():
+    machine, rig = rf.parse(IN_UNITS).rotor, parse_rotor(rig_toml())
+    assert machine.bearings[0].clearance == pytest.approx(50e-6)
+    assert machine.operation.rated_speed == pytest.approx(400.0)
+    assert machine.material.young == pytest.approx(rig.material.young)
+    for one, other in zip(machine.sections, rig.sections, strict=True):
+        assert one.outer_left == pytest.approx(other.outer_left)
+    assert [disc.diameter for disc in machine.discs] == pytest.approx([0.12] * 3)
+
+
+def test_a_machine_without_units_is_left_as_it_is_written():
+    assert si_text(rig_toml()) == rig_toml()
+
+
+def test_what_is_built_into_an_fmu_is_in_si(tmp_path):
+    (tmp_path / "rig.toml").write_text(IN_UNITS)
+    text = machine_text("--rotor", tmp_path / "rig.toml")
+    assert parse_rotor(text) == rf.parse(IN_UNITS).rotor
+
+
+def test_the_units_of_a_file_that_is_extended_are_read_too(tmp_path):
+    (tmp_path / "base.toml").write_text(IN_UNITS)
+    (tmp_path / "more.toml").write_text(
+        'extends = "base.toml"\n[[sensor]]\nname = "probe"\nz = "150 mm"\n'
+    )
+    rotor = parse_rotor(machine_text("--rotor", tmp_path / "more.toml"))
+    assert len(rotor.nodes) == 9
+    assert rotor.nodes[4] == pytest.approx(0.15)
+
+
+TABLE = """
+[[linear_bearing]]
+node = 1
+speed = [1000, 2000]
+kxx = [20, 21]
+kyy = [20, 21]
+cxx = 2e3
+cyy = 2e3
+units = { speed = "rpm", kxx = "MN/m", kyy = "N/um" }
+"""
+
+
+def test_a_table_has_a_unit_a_column():
+    bearing = next(p for p in rf.parse(rig_toml() + TABLE).rotor.parts if hasattr(p, "kxx"))
+    assert bearing.speed == pytest.approx([1000 * math.pi / 30, 2000 * math.pi / 30])
+    assert bearing.kxx == bearing.kyy == pytest.approx([20e6, 21e6])
+    assert bearing.cxx == 2e3
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "expected"),
+    [
+        ("kxx = [20, 21]", "kxx = [20, 21, 22]", "linear_bearing[1].kxx: 3 given, 2 needed"),
+        ('"MN/m"', '"mm"', "linear_bearing[1].units.kxx = 'mm': must be a stiffness"),
+        ('kyy = "N/um', 'kxy = "N/um', "units.kxy: no number of that name is here; did you"),
+        ("{ speed", "1 # { speed", "linear_bearing[1].units = 1: must be a table"),
+        ("node = 1", 'node = 1\nhousing = "3 mm"', "housing = '3 mm': no housing of that name"),
+    ],
+)
+def test_a_table_whose_units_cannot_be_is_one_line(old, new, expected):
+    assert old in TABLE
+    with pytest.raises(InputError) as error:
+        rf.parse(rig_toml() + TABLE.replace(old, new))
+    assert expected in str(error.value)
+
+
+def test_the_schema_takes_units_where_the_reader_does():
+    jsonschema.validate(tomllib.loads(IN_UNITS + TABLE), schema())
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(tomllib.loads(IN_UNITS.replace('"50 um"', '"wide"')), schema())
+
+
+def test_plain_numbers_and_rpm_need_no_library():
+    script = (
+        "import sys; sys.modules['pint'] = None\n"
+        "import rotor_fmu as rf\n"
+        "from rotor_fmu.units import in_si\n"
+        "print(rf.load().name, in_si('x', '60 rpm', 'rad/s'))\n"
+        "try: in_si('--hold', '1 hour', 's')\n"
+        "except rf.InputError as error: print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    first, second = done.stdout.splitlines()
+    assert first == f"zigulic2003 {2 * math.pi}"
+    assert second == "--hold 1 hour: pint is not installed: pip install 'rotor-fmu[units]'"
