@@ -3,6 +3,7 @@ waiting for each other costs twenty times the work on a loaded processor."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import cache, wraps
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
@@ -15,8 +16,9 @@ _Result = TypeVar("_Result")
 
 
 @cache
-def _controller() -> ThreadpoolController:
-    """Return what limits the threads of the libraries loaded, which are searched for once."""
+def _controller(has_scipy: bool) -> ThreadpoolController:
+    """Return what limits the threads of the libraries loaded, which are searched for once, and once
+    more when SciPy has brought its own."""
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
@@ -28,7 +30,7 @@ def on_one_thread(function: Callable[_Arguments, _Result]) -> Callable[_Argument
     @wraps(function)
     def limited(*arguments: _Arguments.args, **options: _Arguments.kwargs) -> _Result:
         """Call the function."""
-        with _controller().limit(limits=1, user_api="blas"):
+        with _controller("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
             return function(*arguments, **options)
 
     return limited

@@ -118,3 +118,18 @@ def test_the_rig_runs_down_through_both_peaks_of_the_converged_run():
     # fixed steps of 0.1 ms: 393.0 um at 27.64 Hz, 442.2 um at 31.40 Hz
     for name, size, hz in ((rig["NAMES"][0], 393.0e-6, 27.64), (rig["NAMES"][1], 442.2e-6, 31.40)):
         assert rig["peak"](output, name) == pytest.approx((size, hz), rel=0.01)
+
+
+# --- oil film ---
+
+
+def test_a_rotor_in_oil_films_whirls_past_its_threshold_and_stays_at_its_natural_frequency():
+    example = script("oil_film", "oil_film.py")
+    history = example["run"](low=800.0, high=1000.0, seconds=2.0)
+    _, frequency, rows = example["spectra"](history, lines=4)
+    whirl = frequency[np.argmax(rows[-1])]
+    # below half the speed, 79 Hz, near the shaft's own frequency on pinned journals
+    lowest = math.sqrt(48 * 2.1e11 * math.pi / 64 * 0.02**4 / 0.5**3 / 4.6) / (2 * math.pi)
+    assert whirl == pytest.approx(lowest, rel=0.08)
+    assert np.abs(history["journal"][-500:]).max() > 0.9 * example["CLEARANCE"]
+    assert abs(history["residual"][0]) < 1e-4 * history["lost"][0]

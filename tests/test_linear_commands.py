@@ -168,6 +168,56 @@ def test_what_cannot_be_extended_is_refused(tmp_path, base, expected):
     assert expected in str(refused.value)
 
 
+OIL_FILM = Path(__file__).parents[1] / "examples" / "oil_film" / "rotor.toml"
+
+
+def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, tmp_path):
+    table = tmp_path / "linear.toml"
+    said = command("bearing", str(OIL_FILM), "--speed", "300:900:4", "--table", str(table))
+    assert "journal_bearing[1]: a mass of" in said
+    assert (tmp_path / "out" / "bearing.png").read_bytes().startswith(PNG)
+    values = json.loads((tmp_path / "out" / "bearing.json").read_text())
+    assert max(values["plane_error"]) < 0.03
+    # the machine with its films, and with what was written in their place, at a speed of the table
+    machine = OIL_FILM.read_text().split("[[journal_bearing]]")[0]
+    written = table.read_text()
+    linear = machine + written + written.replace("node = 1", "node = 7")
+    (tmp_path / "replaced.toml").write_text(linear)
+    roots = [answers.modes(path, 500.0) for path in (OIL_FILM, tmp_path / "replaced.toml")]
+    np.testing.assert_allclose(roots[1].damped[:4], roots[0].damped[:4], rtol=2e-4)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_the_linear_commands_name_the_films(command):
+    said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
+    assert "where its journal rests at that speed: journal_bearing[1], journal_bearing[2]" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (
+            ["--speed", "300", "--bearing", "bearing[9]"],
+            "bearing[9]: must be one of journal_bearing",
+        ),
+        (["--speed", "300", "--load", "-1"], "--load -1: must be > 0"),
+        (["--speed", "slow"], "--speed slow: must be a number"),
+    ],
+)
+def test_impossible_bearings_are_refused(command, tmp_path, arguments, expected):
+    with pytest.raises((InputError, ValueError)) as refused:
+        command("bearing", str(OIL_FILM), *arguments)
+    assert expected in str(refused.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_load_past_the_film_is_refused_with_what_it_carries(command, tmp_path):
+    text = OIL_FILM.read_text().replace("k = 1e8", "")
+    (tmp_path / "open.toml").write_text(text)
+    with pytest.raises(ValueError, match=r"its load is 1e\+05 N, and its film carries [\d.]+ N"):
+        command("bearing", str(tmp_path / "open.toml"), "--speed", "300", "--load", "1e5")
+
+
 def test_unbalance_writes_every_speed_as_csv_with_units(command, tmp_path):
     """The amplitudes are those of the answer; an unbalance may be given in g mm."""
     given = ("--speed", "20:40Hz:5", "--node", "5", "--unbalance", "4:50g.mm:90")

@@ -29,7 +29,8 @@ from .short_film import blunted, shear, short_load
 
 # first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
 # bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle
-PAD = places(("first", "last", "x", "y", "clearance", "is_whole"))
+# and whether its film never ruptures
+PAD = places(("first", "last", "x", "y", "clearance", "is_whole", "is_full"))
 _TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
@@ -64,7 +65,7 @@ def pad_of(part, tables, viscosity, kinematics, i):
     film = Film(
         *(D, S, 2.5 * ratio * ratio, part.roughness * inverse),
         *(tables[at + PAD.first], tables[at + PAD.last], tables[at + PAD.is_whole] > 0.0),
-        int(part.points),
+        *(tables[at + PAD.is_full] > 0.0, int(part.points)),
     )
     pressure = 6.0 * viscosity * (R * inverse) * (R * inverse)
     work = part.table + 1 + len(PAD) * pad_count(part, tables)
@@ -113,7 +114,8 @@ def _sensed(film):
         return film, angle(film.S), 1.0
     along = film.D if film.D != 0.0 else -1.0j
     moving = Film(
-        *(film.D, along, film.a, film.floor, film.first, film.last, film.is_whole, film.n)
+        *(film.D, along, film.a, film.floor, film.first, film.last, film.is_whole),
+        *(film.is_full, film.n),
     )
     return moving, angle(along), 0.0
 

@@ -1,6 +1,7 @@
 """Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection, and the
 checks of API 617 and 684."""
 
+from .bearing import BearingCurves, bearing_curves
 from .campbell import Campbell, CriticalSpeed, campbell
 from .critical_map import CriticalMap, critical_map, mean_stiffness
 from .machine import CONTACTS, LinearError, LinearMachine
@@ -13,6 +14,7 @@ from .unbalance_check import UnbalanceCheck, critical_peaks, unbalance_check
 
 __all__ = [
     "CONTACTS",
+    "BearingCurves",
     "Campbell",
     "CriticalMap",
     "CriticalSpeed",
@@ -25,6 +27,7 @@ __all__ = [
     "Static",
     "UnbalanceCheck",
     "UnbalanceResponse",
+    "bearing_curves",
     "campbell",
     "critical_map",
     "critical_peaks",

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..contact.film import pad_count, pad_of
+from ..contact.film_zone import solve_zone, vectors, zone_bound
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.base import Interface
@@ -22,6 +24,7 @@ _BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 _ITERATIONS, _CHANGE = 200, 1e-12
 _SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
 _HALVINGS = 30
+ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
 class BearingAlone:
@@ -61,6 +64,34 @@ class BearingAlone:
         observe = interpreted(self._law.observe)
         observe(self._record, self._tables, self._moving(d, v), self._none, out)
         return {o.name: float(value) for o, value in zip(self._law.outputs, out, strict=True)}
+
+    def pressure(self, d: complex, angles: np.ndarray) -> np.ndarray:
+        """Return the pressure in the middle of the length at angles from 0 to 2 pi, with the
+        journal at rest at a displacement [Pa]."""
+        record, tables = self._record, self._tables
+        moving, result = self._moving(d, 0j), np.zeros_like(angles)
+        for i in range(interpreted(pad_count)(record, tables)):
+            pad, work = interpreted(pad_of)(record, tables, self.part.viscosity, moving, i)
+            if pad.film.S == 0.0:
+                continue
+            for turn in (-1, 0, 1, 2):
+                acts, bound = interpreted(zone_bound)(pad.film, np.angle(pad.film.S), turn)
+                if not acts:
+                    continue
+                if self.part.short:
+                    theta = np.linspace(bound.low[1], bound.high[0], 101)
+                    share = (self.part.length / self.part.journal_radius) ** 2 / 8
+                    turned = np.exp(-1j * theta)
+                    h = np.maximum(1.0 - (turned * pad.film.D).real, pad.film.floor)
+                    P = share * (turned * pad.film.S).real / h**3
+                else:
+                    zone = interpreted(solve_zone)(pad.film, bound, work)
+                    P = interpreted(vectors)(pad.film, work).P
+                    theta = np.linspace(zone.first, zone.last, len(P))
+                for whole in (-2 * math.pi, 0.0, 2 * math.pi):
+                    at = np.interp(angles + whole, theta, P, left=0.0, right=0.0)
+                    result += pad.pressure * at
+        return result
 
     def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
         """Return K [N/m] and C [N.s/m] of the journal at rest at a displacement, each of shape
@@ -137,10 +168,11 @@ class BearingCurves:
 
     bearing: its name; clearance [m]; load: on the journal, to the right and upwards, shape (n, 2)
     [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa], torque [N.m], power
-    [W], flow [m3/s], shape (n,); K [N/m], C [N.s/m], shape (n, 2, 2); mass: that the load weighs
-    [kg]; critical_mass [kg], whirl: frequency at that mass [rad/s]; threshold: speed above which
-    `mass` whirls [rad/s], None if it does at none; plane_error: of the load, against a
-    two-dimensional solution [1].
+    [W], flow [m3/s], shape (n,); around: pressure in the middle of the length every 3 degrees from
+    the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape (n, 2, 2); mass: that
+    the load weighs [kg]; critical_mass [kg], whirl: frequency at that mass [rad/s]; threshold:
+    speed above which `mass` whirls [rad/s], None if it does at none; plane_error: of the load,
+    against a two-dimensional solution [1].
     """
 
     bearing: str
@@ -156,6 +188,7 @@ class BearingCurves:
     torque: np.ndarray
     power: np.ndarray
     flow: np.ndarray
+    around: np.ndarray
     K: np.ndarray
     C: np.ndarray
     mass: float
@@ -234,6 +267,7 @@ def _row(alone: BearingAlone, d: complex, load: complex) -> dict[str, object]:
     return {name: known[name] for name in names} | {
         "x": d.real,
         "y": d.imag,
+        "around": alone.pressure(d, ANGLES),
         "K": K,
         "C": C,
         "critical_mass": mass,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any, ClassVar
@@ -174,7 +174,7 @@ def _observe(part, tables, kinematics, internal_state, out):
 
 
 @jit_not_inlined
-def _breaks(part, tables, displacement):
+def film_breaks(part, tables, displacement):
     """Implement this function of a law; see `parts.law`."""
     if part.k > 0.0:
         return False
@@ -186,16 +186,20 @@ def _breaks(part, tables, displacement):
 
 
 @jit
-def _length(part):
+def film_length(part):
     """Implement this function of a law; see `parts.law`."""
     return part.clearance
 
 
-def _table(part: JournalBearing) -> np.ndarray:
-    """Return the pads, and the room in which their films are solved."""
-    rows = part.pad_rows()
-    room = np.zeros(VECTORS * (int(part.points) + 1))
+def film_table(rows: Sequence[Sequence[float]], points: float) -> np.ndarray:
+    """Return rows of `contact.film.PAD` as a table, with the room in which the films are solved."""
+    room = np.zeros(VECTORS * (int(points) + 1))
     return np.concatenate([[len(rows)], np.ravel(rows), room])
+
+
+def whole_circle(is_full: bool = False) -> list[float]:
+    """Return the row of `contact.film.PAD` of a plain circle."""
+    return [0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0, float(is_full)]
 
 
 JOURNAL_BEARING = Law(
@@ -206,13 +210,30 @@ JOURNAL_BEARING = Law(
     energy=_energy,
     dissipate=_dissipate,
     observe=_observe,
-    length=_length,
-    breaks=_breaks,
+    length=film_length,
+    breaks=film_breaks,
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,
-    table=_table,
+    table=lambda part: film_table(part.pad_rows(), part.points),
 )
+
+
+def check_film(where: str, film: FilmQuantities) -> None:
+    """Raise `QuantityError` for a film whose quantities do not go together."""
+    if float(film.points) != int(film.points):
+        raise QuantityError(f"{where}.points = {film.points:g}: must be a whole number")
+    ratio = film.length / (2.0 * film.journal_radius)
+    if ratio > _LONGEST:
+        raise QuantityError(
+            f"{where}.length = {film.length:g} m: must be at most {_LONGEST:g} diameters, "
+            f"{2.0 * _LONGEST * film.journal_radius:g} m"
+        )
+    if film.roughness >= 0.5 * film.clearance:
+        raise QuantityError(
+            f"{where}.roughness = {film.roughness:g} m: must be below half the clearance, "
+            f"{0.5 * film.clearance:g} m"
+        )
 
 
 def _per_pad(unit: str, text: str, rule: Rule, default: float) -> Any:
@@ -247,19 +268,7 @@ class JournalBearing(FilmQuantities, Part):
         check_all(where, self)
         if not isinstance(self.pads, tuple):
             raise QuantityError(f"{where}.pads = {self.pads!r}: must be a list of numbers")
-        if float(self.points) != int(self.points):
-            raise QuantityError(f"{where}.points = {self.points:g}: must be a whole number")
-        ratio = self.length / (2.0 * self.journal_radius)
-        if ratio > _LONGEST:
-            raise QuantityError(
-                f"{where}.length = {self.length:g} m: must be at most {_LONGEST:g} diameters, "
-                f"{2.0 * _LONGEST * self.journal_radius:g} m"
-            )
-        if self.roughness >= 0.5 * self.clearance:
-            raise QuantityError(
-                f"{where}.roughness = {self.roughness:g} m: must be below half the clearance, "
-                f"{0.5 * self.clearance:g} m"
-            )
+        check_film(where, self)
         for name in ("arc", "preload", "offset"):
             value = getattr(self, name)
             if isinstance(value, tuple) and len(value) != len(self.pads):
@@ -286,7 +295,7 @@ class JournalBearing(FilmQuantities, Part):
     def pad_rows(self) -> list[list[float]]:
         """Return a row of `contact.film.PAD` for each pad."""
         if not self.pads:
-            return [[0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0]]
+            return [whole_circle()]
         rows = []
         for i, middle in enumerate(self.pads):
             arc, preload, offset = (
@@ -296,7 +305,7 @@ class JournalBearing(FilmQuantities, Part):
             first = (middle - 0.5 * arc) % (2.0 * math.pi)
             clearance = 1.0 / (1.0 - preload)
             centre = (clearance - 1.0) * cmath.exp(1j * (first + offset * arc))
-            rows.append([first, first + arc, centre.real, centre.imag, clearance, 0.0])
+            rows.append([first, first + arc, centre.real, centre.imag, clearance, 0.0, 0.0])
         return rows
 
     def elements(self, where: str, density: float) -> Iterator[Element]:

@@ -44,6 +44,7 @@ COMMANDS = {
         "balance": "balancing:balance",
         "frequency-response": "frequency:frequency_response",
         "static": "linear:static",
+        "bearing": "bearings:bearing",
         "response": "periodic:response",
         "import-ross": "linear:import_ross",
         "example": "machine_files:example",

@@ -94,6 +94,7 @@ def modes(
     from ..linear.mode_shapes import mode_shapes_figure
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
+    _name_films(machine)
     data = print_answer(result, result.table(), result.figure(), out, "modes")
     save(mode_shapes_figure(result), out / "modes_3d.png")
     return data
@@ -130,6 +131,7 @@ def campbell(
     result = answers.campbell(
         machine, speeds, count=count, contacts=contacts, harmonic=harmonic or 1.0
     )
+    _name_films(machine)
     return print_answer(result, result.table(), result.figure(ends), out, "campbell")
 
 
@@ -191,6 +193,7 @@ def unbalance(
         speeds = np.linspace(0.0, highest, 401)
     result = answers.unbalance_response(machine, speeds, contacts=contacts, unbalances=given)
     nodes = node or result.nodes()
+    _name_films(machine)
     writable_folder(out)
     _write_response(result, nodes, out / "unbalance.csv")
     if ends is None:
@@ -263,6 +266,14 @@ def _machine(file: Path | None, units: str | None) -> Rotor:
     machine = load_rotor(file)[1]
     choose(units, machine.units)
     return machine
+
+
+def _name_films(machine: Rotor) -> None:
+    """Say of oil films where they are linearized."""
+    from ..model.linear.bearing import journal_bearings
+
+    if names := ", ".join(journal_bearings(machine)):
+        typer.echo(f"oil films, each linearized where its journal rests at that speed: {names}")
 
 
 def print_answer(

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ..model import linear
 from ..model.linear.unbalance_check import ProbeCritical
-from ..threads import with_one_thread
+from ..model.one_thread import on_one_thread
 from . import acceptance_plots, acceptance_tables
 from .answers import Displayed, Machine, displayed, rotor_of
 from .linear_tables import Table
@@ -147,7 +147,7 @@ class StabilityLevel2(Displayed, linear.StabilityLevel2):
         return acceptance_plots.level_2_figure(self)
 
 
-@with_one_thread
+@on_one_thread
 def critical_map(
     machine: Machine, stiffness: Sequence[float] | np.ndarray | None = None, **options: Any
 ) -> CriticalMap:
@@ -164,7 +164,7 @@ def default_stiffness(mean: float) -> np.ndarray:
     return mean * np.logspace(-2.0, 2.0, 33)
 
 
-@with_one_thread
+@on_one_thread
 def unbalance_check(
     machine: Machine, low: float, high: float, probes: Sequence[int], **options: Any
 ) -> UnbalanceCheck:
@@ -172,7 +172,7 @@ def unbalance_check(
     return displayed(UnbalanceCheck, linear.unbalance_check, machine, low, high, probes, **options)
 
 
-@with_one_thread
+@on_one_thread
 def critical_peaks(
     machine: Machine, top: float, nodes: Sequence[int], **options: Any
 ) -> CriticalPeaks:
@@ -180,13 +180,13 @@ def critical_peaks(
     return CriticalPeaks(linear.critical_peaks(rotor_of(machine), top, nodes, **options))
 
 
-@with_one_thread
+@on_one_thread
 def level_1(machine: Machine, speed: float, **options: Any) -> StabilityLevel1:
     """Return `model.linear.level_1` of a machine."""
     return displayed(StabilityLevel1, linear.level_1, machine, speed, **options)
 
 
-@with_one_thread
+@on_one_thread
 def level_2(machine: Machine, speed: float, **options: Any) -> StabilityLevel2:
     """Return `model.linear.level_2` of a machine."""
     return displayed(StabilityLevel2, linear.level_2, machine, speed, **options)

@@ -23,10 +23,10 @@ from matplotlib.figure import Figure
 from ..fmi.packing.machine_picture import machine_figure
 from ..model import linear
 from ..model.machine.rotor import Rotor
+from ..model.one_thread import on_one_thread
 from ..model.parts.shaft import Section
 from ..model.structure.beam import shaft_element
 from ..runs.job import load_rotor
-from ..threads import with_one_thread
 from . import linear_plots, linear_tables
 
 Machine = Rotor | Path | str
@@ -112,6 +112,30 @@ class Campbell(Displayed, linear.Campbell):
         return linear_plots.campbell_figure(self, self.machine_name, operating)
 
 
+class BearingCurves(Displayed, linear.BearingCurves):
+    """`model.linear.BearingCurves`, shown."""
+
+    def table(self) -> linear_tables.Table:
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row a speed.
+        """
+        return linear_tables.bearing_table(self)
+
+    def figure(self) -> Figure:
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The journal's locus, its film, and the coefficients over the speed.
+        """
+        return linear_plots.bearing_figure(self)
+
+
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
     """`model.linear.UnbalanceResponse`, shown at the nodes with the largest orbits."""
 
@@ -188,19 +212,19 @@ class Static(Displayed, linear.Static):
         return linear_plots.static_figure(self, self.machine_name, self.shear)
 
 
-@with_one_thread
+@on_one_thread
 def modes(machine: Machine, speed: float = 0.0, **options: Any) -> Modes:
     """Return `model.linear.modes` of a machine."""
     return displayed(Modes, linear.modes, machine, speed, **options)
 
 
-@with_one_thread
+@on_one_thread
 def campbell(machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any) -> Campbell:
     """Return `model.linear.campbell` of a machine."""
     return displayed(Campbell, linear.campbell, machine, speeds, **options)
 
 
-@with_one_thread
+@on_one_thread
 def unbalance_response(
     machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
 ) -> UnbalanceResponse:
@@ -208,7 +232,15 @@ def unbalance_response(
     return displayed(UnbalanceResponse, linear.unbalance_response, machine, speeds, **options)
 
 
-@with_one_thread
+@on_one_thread
+def bearing(
+    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
+) -> BearingCurves:
+    """Return `model.linear.bearing_curves` of a machine."""
+    return displayed(BearingCurves, linear.bearing_curves, machine, speeds, **options)
+
+
+@on_one_thread
 def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
     """Return `model.linear.static` of a machine."""
     return displayed(Static, linear.static, machine, speed, **options)

@@ -17,7 +17,7 @@ from ..errors import InputError, read_text
 from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
-from ..threads import with_one_thread
+from ..model.one_thread import on_one_thread
 from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
 from .linear_plots import PURPLE, new_figure
@@ -194,13 +194,13 @@ class Sensitivity(model.Sensitivity, Displayed):
         return figure
 
 
-@with_one_thread
+@on_one_thread
 def frequency_response(machine: Machine, *arguments: Any, **options: Any) -> FrequencyResponse:
     """Return `model.linear.frequency_response.frequency_response` of a machine."""
     return displayed(FrequencyResponse, model.frequency_response, machine, *arguments, **options)
 
 
-@with_one_thread
+@on_one_thread
 def sensitivity(
     machine: Machine, *arguments: Any, zones: Sequence[float] = (), **options: Any
 ) -> Sensitivity:

@@ -1,0 +1,245 @@
+"""Rotors in oil films that move: threshold, limit cycle, touching, dampers; ledger and backends."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import bearing_curves, modes
+from rotor_fmu.model.linear.bearing import BearingAlone
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.law import Weights
+from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
+from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
+
+_SHAFT = """
+[material]
+young = 2.1e11
+density = 100.0
+poisson = 0.3
+[shaft]
+nodes = [0.0, 0.1, 0.2]
+diameters = [0.1, 0.1]
+[[body]]
+node = 2
+mass = 40.0
+I_d = 0.2
+I_p = 0.2
+e = {e}
+"""
+_FILM = """
+[[journal_bearing]]
+node = {node}
+journal_radius = 0.05
+length = 0.03
+clearance = 1e-4
+viscosity = 0.01
+{more}
+"""
+
+
+def _rotor(more="short = true", e=0.0):
+    films = "".join(_FILM.format(node=node, more=more) for node in (1, 3))
+    return parse_rotor(_SHAFT.format(e=e) + films)
+
+
+def _run(rotor, speed, tolerance=1e-4, **options):
+    return Simulation(
+        rotor,
+        choose("controlled", tolerance=tolerance),
+        speed=speed,
+        warn=lambda _: None,
+        **options,
+    )
+
+
+def _pushed(rotor, speed):
+    """A run that a side load of a millisecond has set in motion."""
+    run = _run(rotor, speed)
+    run.advance(1e-3, speed, np.array([20.0 + 0j]))
+    run.advance(0.1, speed, np.array([0j]))
+    return run
+
+
+def _size(run, seconds, speed, rest):
+    """The largest distance of the disc from its rest over some time [m]."""
+    end, largest = run.time + seconds, 0.0
+    while run.time < end:
+        run.advance(run.time + 2e-4, speed)
+        z = complex(run.read("body[1].x"), run.read("body[1].y"))
+        largest = max(largest, abs(z - rest))
+    return largest
+
+
+def test_linear_threshold_is_bracketed_by_integration():
+    rotor = _rotor()
+    threshold = bearing_curves(rotor, np.linspace(400.0, 1200.0, 5)).threshold
+    assert modes(rotor, 0.99 * threshold).eigenvalues.real.max() < 0
+    assert modes(rotor, 1.01 * threshold).eigenvalues.real.max() > 0
+    for factor, grows in ((0.98, False), (1.02, True)):
+        speed = factor * threshold
+        run = _pushed(rotor, speed)
+        start = _run(rotor, speed)
+        rest = complex(start.read("body[1].x"), start.read("body[1].y"))
+        before = _size(run, 0.05, speed, rest)
+        run.advance(run.time + 1.0, speed)
+        assert (_size(run, 0.05, speed, rest) > before) == grows
+
+
+def test_ledger_closes_through_a_threshold():
+    rotor = _rotor(e=2e-6)
+    run = _run(rotor, 400.0, 1e-3)
+    run.advance(2.0, 400.0, rate=500.0)
+    lost = sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))
+    assert run.read("energy.film_loss") > 0
+    assert abs(run.read("energy.residual")) < 1e-4 * lost
+    # past the threshold the journals whirl in most of their clearance
+    assert (
+        max(_size(run, 0.05, 1400.0, complex(run.read("body[1].x"), run.read("body[1].y"))), 0)
+        > 5e-5
+    )
+
+
+def test_a_start_at_standstill_lies_on_its_wall_and_lifts_off():
+    rotor = _rotor("k = 1e8")
+    run = _run(rotor, 0.0, 1e-2)
+    assert run.read("journal_bearing[1].contact") == 1.0
+    assert run.read("journal_bearing[1].film") < 1e-6
+    run.advance(0.5, 0.0, rate=600.0)
+    assert run.read("journal_bearing[1].contact") == 0.0
+    assert run.read("energy.friction_loss") > 0
+    lost = run.read("energy.film_loss") + run.read("energy.friction_loss")
+    assert abs(run.read("energy.residual")) < 1e-3 * lost
+
+
+def test_a_film_that_does_not_carry_is_said():
+    with pytest.raises(
+        EquilibriumError, match=r"oil film at node . does not carry them at 0 rad/s"
+    ):
+        _run(_rotor(), 0.0)
+    run = _run(_rotor(), 600.0)
+    with pytest.raises(StepFailure, match=r"oil film at node . is thinner than its roughness"):
+        run.advance(1.0, 600.0, np.array([-1e8j]))
+
+
+def test_a_free_rotor_is_braked_by_its_films():
+    rotor = _rotor()
+    run = _run(rotor, 600.0, drive_torque=0.0)
+    torque = 2 * run.read("journal_bearing[1].torque")
+    inertia = 2 * run.read("energy.kinetic") / 600.0**2
+    run.advance(1e-3, 0.0)
+    seen = (600.0 - run.read("w")) / 1e-3
+    assert seen == pytest.approx(torque / inertia, rel=5e-3)
+
+
+# --- squeeze film dampers ---
+
+_DAMPER = {"node": 1, "journal_radius": 0.05, "length": 0.02, "clearance": 1e-4, "viscosity": 0.01}
+
+
+@pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
+def test_centred_circular_orbits_of_a_short_damper(e):
+    omega = 100.0
+    scale = 0.01 * 0.05 * 0.02**3 * omega / 1e-8
+    for full in (False, True):
+        damper = BearingAlone(SqueezeFilmDamper(**_DAMPER, short=True, full=full), 0.0)
+        force = damper.force(e * 1e-4, 1j * omega * e * 1e-4) / scale
+        radial, tangential = -2 * e**2 / (1 - e**2) ** 2, -math.pi * e / (2 * (1 - e**2) ** 1.5)
+        expected = complex(0.0, 2 * tangential) if full else complex(radial, tangential)
+        assert force == pytest.approx(expected, rel=1e-9)
+
+
+def test_tangent_of_a_damper():
+    for options in ({"short": True}, {"short": True, "full": True}, {}):
+        damper = BearingAlone(SqueezeFilmDamper(**_DAMPER, stiffness=1e5, **options), 0.0)
+        d, v = 3e-5 - 4e-5j, 1e-3 + 2e-3j
+        for weights, h in ((Weights(1.0, 0.0, 0.0), 1e-10), (Weights(0.0, 1.0, 0.0), 1e-7)):
+            seen = []
+            for z in (1, 1j):
+                by_d, by_v = h * weights.displacement * z, h * weights.velocity * z
+                change = damper.force(d + by_d, v + by_v) - damper.force(d - by_d, v - by_v)
+                seen.append([change.real / (2 * h), change.imag / (2 * h)])
+            tangent = damper.tangent(d, v, weights)
+            np.testing.assert_allclose(tangent, np.transpose(seen), atol=1e-6 * abs(tangent).max())
+
+
+_ON_DAMPERS = """
+gravity = 0.0
+[material]
+young = 2.1e13
+density = 1.0
+[shaft]
+nodes = [0.0, 0.1, 0.2]
+diameters = [0.02, 0.02]
+[[body]]
+node = 2
+mass = 10.0
+I_d = 1e-2
+I_p = 1e-3
+e = 3e-5
+[[squeeze_film_damper]]
+node = 1
+journal_radius = 0.05
+length = 0.02
+clearance = 1e-4
+viscosity = {viscosity}
+short = true
+stiffness = 5e4
+[[squeeze_film_damper]]
+node = 3
+journal_radius = 0.05
+length = 0.02
+clearance = 1e-4
+viscosity = {viscosity}
+short = true
+stiffness = 5e4
+"""
+
+
+def _orbit(run, speed, seconds):
+    run.advance(run.time + seconds, speed)
+    return run.read("squeeze_film_damper[1].eccentricity")
+
+
+def test_jump_of_a_rotor_on_dampers():
+    # B = 2 mu R L^3 / (m c^3 w_n) = 0.05 with two dampers; e from the closed form of the orbit
+    natural = 100.0
+    viscosity = 0.05 * 10.0 * 1e-12 * natural / (2 * 0.05 * 0.02**3)
+    rotor = parse_rotor(_ON_DAMPERS.format(viscosity=viscosity))
+    # from below the fold on and slowly up: the large orbit; begun at 2.0: the small one
+    up = _run(rotor, 140.0)
+    up.advance(1.0, 140.0)
+    up.advance(7.0, 140.0, rate=10.0)
+    assert _orbit(up, 200.0, 1.0) == pytest.approx(0.87388, rel=5e-3)
+    assert _orbit(_run(rotor, 200.0), 200.0, 4.0) == pytest.approx(0.41580, rel=5e-3)
+
+
+def test_bad_damper_is_refused():
+    with pytest.raises(QuantityError, match=r"full = true: needs squeeze_film_damper\[1\].short"):
+        SqueezeFilmDamper(**_DAMPER, full=True).check("squeeze_film_damper[1]")
+
+
+# --- FMUs ---
+
+
+def test_fmu_has_the_bits_of_the_simulation(machine_of):
+    """The FMU in Python and the native one, with a film in lobes and a damper."""
+    text = _SHAFT.format(e=1e-5) + _FILM.format(
+        node=1, more="pads = [1.570796, 4.712389]\narc = 2.8\npreload = 0.4\nk = 1e8"
+    )
+    text += (
+        "[[squeeze_film_damper]]\nnode = 3\njournal_radius = 0.05\nlength = 0.02\n"
+        "clearance = 1e-4\nviscosity = 0.01\nstiffness = 1e7\n"
+    )
+    names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
+    simulation = Simulation(
+        parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None
+    )
+    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
+        for i in range(1, 6):
+            run.advance(0.01 * i)
+            simulation.advance(0.01 * i, 500.0)
+            assert run.read(*names) == [simulation.read(name) for name in names]
