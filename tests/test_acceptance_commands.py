@@ -65,7 +65,7 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         (["critical-map", "--stiffness", "1e7"], "--stiffness 1e7: must be FROM:TO"),
         (["critical-map", "--stiffness", "1e7:1e5"], "--stiffness 1e7:1e5: must be FROM:TO"),
         (["critical-map", "--count", "0"], "--count 0: must be from 1 to 100"),
-        (["stability"], "--rated: must be given"),
+        (["stability", "--rotor", COMPRESSOR], "--rated: must be given"),
         (["stability", "--rated", "-5rpm"], "--rated -5rpm: must be above 0"),
         (["stability", "--rated", "fast"], "--rated fast: must be a number"),
         (["stability", "--rated", "50Hz", "--level", "3"], "--level 3: must be 1 or 2"),
@@ -75,7 +75,7 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         (["stability", "--rated", "50Hz", "--node", "99"], "--node 99: must be from 1"),
         (["unbalance", "--range", "60:50Hz"], "--range 60:50Hz: FROM must be below TO"),
         (["unbalance", "--range", "0:50Hz"], "--range 0:50Hz: must be FROM:TO, both above 0"),
-        (["unbalance", "--mode", "1"], "need the operating range"),
+        (["unbalance", "--rotor", COMPRESSOR, "--mode", "1"], "need the operating range"),
         (["unbalance", "--clearance", "1"], "--clearance 1: must be NODE:RADIUS"),
         (
             ["unbalance", "--range", "10:50Hz", "--mode", "1", "--unbalance", "3:1e-5"],

@@ -47,6 +47,7 @@ _TAKEN = (
     *("shaft", "solver", "energy"),
     *("time", "speed", "speed_rate", "speed_continuation", "tau_drive", "w_start", "gravity"),
     *("phi", "w", "a", "tau", "tau_load", "J", "tau_wave", "tau_impedance", "step_work", "limit"),
+    *("dphi_ddrive", "dw_ddrive", "dtau_ddrive", "dtau_load_ddrive"),
 )
 
 

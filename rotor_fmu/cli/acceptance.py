@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 Stages = Annotated[
     list[str] | None,
     typer.Option(
-        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller [W, m, m, 1], whose cross "
+        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller, in W, m, m, 1, whose cross "
         "coupling follows from Alford's formula; repeatable."
     ),
 ]
 CrossCouplings = Annotated[
     list[str] | None,
-    typer.Option(help="NODE:STIFFNESS of a given cross coupling [N/m]; repeatable."),
+    typer.Option(help="NODE:STIFFNESS of a given cross coupling, in N/m; repeatable."),
 ]
 
 

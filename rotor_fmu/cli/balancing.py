@@ -33,8 +33,8 @@ def balance(
     trial: Annotated[
         float | None,
         typer.Option(
-            help="Trial unbalance of each plane [kg m]; default: all together pull with a tenth of "
-            "the rotor's weight."
+            help="Trial unbalance of each plane, in kg.m; default: all together pull with a "
+            "tenth of the rotor's weight."
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/balance"),

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @with_output_options
 def bearing(
-    file: Annotated[Path, typer.Argument(help="Machine file with a [[journal_bearing]].")],
+    file: Annotated[Path, typer.Argument(help="Machine file with a journal_bearing.")],
     speed: Annotated[
         str,
         typer.Option(
@@ -40,7 +40,7 @@ def bearing(
     ] = None,
     table: Annotated[
         Path | None,
-        typer.Option(help="File for a [[linear_bearing]] with these coefficients over the speed."),
+        typer.Option(help="File for a linear_bearing with these coefficients over the speed."),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/bearing"),
 ) -> dict[str, Any]:

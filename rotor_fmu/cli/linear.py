@@ -59,7 +59,7 @@ OperatingRange = Annotated[
     typer.Option(
         "--range",
         help="Minimum and maximum continuous speed FROM:TO, in rad/s, or with rpm or Hz added; "
-        "default: those of the machine's [operation].",
+        "default: those of the machine's table operation.",
     ),
 ]
 Rated = Annotated[
@@ -71,7 +71,7 @@ Rated = Annotated[
 ]
 Clearances = Annotated[
     list[str] | None,
-    typer.Option(help="NODE:RADIUS, radial clearance of a seal at a node [m]; repeatable."),
+    typer.Option(help="NODE:RADIUS, radial clearance of a seal at a node, in m; repeatable."),
 ]
 
 

@@ -9,9 +9,7 @@ import typer
 
 from ..errors import InputError, writable_folder
 from ..files import write_text
-from ..linear.machine_warnings import machine_warnings
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
 from .runs import RotorFile
 
 
@@ -22,6 +20,12 @@ def page(
 ) -> dict[str, Any]:
     """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
     needs no network."""
+    # imported when it is called: the help needs none of it
+    from ..fmi.packing.machine_files import machine_of
+    from ..linear.machine_warnings import machine_warnings
+    from ..live.page import solver_page
+    from ..runs.job import load_rotor
+
     toml, machine = load_rotor(rotor)
     writable_folder(out.parent)
     if out.is_dir():
@@ -29,9 +33,6 @@ def page(
     warnings = machine_warnings(machine)
     for warning in warnings:
         typer.echo(f"warning: {warning}", err=True)
-    from ..fmi.packing.machine_files import machine_of
-    from ..live.page import solver_page
-
     write_text(solver_page(machine_of(toml, False, 0)), out)
     typer.echo(out)
     return {"out": out, "bytes": out.stat().st_size, "warnings": warnings}

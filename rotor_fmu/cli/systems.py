@@ -8,15 +8,10 @@ from typing import Annotated, Any
 
 import typer
 
-from ..cosimulation.coupling import example_coupling
-from ..cosimulation.system import ALGORITHMS, Component, drive_system
+from ..cosimulation import ALGORITHMS
 from ..errors import InputError, writable_folder
-from ..fmi.packing.machine_files import machine_of
-from ..fmi.packing.native_fmu import build_native
-from ..fmi.packing.python_fmu import build as build_python
 from ..model.kernels.library import here
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
 from .fmus import Native
 from .runs import RotorFile
 
@@ -40,6 +35,14 @@ def ssp(
 
     Leaves both FMUs, System.ssp and OspSystemStructure.xml in the folder.
     """
+    # imported when it is called: the help needs none of it
+    from ..cosimulation.coupling import example_coupling
+    from ..cosimulation.system import Component, drive_system
+    from ..fmi.packing.machine_files import machine_of
+    from ..fmi.packing.native_fmu import build_native
+    from ..fmi.packing.python_fmu import build as build_python
+    from ..runs.job import load_rotor
+
     toml, _ = load_rotor(rotor)
     for name, value, most in (
         ("--tau-max", tau_max, 1e6),

@@ -13,6 +13,7 @@ from ..fmi.packing.archive import write_archive, xml_bytes
 from ..fmi.packing.machine_files import Machine
 from ..fmi.variables import Unit, Variable, unit
 from ..model.structure.assembly import assemble
+from . import ALGORITHMS
 
 _SSP = "http://ssp-standard.org/SSP1/SystemStructure"
 _SPACES = {
@@ -23,7 +24,6 @@ _SPACES = {
 }
 _OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 _EXTENSION = "application/x-ssp-parameter-set"
-ALGORITHMS = ("fixedStep", "ecco")
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
 # Of libcosim's ECCO, relative to the communication step: the shortest and the longest step; and how
 # fast the step changes, by which gains, at which error of the power.

@@ -33,7 +33,7 @@ def test_its_description_is_valid_and_that_of_the_table(free_fmu):
 def test_both_fmus_have_the_same_variables_beside_the_drive():
     driven, free = ({v.name for v in interface(rig(), is_free)} for is_free in (False, True))
     assert driven - free == {"speed", "speed_rate", "speed_continuation"}
-    assert free - driven == {"tau_drive", "w_start"}
+    assert free - driven == {"tau_drive", "w_start", "tau_impedance"}
 
 
 def test_each_is_current_as_itself_only(fmu, free_fmu):

@@ -34,7 +34,7 @@ def test_the_package_is_valid_with_units_connectors_and_parameters(folder):
         names = set(archive.namelist())
         structure = archive.read("SystemStructure.ssd")
         sets = {name: archive.read(name) for name in names if name.endswith(".ssv")}
-    assert {"resources/DriveTrain.fmu", "resources/RotorBearingNative.fmu"} < names
+    assert {"resources/DriveTrain.fmu", "resources/DroppingCompressorNative.fmu"} < names
     check(structure, SSP)
     root = etree.fromstring(structure)
     space = {"ssd": root.nsmap["ssd"], "ssc": root.nsmap["ssc"]}
