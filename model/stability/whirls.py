@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..kernels.functions import modulus
-from ..kernels.jit import jit, jit_not_inlined
+from ..kernels.jit import jit
 from ..structure.structure import Structure
 from .eigenvalues import eigenvalues
 from .matrices import (
@@ -87,7 +87,7 @@ def rounded_down(x, least):
     return math.floor(x * scale) / scale
 
 
-@jit_not_inlined
+@jit  # as arguments a whole run is more than a WebAssembly function may have
 def find_growing_whirls(run, speed, is_start):
     """Find the whirls that grow at this speed of rotation [rad/s] and at half of it, with all
     contacts open, each alone closed, and all; keep the steps that a tolerance chooses short enough

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.jit import jit_not_inlined
+from ..kernels.jit import jit_inlined, jit_not_inlined
 from ..step.excitation import spin_of
 from ..step.step import accelerate
 from ..step.tangent import row_of
@@ -25,16 +25,16 @@ _ITERATIONS, _BALANCED = 20, 1e-13
 
 
 @jit_not_inlined
-def _read(run, tangents, spin, torque, out):
+def _read(structure, memory, work, tangents, spin, torque, out):
     """`observe` the moved motion at another rotation and torque [N.m]; the run stays as it is."""
-    r = run.memory.record[0]
+    r = memory.record[0]
     omega, alpha, theta, held = r.omega, r.alpha, r.theta, r.torque
     r.omega, r.alpha, r.theta, r.torque = spin.omega, spin.alpha, spin.theta, torque
-    observe(run.structure, tangents.moved, run.memory, run.work, out, True)
+    observe(structure, tangents.moved, memory, work, out, True)
     r.omega, r.alpha, r.theta, r.torque = omega, alpha, theta, held
 
 
-@jit_not_inlined
+@jit_inlined  # as arguments a whole run is more than a WebAssembly function may have
 def by_input(run, tangents, row):
     """Fill reading.derivatives[0] with the sensitivities to the input of a row of the tangents."""
     structure, memory = run.structure, run.memory
@@ -48,31 +48,34 @@ def by_input(run, tangents, row):
             structure, spin, row, along, d_spin, signed, run.motion, memory, run.work, tangents
         )
         there = moved_spin(spin, d_spin, signed)
-        _read(run, tangents, there, torque, first if side == 0 else second)
+        out = first if side == 0 else second
+        _read(structure, memory, run.work, tangents, there, torque, out)
     for i in range(len(first)):
         first[i] = (first[i] - second[i]) * (0.5 / by) if by > 0.0 else 0.0
 
 
-@jit_not_inlined
+@jit_inlined
 def by_time(run, tangents):
     """Fill reading.derivatives with the first and the second derivatives by time."""
-    motion, memory, moved = run.motion, run.memory, tangents.moved
+    structure, motion, memory, work = run.structure, run.motion, run.memory, run.work
+    moved = tangents.moved
     r = memory.record[0]
     first, second, now = run.reading.derivatives[0], run.reading.derivatives[1], run.reading.at
     spin = spin_now(memory.record)
-    fastest = max(abs(r.omega), run.structure.numbers[0].slowest)
+    fastest = max(abs(r.omega), structure.numbers[0].slowest)
     by = _SHARE / max(fastest, math.sqrt(r.characteristic_frequency_squared))
     for i in range(len(memory.work)):
         tangents.work.ledger[i] = memory.work[i]
-    alpha_rate = _jerk(run, tangents, spin, by)
+    alpha_rate = _jerk(structure, motion, memory, work, tangents, spin, by)
     for side in range(3):
         signed = -by if side == 0 else (by if side == 1 else 0.0)
         _along_time(motion, signed, moved)
-        torque, there = _balanced(run, tangents, spin, alpha_rate, signed)
+        torque, there = _balanced(structure, memory, work, tangents, spin, alpha_rate, signed)
         for i in range(len(memory.work)):
             change = 0.5 * signed * (memory.power[i] + tangents.work.flows[i])
             memory.work[i] = tangents.work.ledger[i] + change
-        _read(run, tangents, there, torque, second if side == 0 else (first if side == 1 else now))
+        out = second if side == 0 else (first if side == 1 else now)
+        _read(structure, memory, work, tangents, there, torque, out)
     for i in range(len(memory.work)):
         memory.work[i] = tangents.work.ledger[i]
     for i in range(len(first)):
@@ -82,22 +85,22 @@ def by_time(run, tangents):
 
 
 @jit_not_inlined
-def _jerk(run, tangents, spin, by):
+def _jerk(structure, motion, memory, work, tangents, spin, by):
     """Fill in the change of the accelerations and of the laws' rates per second; returns that of
     the rotation's rate [rad/s3]."""
-    motion, moved = run.motion, tangents.moved
+    moved = tangents.moved
     for i in range(len(motion.q)):
         moved.jerk[i] = 0.0
     for i in range(len(motion.internal_state)):
         moved.internal_rate_carried[i] = 0.0
     _along_time(motion, -by, moved)
-    _, behind = _balanced(run, tangents, spin, 0.0, -by)
+    _, behind = _balanced(structure, memory, work, tangents, spin, 0.0, -by)
     for i in range(len(motion.q)):
         moved.a[i] = moved.v_dot[i]
     for i in range(len(motion.internal_state)):
         tangents.work.shifted[i] = moved.internal_rate[i]
     _along_time(motion, by, moved)
-    _, ahead = _balanced(run, tangents, spin, 0.0, by)
+    _, ahead = _balanced(structure, memory, work, tangents, spin, 0.0, by)
     for i in range(len(motion.q)):
         moved.jerk[i] = (moved.v_dot[i] - moved.a[i]) * (0.5 / by)
     for i in range(len(motion.internal_state)):
@@ -120,10 +123,10 @@ def _along_time(motion, by, out):
 
 
 @jit_not_inlined
-def _balanced(run, tangents, spin, alpha_rate, by):
+def _balanced(structure, memory, work, tangents, spin, alpha_rate, by):
     """Fill in the accelerations of the moved motion, `by` [s] from now; returns its torque [N.m]
     and its rotation, of a free rotor with the rate that balances its torques."""
-    structure, memory, moved = run.structure, run.memory, tangents.moved
+    moved = tangents.moved
     r = memory.record[0]
     for i in range(len(memory.loads)):
         rate = memory.load_rates[i] if r.varies == 1 else 0j
@@ -133,9 +136,9 @@ def _balanced(run, tangents, spin, alpha_rate, by):
     there = spin_of(omega, spin.alpha + by * alpha_rate, theta)
     torque = 0.0
     for _ in range(_ITERATIONS):
-        accelerate(structure, there, r.damping, tangents.work.loads, moved, run.work)
+        accelerate(structure, there, r.damping, tangents.work.loads, moved, work)
         torque = powers(
-            structure, there, tangents.work.loads, moved, run.work.losses, tangents.work.flows
+            structure, there, tangents.work.loads, moved, work.losses, tangents.work.flows
         )
         if r.is_free == 0:
             break

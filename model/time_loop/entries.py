@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_inlined
 from ..schemes.family import Scheme
 from ..stability.whirls import find_growing_whirls
 from ..step.excitation import at_place
@@ -119,12 +119,12 @@ def advance(block, t_end, drive, rate):
     return status
 
 
-@jit
+@jit_inlined
 def _tangents(run):
     return Tangents(run.tangent, run.tangent_after, run.tangent_work, run.moved)
 
 
-@jit
+@jit_inlined
 def _observe(run, tangents):
     """Fill in all that can be read."""
     out = run.reading.observed

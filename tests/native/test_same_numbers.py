@@ -83,7 +83,7 @@ EXAMPLES = [
 @pytest.mark.parametrize("file", EXAMPLES, ids=lambda file: f"{file.parent.name}/{file.name}")
 def test_every_example_runs_as_the_simulation_bit_for_bit(make, file):
     toml, rotor = load_rotor(file)
-    machine = Machine(make(rotor_toml=toml)).start()
+    machine = Machine(make(rotor_toml=toml)).start(speed=400.0)
     simulation = Simulation(rotor, speed=400.0)
     before = observed(simulation, machine.computed)
     for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(30)]):
@@ -99,7 +99,7 @@ STICKING = OTHER.replace("mu = 0.0", "mu = 0.2\nk_t = 1e7\nc_t = 50.0")
     "toml", [rig_toml(), OTHER, STICKING], ids=["rig", "on supports", "sticking"]
 )
 def test_it_starts_and_runs_as_the_simulation_bit_for_bit(make, toml):
-    machine = Machine(make(rotor_toml=toml)).start()
+    machine = Machine(make(rotor_toml=toml)).start(speed=400.0)
     simulation = Simulation(parse_rotor(toml), speed=400.0)
     assert (machine.read() == observed(simulation, machine.computed)).all()
     for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(60)]):
@@ -110,7 +110,7 @@ def test_it_starts_and_runs_as_the_simulation_bit_for_bit(make, toml):
 @pytest.mark.parametrize("preset", ["robust", "paper", "paper-adaptive", "moderate"])
 def test_so_it_does_with_every_preset(fmu, preset):
     at = ["robust", "paper", "paper-adaptive", "moderate", "controlled"].index(preset)
-    machine = Machine(fmu).start({"solver.preset": at})
+    machine = Machine(fmu).start({"solver.preset": at}, speed=400.0)
     simulation = Simulation(rig(), choose(preset), speed=400.0)
     for seen, expected in run_both(machine, simulation, [400.0] * 20):
         assert (seen == expected).all()
@@ -123,7 +123,7 @@ RADAU = {"solver.method": 1 + list(METHODS).index("radau5")}
 @pytest.mark.parametrize("file", [EXAMPLES[0], EXAMPLES[4]], ids=lambda file: file.name)
 def test_so_it_does_in_stages(make, file):
     toml, rotor = load_rotor(file)
-    machine = Machine(make(rotor_toml=toml)).start(RADAU)
+    machine = Machine(make(rotor_toml=toml)).start(RADAU, speed=400.0)
     simulation = Simulation(rotor, choose(method="radau5"), speed=400.0)
     for seen, expected in run_both(machine, simulation, [400 - 2 * i for i in range(30)]):
         assert (seen == expected).all()
@@ -182,7 +182,7 @@ def test_so_it_does_driven_by_a_torque(make):
 def test_a_run_that_cannot_be_ends_with_the_same_sentence(fmu, capfd, choices, values):
     machine = Machine(fmu)
     with pytest.raises(fmpy.fmi1.FMICallException):
-        machine.start(choices, **values).step(2.0)
+        machine.start(choices, **values, speed=400.0).step(2.0)
     settings = choose("paper" if choices else "controlled")
     if "solver.method" in choices:
         settings = choose("paper", method="wbz", alpha_m=0.08)
@@ -197,7 +197,7 @@ def test_a_run_that_cannot_be_ends_with_the_same_sentence(fmu, capfd, choices, v
 
 @pytest.mark.slow
 def test_so_it_does_over_the_whole_run_down(fmu):
-    machine = Machine(fmu).start()
+    machine = Machine(fmu).start(speed=400.0)
     simulation = Simulation(rig(), speed=400.0)
     for seen, expected in run_both(machine, simulation, [400 - 10 * H * i for i in range(10_000)]):
         assert (seen == expected).all()

@@ -20,7 +20,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/*.toml"))
 MACHINES = [file for file in EXAMPLES if file.parent.name != "studies"]
 SCRIPTS = Path(page.__file__).parent / "template"
 # a run-down of half a second, what rubs changed
-COURSE = {"course.to": 395.0, "course.rate": 10.0}
+COURSE = {"course.from": 400.0, "course.to": 395.0, "course.rate": 10.0}
 
 
 def run_in_node(machine, values, folder):

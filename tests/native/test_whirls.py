@@ -60,7 +60,9 @@ def output(capfd):
 def test_it_warns_of_hidden_whirls_and_steps_as_the_simulation_does(
     overhung, capfd, preset, values
 ):
-    machine = Machine(overhung).start({"solver.preset": PRESETS.index(preset)}, **values)
+    machine = Machine(overhung).start(
+        {"solver.preset": PRESETS.index(preset)}, **values, speed=400.0
+    )
     said = []
     rotor = parse_rotor(OVERHUNG.read_text(encoding="utf-8")).with_values(values)
     simulation = Simulation(rotor, choose(preset), speed=400.0, warn=said.append)
@@ -77,7 +79,7 @@ def test_it_warns_of_hidden_whirls_and_steps_as_the_simulation_does(
 def test_it_names_the_whirl_that_took_the_machine_apart(overhung, capfd):
     machine = Machine(overhung)
     with pytest.raises(fmpy.fmi1.FMICallException):
-        machine.start({"solver.preset": 0}, **{"solver.h": 1.2e-5}).step(5.0)
+        machine.start({"solver.preset": 0}, **{"solver.h": 1.2e-5}, speed=400.0).step(5.0)
     rotor = parse_rotor(OVERHUNG.read_text(encoding="utf-8"))
     with pytest.raises(StepFailure, match="whirled itself apart") as failure:
         Simulation(rotor, choose("robust", h=1.2e-5), speed=400.0).advance(5.0, 400.0)
@@ -157,7 +159,7 @@ def test_component_modes_too_few_for_the_speed_are_said_as_the_simulation_says_t
 def test_another_number_of_modes_is_refused_in_one_sentence(fmu, capfd):
     machine = Machine(fmu)
     with pytest.raises(fmpy.fmi1.FMICallException):
-        machine.start({"solver.reduction": 4})
+        machine.start({"solver.reduction": 4}, speed=400.0)
     assert output(capfd) == [
         "error: solver.reduction = 4: this FMU has 0; build one with --reduction 4"
     ]
