@@ -37,11 +37,12 @@ SECTIONS = {
 _COPIED = "copied"  # to the site as it is
 # Machines that run on pages of the site: in words, the page's name, the machine file.
 TRIED = (
-    ("the rig that runs down", "rig", "examples/paper_rig/rig.toml"),
+    ("the rig that runs down", "rig", "examples/paper_rig/rig.toml", {}),
     (
         "a compressor that drops into its touchdown bearings",
         "drop",
         "examples/drop/compressor.toml",
+        {"course.from": 400.0, "course.to": 380.0, "course.rate": 10.0},
     ),
 )
 _SHOWN = (".png", ".gif", ".svg", ".csv.gz", ".html")
@@ -83,10 +84,10 @@ def add_machines(tree: Path) -> None:
 
     folder = tree / _COPIED / "try"
     folder.mkdir(parents=True)
-    for _, name, file in TRIED:
+    for _, name, file, course in TRIED:
         toml = (ROOT / file).read_text(encoding="utf-8")
-        write_text(solver_page(machine_of(toml, False, 0)), folder / f"{name}.html")
-    links = " or ".join(f'<a href="try/{name}.html">{title}</a>' for title, name, _ in TRIED)
+        write_text(solver_page(machine_of(toml, False, 0), course), folder / f"{name}.html")
+    links = " or ".join(f'<a href="try/{name}.html">{title}</a>' for title, name, _, _ in TRIED)
     index = tree / "index.md"
     before, heading, after = index.read_text("utf-8").partition("\n## ")
     tried = (

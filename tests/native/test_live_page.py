@@ -214,9 +214,9 @@ def test_the_page_of_a_recorded_run_begins_with_its_settings(silent, tmp_path):
     assert given == {"bearing[2].mu": 0.02, "solver.tolerance": 0.01}
     end = page.run("return [now.t[now.n - 1], column(now, 'disc[3].x')[now.n - 1]]")
     rows = list(csv.DictReader((tmp_path / "run" / "run_down.csv").open()))
-    assert end[0] == pytest.approx(float(rows[-1]["time"]))
+    assert end[0] == pytest.approx(float(rows[-1]["time [s]"]))
     # other communication points, the same motion within the tolerance
-    assert end[1] == pytest.approx(float(rows[-1]["disc[3].x"]), abs=2e-6)
+    assert end[1] == pytest.approx(float(rows[-1]["disc[3].x [m]"]), abs=2e-6)
 
 
 @pytest.mark.parametrize(
@@ -256,4 +256,4 @@ def test_the_sites_first_page_leads_to_pages_on_which_machines_run(silent, tmp_p
     linked = re.findall(r'href="(try/\w+\.html)"', first)
     assert linked == ["try/rig.html", "try/drop.html"]
     for name in linked:
-        LivePage(silent, tmp_path / "site" / name).ended()
+        LivePage(silent, tmp_path / "site" / name, "").ended()
