@@ -97,3 +97,18 @@ def test_what_is_to_be_installed_is_what_a_platform_takes(monkeypatch):
     assert missing_extra(PLATFORMS["win64"]) == "build"
     monkeypatch.setattr(build, "_has_cc", lambda: False)
     assert missing_extra(mine) == "build"
+
+
+def test_two_processes_may_put_the_same_library_at_once(tmp_path, monkeypatch):
+    write = Path.write_bytes
+
+    def the_other_is_quicker(path, content):
+        write(path, content)
+        monkeypatch.setattr(Path, "write_bytes", write)
+        with monkeypatch.context() as other:
+            other.setattr("os.getpid", lambda: 1)
+            build._put(tmp_path, build.WASM, content)
+
+    monkeypatch.setattr(build, "CARRIED", tmp_path)
+    monkeypatch.setattr(Path, "write_bytes", the_other_is_quicker)
+    assert build._put(tmp_path, build.WASM, b"a library").read_bytes() == b"a library"

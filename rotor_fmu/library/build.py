@@ -219,7 +219,8 @@ def _folder() -> Path:
 def _put(folder: Path, platform: Platform, content: bytes) -> Path:
     """Write a library whole, and take away those of older sources where they lie beside them."""
     target = folder / file_name(platform.name, core_digest(), platform.suffix, content)
-    unfinished = folder / f"{target.name}.{os.getpid()}.part"
+    # called so that another process, which puts its own, does not take it for an old one
+    unfinished = folder / f".{target.name}.{os.getpid()}.part"
     unfinished.write_bytes(content)
     unfinished.replace(target)
     record(folder)
