@@ -18,7 +18,7 @@ from .truth import Truth
 
 # An orbit is within so many tolerances, times 1 + condition; and the largest displacement of a
 # machine with a condition below TAME within a share, at each of the tolerances.
-PROMISED = 20.0
+PROMISED = 10.0
 PEAKS = dict(zip(TOLERANCES, (0.1, 0.02, 0.005), strict=True))
 
 
