@@ -13,7 +13,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 $(VENV)/made: pyproject.toml
 	$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11) and 'Python 3.11 or newer is needed: make PYTHON=...')"
 	$(PYTHON) -m venv $(VENV)
-	$(INSTALL) --editable ".[report,units]"
+	$(INSTALL) --editable ".[report,units,threads]"
 	touch $(VENV)/made
 
 # what the papers need beside what running needs

@@ -70,8 +70,8 @@ def walked(tree):
             nodes += ast.iter_child_nodes(node)
 
 
-def test_what_is_required_are_eight_packages_in_ranges():
-    assert len(PROJECT["dependencies"]) == 8
+def test_what_is_required_are_seven_packages_in_ranges():
+    assert len(PROJECT["dependencies"]) == 7
     for requirement in PROJECT["dependencies"]:
         assert re.fullmatch(r"[\w-]+>=[\d.]+,<[\d.]+", requirement)
 
@@ -83,7 +83,7 @@ def test_a_module_imports_what_is_required_or_what_its_extra_brings(name):
     at_once = {PACKAGES.get(top, top).lower() for top in imported(tree.body)}
     assert not at_once - allowed
     later = {PACKAGES.get(top, top).lower() for top in imported(walked(tree))}
-    users = ("kernels", "build", "report", "study", "cluster", "units")
+    users = ("kernels", "build", "report", "study", "cluster", "units", "threads")
     assert not later - REQUIRED - set().union(*(EXTRAS[extra] for extra in users))
 
 
@@ -132,3 +132,9 @@ def test_without_what_draws_the_page_a_run_leaves_the_rest_and_says_so(tmp_path)
     assert asked.returncode == 2
     assert "pip install 'rotor-fmu[report]'" in asked.stderr
     assert len(asked.stderr.splitlines()) == 1
+
+
+def test_without_what_limits_threads_the_linear_answers_are_there(tmp_path):
+    done = without("threadpoolctl", "modes", "--speed", "100", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "modes.png").exists()
