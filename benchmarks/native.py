@@ -22,6 +22,7 @@ from rotor_fmu.model.kernels.library import here
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library import build as core
 from rotor_fmu.library.build import CoreError
+from rotor_fmu.library.platforms import PLATFORMS
 
 from .native_master import CMaster, children_cpu, median_ratio
 
@@ -60,7 +61,7 @@ def wide_library(folder: Path) -> Path:
     """The library of this machine's platform for x86-64-v3."""
     name = here()
     assert name is not None
-    wide = dataclasses.replace(core.PLATFORMS[name], features=WIDE)
+    wide = dataclasses.replace(PLATFORMS[name], features=WIDE)
     target = folder / f"wide{wide.suffix}"
     core.link(wide, core.objects(wide, core.kernels(), folder), target)
     return target

@@ -18,6 +18,7 @@ OF_EXTRAS = {
     "model/kernels/dispatching.py": "kernels",
     "rotor_fmu/library/emit.py": "kernels",
     "rotor_fmu/library/entry_points.py": "kernels",
+    "rotor_fmu/library/objects.py": "kernels",
 }
 # A module of another name than its package, and what comes with one.
 PACKAGES = {"llvmlite": "numba", "dask": "distributed"}

@@ -8,8 +8,9 @@ import pytest
 from rotor_fmu.model.kernels.library import find, here
 
 from rotor_fmu.library import build
-from rotor_fmu.library.build import PLATFORMS, CoreError, link, missing_extra, runs_on_old_linux
+from rotor_fmu.library.build import CoreError, link, missing_extra, runs_on_old_linux
 from rotor_fmu.library.emit import check_size
+from rotor_fmu.library.platforms import PLATFORMS, WASM
 
 ON_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="cc links on Linux alone")
 OLD, NEW = b"\0GLIBC_2.2.5\0GLIBC_2.14\0", b"\0GLIBC_2.2.5\0GLIBC_2.38\0"
@@ -107,8 +108,8 @@ def test_two_processes_may_put_the_same_library_at_once(tmp_path, monkeypatch):
         monkeypatch.setattr(Path, "write_bytes", write)
         with monkeypatch.context() as other:
             other.setattr("os.getpid", lambda: 1)
-            build._put(tmp_path, build.WASM, content)
+            build._put(tmp_path, WASM, content)
 
     monkeypatch.setattr(build, "CARRIED", tmp_path)
     monkeypatch.setattr(Path, "write_bytes", the_other_is_quicker)
-    assert build._put(tmp_path, build.WASM, b"a library").read_bytes() == b"a library"
+    assert build._put(tmp_path, WASM, b"a library").read_bytes() == b"a library"

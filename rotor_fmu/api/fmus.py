@@ -68,7 +68,7 @@ def build_fmu(
     """
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import SYSTEMS, build
-    from ..library.build import PLATFORMS
+    from ..library.platforms import PLATFORMS
 
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi}: must be 2 or 3")

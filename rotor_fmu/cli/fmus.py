@@ -9,7 +9,8 @@ import typer
 
 from ..errors import InputError, writable_folder
 from ..fmi.packing.python_fmu import SYSTEMS
-from ..library.build import LIBRARIES, PLATFORMS, WASM, library
+from ..library.build import library
+from ..library.platforms import LIBRARIES, PLATFORMS, WASM
 from ..model.kernels.library import here
 from ..output_options import with_output_options
 from .runs import Free, RotorFile

@@ -13,7 +13,6 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -22,6 +21,7 @@ from ..errors import RunFailed
 from ..model.kernels.cache import private_folder
 from ..model.kernels.digest import CARRIED, imported, made_here, record, syntax_digest
 from ..model.kernels.library import file_name, find, here
+from .platforms import PLATFORMS, WASM, Platform
 
 _HERE = Path(__file__).parent
 _FMI = _HERE.parent / "fmi"
@@ -60,79 +60,6 @@ _MODULE = (
 class CoreError(RunFailed):
     """A library that cannot be built; the message names what is missing or is the linker's."""
 
-
-@dataclass(frozen=True)
-class Platform:
-    """A platform: its folder among an FMU's binaries, of FMI 2.0 and of FMI 3.0; what LLVM and what
-    zig call it; the processor that every machine of the kind has; how its libraries end; what else
-    LLVM may use of the processor."""
-
-    fmi2: str
-    fmi3: str
-    triple: str
-    processor: str
-    zig: str
-    suffix: str
-    features: str = ""
-
-    @property
-    def name(self) -> str:
-        """Its name for users, that of FMI 2.0."""
-        return self.fmi2
-
-
-# FMI 2.0 names no ARM platforms: those are called as in FMI 3.0, the words turned round.
-PLATFORMS = {
-    platform.name: platform
-    for platform in (
-        Platform(
-            "linux64",
-            "x86_64-linux",
-            "x86_64-unknown-linux-gnu",
-            "x86-64",
-            "x86_64-linux-gnu.2.17",
-            ".so",
-        ),
-        Platform(
-            "win64",
-            "x86_64-windows",
-            "x86_64-w64-windows-gnu",
-            "x86-64",
-            "x86_64-windows-gnu",
-            ".dll",
-        ),
-        Platform(
-            "darwin64",
-            "x86_64-darwin",
-            "x86_64-apple-macosx11.0.0",
-            "x86-64",
-            "x86_64-macos",
-            ".dylib",
-        ),
-        Platform(
-            "aarch64-linux",
-            "aarch64-linux",
-            "aarch64-unknown-linux-gnu",
-            "generic",
-            "aarch64-linux-gnu.2.17",
-            ".so",
-        ),
-        Platform(
-            "aarch64-darwin",
-            "aarch64-darwin",
-            "arm64-apple-macosx11.0.0",
-            "apple-m1",
-            "aarch64-macos",
-            ".dylib",
-        ),
-    )
-}
-
-
-# What a page carries: no platform of an FMU. Its memory has 32-bit addresses.
-WASM = Platform("wasm32", "wasm32", "wasm32-unknown-unknown", "generic", "wasm32-wasi", ".wasm")
-
-LIBRARIES = PLATFORMS | {WASM.name: WASM}
 
 # What an extra brings: numba for the kernels, zig for platforms other than this machine's.
 _TOOLS = {"kernels": "numba", "build": "ziglang"}
@@ -241,8 +168,10 @@ def kernels() -> Path:
     else:
         _forget_old(versions)
         with _unfinished(folder) as work:
-            emit = [sys.executable, "-m", f"{__package__}.emit", str(work)]
-            _run_all([[*emit, *names] for names in _EMITTED_TOGETHER], "the kernels")
+            emit = [sys.executable, "-m", f"{__package__}.emit"]
+            files = (str(work / f"{names[0]}.ll") for names in _EMITTED_TOGETHER)
+            commands = zip(files, _EMITTED_TOGETHER, strict=True)
+            _run_all([[*emit, file, *names] for file, names in commands], "the kernels")
     return folder
 
 
@@ -278,30 +207,13 @@ def _forget_old(versions: Path) -> None:
 
 def objects(platform: Platform, folder: Path, work: Path) -> list[Path]:
     """Return the kernels for a platform as object files."""
-    import llvmlite.binding as llvm
-
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    target = llvm.Target.from_triple(platform.triple)
-    machine = target.create_target_machine(
-        cpu=platform.processor,
-        features=platform.features,
-        opt=3,
-        reloc="static" if platform is WASM else "pic",
-        codemodel="default",
-    )
-    made = []
-    for file in sorted(folder.glob("*.ll")):
-        text = file.read_text(encoding="utf-8")
-        layout = f'target datalayout = "{machine.target_data}"'
-        text = re.sub(r"(?m)^target datalayout = .*$", layout, text)
-        text = re.sub(r"(?m)^target triple = .*$", f'target triple = "{platform.triple}"', text)
-        module = llvm.parse_assembly(text)
-        module.verify()
-        module.get_function(file.stem).visibility = "hidden"
-        made.append(work / f"{file.stem}.o")
-        made[-1].write_bytes(machine.emit_object(module))
-    return made
+    sources = sorted(folder.glob("*.ll"))
+    targets = [work / f"{source.stem}.o" for source in sources]
+    compiler = [sys.executable, "-m", f"{__package__}.objects"]
+    compiler += [platform.triple, platform.processor, platform.features]
+    commands = [[*compiler, str(a), str(b)] for a, b in zip(sources, targets, strict=True)]
+    _run_all(commands, f"the kernels for {platform.name}")
+    return targets
 
 
 def link(platform: Platform, parts: list[Path], target: Path) -> None:

@@ -12,7 +12,8 @@ from typing import Any
 from ..about import __version__
 from ..fmi.machine_table import FmuInterface, table_bytes
 from ..fmi.packing.machine_files import Machine
-from ..library.build import WASM, core_digest, library
+from ..library.build import core_digest, library
+from ..library.platforms import WASM
 from ..report.page import json_in_script, machine_html, template
 from .controls import course, groups, places, recorded
 

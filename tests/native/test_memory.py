@@ -7,7 +7,8 @@ import subprocess
 import fmpy
 import pytest
 
-from rotor_fmu.library.build import C_SOURCES, PLATFORMS, core_digest, kernels, objects
+from rotor_fmu.library.build import C_SOURCES, core_digest, kernels, objects
+from rotor_fmu.library.platforms import PLATFORMS
 
 from ..fmu.masters import COMPILER, HERE, Master
 from ..fmu.test_failures import FAILURES, commands, sequences

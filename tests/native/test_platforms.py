@@ -12,7 +12,8 @@ import fmpy
 import pytest
 
 from rotor_fmu.fmi.packing.native_fmu import build_native
-from rotor_fmu.library.build import PLATFORMS, kernels, library
+from rotor_fmu.library.build import kernels, library
+from rotor_fmu.library.platforms import PLATFORMS
 
 # Of a system's library, what is exact everywhere; what LLVM makes of an intrinsic is exact too.
 EXACT = {"sqrt", "ceil", "memset", "memcpy"}

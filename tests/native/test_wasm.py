@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from rotor_fmu.fmi.packing.machine_files import machine_of
-from rotor_fmu.library.build import WASM, library
+from rotor_fmu.library.build import library
+from rotor_fmu.library.platforms import WASM
 from rotor_fmu.live import page
 from rotor_fmu.runs.job import load_rotor
 

@@ -7,7 +7,8 @@ import struct
 import numpy as np
 from rotor_fmu.model.kernels.library import find
 
-from rotor_fmu.library.build import WASM, core_digest, library
+from rotor_fmu.library.build import core_digest, library
+from rotor_fmu.library.platforms import WASM
 
 SETTERS = {"Real": "fmi2SetReal", "Integer": "fmi2SetInteger", "Boolean": "fmi2SetBoolean"}
 

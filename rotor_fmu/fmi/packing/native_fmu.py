@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...library.build import PLATFORMS, Platform, library
+from ...library.build import library
+from ...library.platforms import PLATFORMS, Platform
 from ...library.universal import universal
 from ..description import Described
 from .archive import write_archive
@@ -24,9 +25,9 @@ def build_native(
     `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
-    standard; platforms: of `library.build.PLATFORMS`; reduction: component modes kept of the shaft,
-    0 for all of it. Raises `QuantityError` for an impossible rotor, `CoreError` where a library is
-    missing and cannot be made, and `OSError` if `out` cannot be written.
+    standard; platforms: of `library.platforms.PLATFORMS`; reduction: component modes kept of the
+    shaft, 0 for all of it. Raises `QuantityError` for an impossible rotor, `CoreError` where a
+    library is missing and cannot be made, and `OSError` if `out` cannot be written.
     """
     machine = machine_of(rotor_toml, is_free, reduction)
     name = machine.identifier(is_native=True)

@@ -9,7 +9,8 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from ...library.build import PLATFORMS, CoreError, core_digest, library
+from ...library.build import CoreError, core_digest, library
+from ...library.platforms import PLATFORMS
 from ...model.kernels.library import find, here
 from ..description import Described
 from .archive import contents_of, wrap, write_archive
