@@ -6,7 +6,7 @@ import math
 
 from ..kernels.band import add_product, solve
 from ..kernels.functions import inverse
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..parts.law import Kinematics, Weights
 from ..step.laws import law_gap, law_tangent, relative
@@ -31,18 +31,17 @@ def is_closed(interfaces, j, case):
     return is_wall(interfaces[j]) and case in (ALL, j)
 
 
-@jit
-def take_tangents(run, omega):
+@jit_not_inlined
+def take_tangents(structure, survey, motion, trial, omega):
     """Fill in the laws' tangents at this speed of rotation [rad/s]: at rest, but where there is a
     wall a little behind it, at the right, its surfaces slipping in the sense of the rotation.
 
     A journal that whirls along a wall is pushed as at the right all the way round, and does not
-    move against the wall's damping.
+    move against the wall's damping. trial: the laws' internal states, overwritten.
     """
-    structure, survey, problem = run.structure, run.survey, run.problem
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        d = relative(interface, run.motion.q)
+        d = relative(interface, motion.q)
         sliding = omega
         has_wall = interface.has_wall == 1
         if has_wall:
@@ -55,8 +54,8 @@ def take_tangents(run, omega):
                 interface,
                 Kinematics(d, 0.0j, omega, sliding),
                 Weights(by_d, 1.0 - by_d, 0.0),
-                run.motion.internal_state[interface.internal_state :],
-                problem.internal_state[interface.internal_state :],
+                motion.internal_state[interface.internal_state :],
+                trial[interface.internal_state :],
             )
             if by_d == 1.0:
                 survey.p_d[j] = p + q if has_wall else p
@@ -66,7 +65,7 @@ def take_tangents(run, omega):
                 survey.q_v[j] = 0.0 if has_wall else q
 
 
-@jit
+@jit_not_inlined
 def _take_matrix(band, survey, basis, mass, into):
     """A band matrix in the coarse dofs, times M^-1 from the left."""
     coarse = len(mass)
@@ -99,10 +98,9 @@ def _to_coarse(survey, basis, mass):
 
 
 @jit
-def take_basis(run, case):
+def take_basis(structure, survey, case):
     """Fill in what does not depend on the speed, in the basis of this case, if that is another one
     than the last."""
-    survey = run.survey
     place = -1
     if case != ALL and len(survey.alone) > 0:
         place = survey.first_wall[0] if case == OPEN else case
@@ -110,15 +108,14 @@ def take_basis(run, case):
         return
     survey.in_use[1] = place
     if place == -1:
-        _take_matrices(run, survey.basis, survey.mass)
+        _take_matrices(structure, survey, survey.basis, survey.mass)
     else:
-        _take_matrices(run, survey.alone[place], survey.mass_alone[place])
+        _take_matrices(structure, survey, survey.alone[place], survey.mass_alone[place])
 
 
-@jit
-def _take_matrices(run, basis, mass):
+@jit_not_inlined
+def _take_matrices(structure, survey, basis, mass):
     """Fill in what does not depend on the speed."""
-    structure, survey = run.structure, run.survey
     _take_matrix(structure.K, survey, basis, mass, survey.K)
     _take_matrix(structure.C, survey, basis, mass, survey.C)
     _take_matrix(structure.G, survey, basis, mass, survey.G)
@@ -141,10 +138,9 @@ def _take_matrices(run, basis, mass):
 
 
 @jit
-def take_machine(run, speed, case):
+def take_machine(structure, survey, speed, case):
     """A at one speed [rad/s] in one case, of x = (q, v / scale), q the x of all dofs and housings,
     then their y; scale: the machine's lowest frequency [rad/s]."""
-    structure, survey = run.structure, run.survey
     numbers = structure.numbers[0]
     scale = numbers.lowest_omega
     sign = 1.0 if speed > 0.0 else -1.0 if speed < 0.0 else 0.0

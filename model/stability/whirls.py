@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..kernels.functions import modulus
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_not_inlined
 from ..structure.structure import Structure
 from .eigenvalues import eigenvalues
 from .matrices import (
@@ -111,14 +111,14 @@ def find_growing_whirls(run, speed, is_start):
     for share in _SHARES:
         if (share == 0.0 and is_start == 0) or (share == _HALF and speed == 0.0):
             continue
-        take_tangents(run, share * speed)
+        take_tangents(structure, survey, run.motion, run.problem.internal_state, share * speed)
         for case in range(ALL, len(structure.interfaces)):
             if share == 0.0 and case != OPEN:
                 continue
             is_one = case >= 0 and is_wall(structure.interfaces[case])
             if not (is_one or case == OPEN or (case == ALL and walls > 1)):
                 continue
-            _take_roots(run, share * speed, case)
+            _take_roots(structure, survey, share * speed, case)
             if share == 0.0:
                 _take_growth_at_rest(run)
             else:
@@ -139,13 +139,12 @@ def find_growing_whirls(run, speed, is_start):
         r.h_in_contact = r.h_in_the_open = math.inf
 
 
-@jit
-def _take_roots(run, speed, case):
+@jit_not_inlined
+def _take_roots(structure, survey, speed, case):
     """Fill in all roots at one speed [rad/s] in one case."""
-    survey = run.survey
-    take_basis(run, case)
-    take_machine(run, speed, case)
-    states = states_of(run)
+    take_basis(structure, survey, case)
+    take_machine(structure, survey, speed, case)
+    states = states_of(structure, survey)
     for i in range(states):
         for k in range(states):
             survey.work[i, k] = survey.A[i, k]
@@ -153,9 +152,9 @@ def _take_roots(run, speed, case):
 
 
 @jit
-def states_of(run):
+def states_of(structure, survey):
     """How many states the machine has in the basis that is in use."""
-    return 4 * (run.survey.in_use[0] + len(run.structure.housings))
+    return 4 * (survey.in_use[0] + len(structure.housings))
 
 
 @jit
@@ -192,11 +191,11 @@ def _edge(run, sign, size, far):
 @jit
 def _step_in_the_open(run, speed):
     """Longest step that resolves what grows at a speed [rad/s] with all contacts open [s]."""
-    take_tangents(run, speed)
-    _take_roots(run, speed, OPEN)
-    survey = run.survey
+    structure, survey = run.structure, run.survey
+    take_tangents(structure, survey, run.motion, run.problem.internal_state, speed)
+    _take_roots(structure, survey, speed, OPEN)
     longest = math.inf
-    for i in range(states_of(run)):
+    for i in range(states_of(structure, survey)):
         root = complex(survey.re[i], survey.im[i])
         if is_growing(root):
             longest = min(longest, _longest_step(run, root))
@@ -225,7 +224,7 @@ def _take_whirls(run, speed, case):
     """Take up what grows at one speed in one case; the longest step that resolves it [s]."""
     structure, survey = run.structure, run.survey
     shortest = math.inf
-    states = states_of(run)
+    states = states_of(structure, survey)
     for i in range(states):
         root = complex(survey.re[i], survey.im[i])
         if not is_growing(root):
@@ -282,7 +281,7 @@ def _take_growth_at_rest(run):
     """Take up the root of the growth with the least damping ratio, its imaginary part >= 0."""
     survey = run.survey
     best, most = complex(math.nan, math.nan), 0.0
-    for i in range(states_of(run)):
+    for i in range(states_of(run.structure, survey)):
         root = complex(survey.re[i], survey.im[i])
         size = modulus(root)
         if not (root.imag >= 0.0 and size > _SLOW and root.real > _GROWING * size):

@@ -69,6 +69,15 @@ def _take(motion, trial):
         motion.force[j] = trial.force[j]
 
 
+@jit_not_inlined
+def _step(structure, spin, tau, loads, motion, trial, work, problem):
+    """Take a step of length tau [s] without velocity, to `trial`; returns its status."""
+    scheme = Scheme(0.0, 0.0, 1.0, 0.0)
+    return try_step(structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem)[
+        0
+    ]
+
+
 @jit
 def is_beyond(structure, motion):
     """Return whether a deflection is larger than any machine's."""
@@ -122,7 +131,6 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
     In steps so short that inertia outweighs the hump, implicit steps without velocity never gain
     potential energy, and go on as they began; a longer one that turns back is made anew.
     """
-    scheme, fit = Scheme(0.0, 0.0, 1.0, 0.0), unfitted()
     deflections = structure.deflections
     start, step = motion.v_dot, motion.jerk  # nobody's until the run begins
     widest = 0.0
@@ -139,9 +147,7 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
     status = UNSTABLE
     fastest = 0.0
     for _ in range(_STEPS):
-        done, _ = try_step(
-            structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
-        )
+        done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
         if done == NOT_FINITE:
             break
         change = away = onward = 0.0
@@ -201,7 +207,6 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
 def _settle(structure, spin, motion, trial, memory, work, problem):
     """Find an equilibrium, whether it is stable or not; MOVED where the last, short, steps lead
     away from it."""
-    scheme, fit = Scheme(0.0, 0.0, 1.0, 0.0), unfitted()
     lowest = structure.numbers[0].lowest_omega
     stiffest = mass = 0.0
     for i in range(len(structure.weight)):
@@ -215,9 +220,7 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
     status = NOT_CONVERGED_AT_REST
     for _ in range(_ITERATIONS):
         tau = radians / lowest
-        done, _ = try_step(
-            structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
-        )
+        done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
         if done != DONE:
             # past the bound again and again: nothing holds it
             falls += 1
@@ -245,9 +248,7 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
             result[i] = motion.q[i]
         for _ in range(_POLISHES):
             tau = _POLISH / lowest
-            done, _ = try_step(
-                structure, scheme, fit, spin, tau, memory.loads, motion, trial, work, problem
-            )
+            done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
             if done != DONE:
                 break
             _take(motion, trial)
