@@ -34,6 +34,38 @@ PAD = places(("first", "last", "x", "y", "clearance", "is_whole", "is_full"))
 _TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
+class Bearing(NamedTuple):
+    """What the film of a part and the contact behind it are made of, whatever the part: the place
+    of its table, and quantities of `parts.journal_bearing.FilmQuantities`."""
+
+    table: int
+    journal_radius: float
+    length: float
+    clearance: float
+    viscosity: float
+    roughness: float
+    short: float
+    points: float
+    k: float
+    c: float
+    delta_c: float
+    exponent: float
+    mu: float
+    v_s: float
+    mu_rise: float
+    v_stribeck: float
+
+
+@jit
+def bearing_of(part):
+    """Return the `Bearing` of a part."""
+    return Bearing(
+        *(part.table, part.journal_radius, part.length, part.clearance, part.viscosity),
+        *(part.roughness, part.short, part.points, part.k, part.c, part.delta_c, part.exponent),
+        *(part.mu, part.v_s, part.mu_rise, part.v_stribeck),
+    )
+
+
 class Pad(NamedTuple):
     """A pad's `Film`; clearance [m]; the journal from its centre [m]; load: factor of the integral
     of P exp(i theta) [N.s]; pressure: of P [Pa.s]."""
@@ -46,47 +78,49 @@ class Pad(NamedTuple):
 
 
 @jit
-def pad_count(part, tables):
+def pad_count(bearing, tables):
     """Return how many pads a bearing has."""
-    return int(tables[part.table])
+    return int(tables[bearing.table])
 
 
 @jit
-def pad_of(part, tables, viscosity, kinematics, i):
+def pad_of(bearing, tables, kinematics, i):
     """Return the `Pad` number i, and the work array of its zones."""
-    at = part.table + 1 + len(PAD) * i
-    c = part.clearance * tables[at + PAD.clearance]
-    d = kinematics.displacement + part.clearance * complex(tables[at + PAD.x], tables[at + PAD.y])
+    at = bearing.table + 1 + len(PAD) * i
+    c = bearing.clearance * tables[at + PAD.clearance]
+    d = kinematics.displacement + bearing.clearance * complex(
+        tables[at + PAD.x], tables[at + PAD.y]
+    )
     inverse = 1.0 / c
     D, V = d * inverse, kinematics.velocity * inverse
     S = 2.0 * V + complex(kinematics.speed * D.imag, -kinematics.speed * D.real)
-    R, L = part.journal_radius, part.length
+    R, L = bearing.journal_radius, bearing.length
     ratio = 2.0 * R / L
     film = Film(
-        *(D, S, 2.5 * ratio * ratio, part.roughness * inverse),
+        *(D, S, 2.5 * ratio * ratio, bearing.roughness * inverse),
         *(tables[at + PAD.first], tables[at + PAD.last], tables[at + PAD.is_whole] > 0.0),
-        *(tables[at + PAD.is_full] > 0.0, int(part.points)),
+        *(tables[at + PAD.is_full] > 0.0, int(bearing.points)),
     )
-    pressure = 6.0 * viscosity * (R * inverse) * (R * inverse)
-    work = part.table + 1 + len(PAD) * pad_count(part, tables)
+    pressure = 6.0 * bearing.viscosity * (R * inverse) * (R * inverse)
+    work = bearing.table + 1 + len(PAD) * pad_count(bearing, tables)
     size = VECTORS * (film.n + 1)
     load = 2.0 / 3.0 * L * R * pressure
     return Pad(film, c, d, load, pressure), tables[work : work + size]
 
 
 @jit
-def _short_share(part):
+def _short_share(bearing):
     """Return P over f / H^3 of Ocvirk's film [1]."""
-    ratio = part.length / part.journal_radius
+    ratio = bearing.length / bearing.journal_radius
     return 0.125 * ratio * ratio
 
 
 @jit_not_inlined
-def film_force(part, tables, viscosity, kinematics):
-    """Return the film's force on the journal [N]; viscosity [Pa.s]."""
+def film_force(bearing, tables, kinematics):
+    """Return the film's force on the journal [N]."""
     force = 0.0j
-    for i in range(pad_count(part, tables)):
-        pad, work = pad_of(part, tables, viscosity, kinematics, i)
+    for i in range(pad_count(bearing, tables)):
+        pad, work = pad_of(bearing, tables, kinematics, i)
         film = pad.film
         if film.S == 0.0:
             continue
@@ -95,11 +129,11 @@ def film_force(part, tables, viscosity, kinematics):
             acts, bound = zone_bound(film, sense, turn)
             if not acts:
                 continue
-            if part.short > 0.0:
+            if bearing.short > 0.0:
                 load, _, _, _, _ = short_load(
                     film.D, film.S, film.floor, bound.low[1], bound.high[0]
                 )
-                force -= pad.load * _short_share(part) * load
+                force -= pad.load * _short_share(bearing) * load
             else:
                 zone = solve_zone(film, bound, work)
                 force -= pad.load * zone_load(film, zone, work)
@@ -121,21 +155,21 @@ def _sensed(film):
 
 
 @jit_not_inlined
-def film_tangent(part, tables, viscosity, kinematics, weights):
+def film_tangent(bearing, tables, kinematics, weights):
     """Return the film's force on the journal [N] and its tangent p, q; see `parts.law`."""
     force = p = q = 0.0j
     by_d, by_v = weights.displacement, weights.velocity
     turn_d = complex(0.0, kinematics.speed * by_d)
-    for i in range(pad_count(part, tables)):
-        pad, work = pad_of(part, tables, viscosity, kinematics, i)
+    for i in range(pad_count(bearing, tables)):
+        pad, work = pad_of(bearing, tables, kinematics, i)
         film, sense, moves = _sensed(pad.film)
         for turn in _TURNS:
             acts, bound = zone_bound(film, sense, turn)
             if not acts:
                 continue
             scale = pad.load
-            if part.short > 0.0:
-                scale *= _short_share(part)
+            if bearing.short > 0.0:
+                scale *= _short_share(bearing)
                 load, p_D, q_D, p_S, q_S = short_load(
                     film.D, film.S, film.floor, bound.low[1], bound.high[0]
                 )
@@ -203,15 +237,15 @@ def _short_pressure(film, share, theta):
 
 
 @jit_not_inlined
-def film_state(part, tables, viscosity, kinematics):
+def film_state(bearing, tables, kinematics):
     """Return the `FilmState` of a bearing."""
     force = 0.0j
     torque = flow = largest = 0.0
     least, where = math.inf, 1.0 + 0.0j
-    R, L, speed = part.journal_radius, part.length, kinematics.speed
-    share = _short_share(part)
-    for i in range(pad_count(part, tables)):
-        pad, work = pad_of(part, tables, viscosity, kinematics, i)
+    R, L, speed = bearing.journal_radius, bearing.length, kinematics.speed
+    share = _short_share(bearing)
+    for i in range(pad_count(bearing, tables)):
+        pad, work = pad_of(bearing, tables, kinematics, i)
         film = pad.film
         gap, direct, _ = thinnest(pad)
         if gap < least:
@@ -228,7 +262,7 @@ def film_state(part, tables, viscosity, kinematics):
                 if not acts:
                     continue
                 first, last = bound.low[1], bound.high[0]
-                if part.short > 0.0:
+                if bearing.short > 0.0:
                     load += share * short_load(film.D, film.S, film.floor, first, last)[0]
                     step = (last - first) / film.n
                     for j in range(1, film.n):
@@ -257,8 +291,8 @@ def film_state(part, tables, viscosity, kinematics):
         sheared += _sheared(D, ended if speed >= 0.0 else begun, reached, begun)
         load *= pad.load
         force -= load
-        torque += viscosity * R * R * R * L / pad.clearance * speed * sheared
+        torque += bearing.viscosity * R * R * R * L / pad.clearance * speed * sheared
         torque += 0.5 * (pad.displacement * load.conjugate()).imag
     # the side flow is 2 / 3 R / (mu L) times the integral of h^3 p
-    flow *= 2.0 * R / (3.0 * viscosity * L)
+    flow *= 2.0 * R / (3.0 * bearing.viscosity * L)
     return FilmState(force, torque, least, angle(where), largest, flow)

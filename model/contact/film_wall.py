@@ -12,15 +12,15 @@ from .wall import Touch, elastic, pressed
 
 
 @jit
-def _touch(part, pad, kinematics):
+def _touch(bearing, pad, kinematics):
     """Return the `Touch` of a journal at a pad; everything but the penetration is 0 where it does
     not touch."""
     gap, along, curvature = thinnest(pad)
-    delta = part.roughness - gap
-    if delta <= 0.0 or part.k == 0.0:
+    delta = bearing.roughness - gap
+    if delta <= 0.0 or bearing.k == 0.0:
         return Touch(-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0)
     velocity = along.conjugate() * kinematics.velocity
-    n, n_k, stiffness, damping = pressed(part, delta, velocity.real)
+    n, n_k, stiffness, damping = pressed(bearing, delta, velocity.real)
     return Touch(
         *(delta, velocity.real, n, n_k, stiffness, damping),
         *(along, velocity, 1.0 + 0.0j, 0.0, curvature),
@@ -39,16 +39,16 @@ class WallState(NamedTuple):
 
 
 @jit_not_inlined
-def wall_state(part, tables, kinematics):
+def wall_state(bearing, tables, kinematics):
     """Return the `WallState` of a bearing."""
     force, normal, braking, damped, rubbed = 0.0j, 0.0, 0.0, 0.0, 0.0
-    for i in range(pad_count(part, tables)):
-        pad, _ = pad_of(part, tables, 0.0, kinematics, i)
-        at = _touch(part, pad, kinematics)
+    for i in range(pad_count(bearing, tables)):
+        pad, _ = pad_of(bearing, tables, kinematics, i)
+        at = _touch(bearing, pad, kinematics)
         if at.penetration <= 0.0:
             continue
-        sliding = at.velocity.imag + part.journal_radius * kinematics.sliding_speed
-        rubs = friction(part, sliding)[0] * at.normal
+        sliding = at.velocity.imag + bearing.journal_radius * kinematics.sliding_speed
+        rubs = friction(bearing, sliding)[0] * at.normal
         force -= complex(at.normal, rubs) * at.direction
         normal += at.normal
         braking += rubs
@@ -58,16 +58,16 @@ def wall_state(part, tables, kinematics):
 
 
 @jit_not_inlined
-def wall_tangent(part, tables, kinematics, weights):
+def wall_tangent(bearing, tables, kinematics, weights):
     """Return the force of the wall on the journal [N] and its tangent p, q; see `parts.law`."""
     force = p = q = 0.0j
-    for i in range(pad_count(part, tables)):
-        pad, _ = pad_of(part, tables, 0.0, kinematics, i)
-        at = _touch(part, pad, kinematics)
+    for i in range(pad_count(bearing, tables)):
+        pad, _ = pad_of(bearing, tables, kinematics, i)
+        at = _touch(bearing, pad, kinematics)
         if at.penetration <= 0.0 or at.normal <= 0.0:
             continue
-        sliding = at.velocity.imag + part.journal_radius * kinematics.sliding_speed
-        mu, slope = friction(part, sliding)
+        sliding = at.velocity.imag + bearing.journal_radius * kinematics.sliding_speed
+        mu, slope = friction(bearing, sliding)
         force -= complex(at.normal, mu * at.normal) * at.direction
         p_pad, q_pad = contact_tangent(at, Friction(mu, slope, mu, 0.0), 1.0, weights)
         p += p_pad
@@ -76,12 +76,23 @@ def wall_tangent(part, tables, kinematics, weights):
 
 
 @jit
-def wall_energy(part, tables, kinematics):
+def wall_energy(bearing, tables, kinematics):
     """Return the elastic energy of the contacts [J]."""
     energy = 0.0
-    for i in range(pad_count(part, tables)):
-        pad, _ = pad_of(part, tables, 0.0, kinematics, i)
-        delta = part.roughness - thinnest(pad)[0]
-        if delta > 0.0 and part.k > 0.0:
-            energy += elastic(part, delta)[0] * delta / (part.exponent + 1.0)
+    for i in range(pad_count(bearing, tables)):
+        pad, _ = pad_of(bearing, tables, kinematics, i)
+        delta = bearing.roughness - thinnest(pad)[0]
+        if delta > 0.0 and bearing.k > 0.0:
+            energy += elastic(bearing, delta)[0] * delta / (bearing.exponent + 1.0)
     return energy
+
+
+@jit_not_inlined
+def breaks(bearing, tables, kinematics):
+    """Return whether a journal without contact is where its surfaces would touch."""
+    if bearing.k > 0.0:
+        return False
+    for i in range(pad_count(bearing, tables)):
+        if thinnest(pad_of(bearing, tables, kinematics, i)[0])[0] < bearing.roughness:
+            return True
+    return False

@@ -71,7 +71,7 @@ class BearingAlone:
         record, tables = self._record, self._tables
         moving, result = self._moving(d, 0j), np.zeros_like(angles)
         for i in range(interpreted(pad_count)(record, tables)):
-            pad, work = interpreted(pad_of)(record, tables, self.part.viscosity, moving, i)
+            pad, work = interpreted(pad_of)(record, tables, moving, i)
             if pad.film.S == 0.0:
                 continue
             for turn in (-1, 0, 1, 2):

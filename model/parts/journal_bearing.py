@@ -18,14 +18,12 @@ import numpy as np
 
 from ..contact.film import (
     PAD,
+    bearing_of,
     film_force,
     film_state,
     film_tangent,
-    pad_count,
-    pad_of,
-    thinnest,
 )
-from ..contact.film_wall import wall_energy, wall_state, wall_tangent
+from ..contact.film_wall import breaks, wall_energy, wall_state, wall_tangent
 from ..contact.film_zone import VECTORS
 from ..contact.wall import ContactQuantities
 from ..kernels.functions import angle, modulus
@@ -116,22 +114,24 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    wall = wall_state(part, tables, kinematics)
-    return film_force(part, tables, part.viscosity, kinematics) + wall.force
+    bearing = bearing_of(part)
+    wall = wall_state(bearing, tables, kinematics)
+    return film_force(bearing, tables, kinematics) + wall.force
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    force, p, q = film_tangent(part, tables, part.viscosity, kinematics, weights)
-    by_wall, p_wall, q_wall = wall_tangent(part, tables, kinematics, weights)
+    bearing = bearing_of(part)
+    force, p, q = film_tangent(bearing, tables, kinematics, weights)
+    by_wall, p_wall, q_wall = wall_tangent(bearing, tables, kinematics, weights)
     return force + by_wall, p + p_wall, q + q_wall
 
 
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    return (wall_energy(part, tables, Kinematics(displacement, 0.0j, 0.0, 0.0)),)
+    return (wall_energy(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0)),)
 
 
 @jit
@@ -144,8 +144,9 @@ def _film_power(film, kinematics):
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
     """Implement this function of a law (see `parts.law`): film, contact damping, friction."""
-    film = film_state(part, tables, part.viscosity, kinematics)
-    wall = wall_state(part, tables, kinematics)
+    bearing = bearing_of(part)
+    film = film_state(bearing, tables, kinematics)
+    wall = wall_state(bearing, tables, kinematics)
     out[_LOSS.film] = _film_power(film, kinematics)
     out[_LOSS.contact] = wall.damped
     out[_LOSS.friction] = wall.rubbed
@@ -155,8 +156,9 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
-    film = film_state(part, tables, part.viscosity, kinematics)
-    wall = wall_state(part, tables, kinematics)
+    bearing = bearing_of(part)
+    film = film_state(bearing, tables, kinematics)
+    wall = wall_state(bearing, tables, kinematics)
     d = kinematics.displacement
     force = film.force + wall.force
     out[_OUT.fx] = force.real
@@ -173,16 +175,10 @@ def _observe(part, tables, kinematics, internal_state, out):
     out[_OUT.contact] = 1.0 if wall.normal > 0.0 else 0.0
 
 
-@jit_not_inlined
+@jit
 def film_breaks(part, tables, displacement):
     """Implement this function of a law; see `parts.law`."""
-    if part.k > 0.0:
-        return False
-    resting = Kinematics(displacement, 0.0j, 0.0, 0.0)
-    for i in range(pad_count(part, tables)):
-        if thinnest(pad_of(part, tables, 0.0, resting, i)[0])[0] < part.roughness:
-            return True
-    return False
+    return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0))
 
 
 @jit

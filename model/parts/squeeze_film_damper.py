@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..contact.film import film_force, film_state, film_tangent
+from ..contact.film import bearing_of, film_force, film_state, film_tangent
 from ..contact.film_wall import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
@@ -63,19 +63,17 @@ def _resting(kinematics):
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    moving = _resting(kinematics)
-    force = (
-        film_force(part, tables, part.viscosity, moving) + wall_state(part, tables, moving).force
-    )
+    bearing, moving = bearing_of(part), _resting(kinematics)
+    force = film_force(bearing, tables, moving) + wall_state(bearing, tables, moving).force
     return force - part.stiffness * moving.displacement
 
 
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    moving = _resting(kinematics)
-    force, p, q = film_tangent(part, tables, part.viscosity, moving, weights)
-    by_wall, p_wall, q_wall = wall_tangent(part, tables, moving, weights)
+    bearing, moving = bearing_of(part), _resting(kinematics)
+    force, p, q = film_tangent(bearing, tables, moving, weights)
+    by_wall, p_wall, q_wall = wall_tangent(bearing, tables, moving, weights)
     spring = part.stiffness * moving.displacement
     p_all = p + p_wall - weights.displacement * part.stiffness
     return force + by_wall - spring, p_all, q + q_wall
@@ -86,15 +84,15 @@ def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law (see `parts.law`): contact, spring."""
     square = displacement.real * displacement.real + displacement.imag * displacement.imag
     moving = Kinematics(displacement, 0.0j, 0.0, 0.0)
-    return wall_energy(part, tables, moving), 0.5 * part.stiffness * square
+    return wall_energy(bearing_of(part), tables, moving), 0.5 * part.stiffness * square
 
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
     """Implement this function of a law (see `parts.law`): film, contact damping, friction."""
-    moving = _resting(kinematics)
-    film = film_force(part, tables, part.viscosity, moving)
-    wall = wall_state(part, tables, moving)
+    bearing, moving = bearing_of(part), _resting(kinematics)
+    film = film_force(bearing, tables, moving)
+    wall = wall_state(bearing, tables, moving)
     out[_LOSS.film] = -(film * moving.velocity.conjugate()).real
     out[_LOSS.contact] = wall.damped
     out[_LOSS.friction] = wall.rubbed
@@ -104,9 +102,9 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
-    moving = _resting(kinematics)
-    film = film_state(part, tables, part.viscosity, moving)
-    wall = wall_state(part, tables, moving)
+    bearing, moving = bearing_of(part), _resting(kinematics)
+    film = film_state(bearing, tables, moving)
+    wall = wall_state(bearing, tables, moving)
     force = film.force + wall.force - part.stiffness * moving.displacement
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag

@@ -90,8 +90,10 @@ def _finalized(context: Any, library: Any, description: Any, environment: Any) -
 
 
 def _optimise_last(entries: Container[str]) -> None:
-    """Let numba optimise the entries alone with what they call: each function of a long chain
-    would be optimised again in the next, for steps that are faster by a fifth where they matter."""
+    """Let numba optimise the entries alone with what they call, and unroll no loops for vectors:
+    each function of a long chain would be optimised again in the next, for steps that are faster by
+    a fifth where they matter."""
+    numba.config.LOOP_VECTORIZE = 0
     optimise = codegen.CPUCodeLibrary._optimize_final_module
     codegen.CPUCodeLibrary._optimize_final_module = lambda library: (
         optimise(library) if library.name in entries else None
