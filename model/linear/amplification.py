@@ -117,6 +117,7 @@ def _peak(response: Callable[[float], float], at: np.ndarray, values: np.ndarray
         return response(s) - HALF_POWER * largest
 
     def fallen(side: range) -> float:
+        """Return the half-power speed on a side of the peak, NaN where there is none."""
         inside = speed
         for k in side:
             if values[k] > largest:  # the flank of a higher peak

@@ -91,17 +91,12 @@ class Condensed:
         still, turning = (machine.at_zero_load(speed) for speed in (0.0, 1.0))
 
         def without_laws(matrix, by):
-            blocks = np.einsum(
-                "jaN,jab,jbM->NM",
-                *(
-                    across.reshape(-1, 2, across.shape[1]),
-                    by,
-                    across.reshape(-1, 2, across.shape[1]),
-                ),
-            )
-            return matrix.toarray() + blocks
+            """Return a matrix without the tangents `by` of the laws, which are in it."""
+            each = across.reshape(-1, 2, across.shape[1])
+            return matrix.toarray() + np.einsum("jaN,jab,jbM->NM", each, by, each)
 
         def turned(matrix):
+            """Return a matrix in the reduced coordinates."""
             return T.T @ matrix @ T
 
         still_D = without_laws(still.D, still.laws.by_v)
