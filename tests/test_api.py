@@ -13,7 +13,16 @@ from rotor_fmu.model.time_loop.recorder import recordable
 
 import rotor_fmu as rf
 
-MODULES = ("api.machine", "api.simulate", "api.fmus", "api.result", "errors")
+MODULES = (
+    "api.linear_analyses",
+    "api.machine",
+    "api.simulate",
+    "api.fmus",
+    "api.recorded_signals",
+    "api.peaks",
+    "api.result",
+    "errors",
+)
 PAGE = Path(__file__).parents[1] / "docs" / "reference" / "api.md"
 RIG = rf.load()
 
