@@ -11,7 +11,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.machine.writing import toml_text
 
 from rotor_fmu.cli import app
-from rotor_fmu.cli.linear import one_speed, speed_range
+from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.reading import machine_text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -12,23 +12,10 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
-from .linear import Contacts, Rated, RotorFile, print_answer, rated_speed
-
-if TYPE_CHECKING:
-    from ..model.linear import Stage
-    from ..model.machine.rotor import Rotor
-
-Stages = Annotated[
-    list[str] | None,
-    typer.Option(
-        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller, in W, m, m, 1, whose cross "
-        "coupling follows from Alford's formula; repeatable."
-    ),
-]
-CrossCouplings = Annotated[
-    list[str] | None,
-    typer.Option(help="NODE:STIFFNESS of a given cross coupling, in N/m; repeatable."),
-]
+from .answers import print_answer
+from .nodes import CrossCouplings, Stages, check_nodes, cross_couplings
+from .shared import Contacts, RotorFile, check_count
+from .speeds import Rated, rated_speed
 
 
 @with_output_options
@@ -58,8 +45,7 @@ def critical_map(
     stiffness, with the stiffness that the bearings have themselves."""
     values = None if stiffness is None else _stiffnesses(stiffness)
     _, machine = load_rotor(rotor)
-    if not 1 <= count <= 100:
-        raise InputError(f"--count {count}: must be from 1 to 100")
+    check_count(count, 100)
     from ..linear import acceptance
 
     result = acceptance.critical_map(
@@ -100,28 +86,13 @@ def stability(
 
     result: acceptance.StabilityLevel1 | acceptance.StabilityLevel2
     if level == 1:
-        if node is not None and not 1 <= node <= len(machine.nodes):
-            raise InputError(f"--node {node}: must be from 1 to {len(machine.nodes)}")
+        check_nodes(machine, "--node", () if node is None else (node,))
         result = acceptance.level_1(
             machine, speed, node=node, anticipated=sum(couplings.values()), contacts=contacts
         )
     else:
         result = acceptance.level_2(machine, speed, cross_couplings=couplings, contacts=contacts)
     return print_answer(result, result.table(), result.figure(), out, "stability")
-
-
-def cross_couplings(
-    machine: Rotor, speed: float, stages: list[str] | None, given: list[str] | None
-) -> dict[int, float]:
-    """Cross-coupled stiffness by node [N/m] of `--stage`, at a speed [rad/s], and
-    `--cross-coupling`."""
-    of_stages = [(s.node, s.cross_coupling(speed)) for s in map(_stage, stages or [])]
-    result: dict[int, float] = {}
-    for number, q in (*of_stages, *map(_coupling, given or [])):
-        if not 1 <= number <= len(machine.nodes):
-            raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
-        result[number] = result.get(number, 0.0) + q
-    return result
 
 
 def _stiffnesses(text: str) -> np.ndarray:
@@ -138,32 +109,3 @@ def _stiffnesses(text: str) -> np.ndarray:
             "with 2 to 1000 points"
         )
     return np.geomspace(low, high, count)
-
-
-def _stage(text: str) -> Stage:
-    from ..model.linear import Stage
-
-    try:
-        node, *numbers = text.split(":")
-        power, diameter, width, ratio = (float(number) for number in numbers)
-        result = Stage(int(node), power, diameter, width, ratio)
-        is_known = all(0 < value < math.inf for value in result[1:])
-    except ValueError:
-        is_known = False
-    if not is_known:
-        raise InputError(
-            f"--stage {text}: must be NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO, all above 0"
-        )
-    return result
-
-
-def _coupling(text: str) -> tuple[int, float]:
-    node, _, q = text.partition(":")
-    try:
-        result = int(node), float(q)
-        is_known = 0 <= result[1] < math.inf
-    except ValueError:
-        is_known = False
-    if not is_known:
-        raise InputError(f"--cross-coupling {text}: must be NODE:STIFFNESS, at least 0 N/m")
-    return result

@@ -10,7 +10,9 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
-from .linear import RotorFile, one_speed, print_answer
+from .answers import print_answer
+from .shared import RotorFile
+from .speeds import one_speed
 
 
 @with_output_options

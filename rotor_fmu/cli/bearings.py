@@ -13,7 +13,8 @@ from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
-from .linear import print_answer, speed_range
+from .answers import print_answer
+from .speeds import speed_range
 
 if TYPE_CHECKING:
     from ..model.linear.bearing import BearingCurves

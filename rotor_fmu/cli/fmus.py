@@ -13,7 +13,7 @@ from ..library.build import library
 from ..library.platforms import LIBRARIES, PLATFORMS, WASM
 from ..model.kernels.library import here
 from ..output_options import with_output_options
-from .runs import Free, RotorFile
+from .shared import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
 Platforms = Annotated[

@@ -12,7 +12,9 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
-from .linear import Contacts, One, RotorFile, one_speed, print_answer, speed_range
+from .answers import print_answer
+from .shared import Contacts, RotorFile
+from .speeds import One, one_speed, speed_range
 
 _POINTS = 801
 

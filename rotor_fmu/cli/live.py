@@ -7,10 +7,9 @@ from typing import Annotated, Any
 
 import typer
 
-from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
-from .runs import RotorFile
+from .shared import RotorFile, check_page
 
 
 @with_output_options
@@ -27,9 +26,7 @@ def page(
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)
-    writable_folder(out.parent)
-    if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    check_page(out)
     warnings = machine_warnings(machine)
     for warning in warnings:
         typer.echo(f"warning: {warning}", err=True)

@@ -1,4 +1,4 @@
-"""`rotor-fmu schema` and `rotor-fmu example`: the contents of machine files, and examples."""
+"""`rotor-fmu schema`, `example` and `import-ross`: what machine files hold, and where to begin."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from difflib import get_close_matches
 from importlib.resources import as_file, files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ..errors import InputError, writable_folder
+from ..files import write_text
+from ..output_options import with_output_options
 
 
 def schema_command(
@@ -79,3 +81,23 @@ def _copy(folder: Traversable, target: Path) -> None:
         finally:
             shutil.rmtree(part, ignore_errors=True)
     typer.echo(f"written to {target}")
+
+
+@with_output_options
+def import_ross(
+    file: Annotated[Path, typer.Argument(help="Rotor saved by ROSS, as TOML or JSON.")],
+    out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
+) -> dict[str, Any]:
+    """Convert a rotor that ROSS saved into a machine file."""
+    from ..machine_file.reading import import_ross as read
+    from ..model.machine.writing import toml_text
+
+    result = read("FILE", file)
+    writable_folder(out.parent)
+    head = f"# From {file.name}, a rotor that ROSS saved.\n"
+    head += "".join(f"# {note}\n" for note in result.notes)
+    write_text(f"{head}\n{toml_text(result.tables)}", out)
+    for note in result.notes:
+        typer.echo(note)
+    typer.echo(f"written to {out}")
+    return {"notes": result.notes, "out": str(out)}

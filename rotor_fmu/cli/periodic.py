@@ -12,7 +12,8 @@ from rich.console import Console
 from ..errors import InputError, writable_folder
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
-from .linear import RotorFile, one_speed, speed_range
+from .shared import RotorFile
+from .speeds import one_speed, speed_range
 
 if TYPE_CHECKING:
     from ..model.periodic.branch import Solution

@@ -15,10 +15,10 @@ from ..output_options import with_output_options
 from ..runs import PLOTS
 from ..runs.job import load_rotor, write_json
 from ..units import in_si
-from .acceptance import CrossCouplings, Stages, cross_couplings
 from .completion import one_of, places
-from .linear import Clearances, OperatingRange, Rated, clearance_of, operating_range
-from .shared import Units
+from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
+from .shared import Units, check_page
+from .speeds import OperatingRange, Rated, operating_range
 
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
@@ -95,9 +95,7 @@ def _machine_page(
     """Write the page of a machine and its numbers beside it."""
     from ..acceptance.page import Question, machine_report
 
-    writable_folder(out.parent)
-    if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    check_page(out)
     asked = Question(*ends, probes, mode, clearances, couplings)
     result = machine_report(machine, asked)
     write_text(result.html, out)
@@ -166,10 +164,8 @@ def report(
                 "--range: must be given, such as --range 9000:11000rpm, or --rated, or the "
                 "machine's [operation]"
             )
-        gaps = dict(map(clearance_of, clearance or []))
-        for number in (*(node or []), *gaps):
-            if not 1 <= number <= len(machine.nodes):
-                raise InputError(f"node {number}: must be from 1 to {len(machine.nodes)}")
+        gaps = clearances_of(clearance)
+        check_nodes(machine, "node", (*(node or []), *gaps))
         couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
         return _machine_page(machine, ends, node, mode, gaps, couplings, out)
     if not paths:
@@ -193,9 +189,7 @@ def report(
         raise InputError(f"{len(paths)} runs: a page shows one or two")
     if is_live and (studies or len(paths) > 1):
         raise InputError("--live: a page on which a machine runs is of one run")
-    writable_folder(out.parent)
-    if out.is_dir():
-        raise InputError(f"--out {out}: is a folder; give the page's name in it")
+    check_page(out)
     if is_live:
         from ..live.page import solver_page
         from ..live.recorded_run import machine_of_run, settings_of_run

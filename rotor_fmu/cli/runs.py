@@ -14,16 +14,9 @@ from ..errors import writable_folder
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options
 from .completion import one_of, settable
-from .shared import Units
+from .shared import Free, RotorFile, Units
 
 # What a command calls is imported when it is called: its help needs none of it.
-RotorFile = Annotated[
-    Path | None, typer.Option("--rotor", help="Machine file; default: the rig of paper A.")
-]
-Free = Annotated[
-    bool,
-    typer.Option("--free", help="Use the FMU that is driven by a torque instead of its speed."),
-]
 Sets = Annotated[
     list[str] | None,
     typer.Option(

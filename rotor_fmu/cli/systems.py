@@ -13,7 +13,7 @@ from ..errors import InputError, writable_folder
 from ..model.kernels.library import here
 from ..output_options import with_output_options
 from .fmus import Native
-from .runs import RotorFile
+from .shared import RotorFile
 
 _DRIVE = "drive_train"
 
