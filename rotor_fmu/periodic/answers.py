@@ -20,17 +20,11 @@ from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE, Probe
 from ..model.periodic.arclength import Lost, Steps
 from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
+from ..model.periodic.evaluation import at, folds_over, stays
 from ..model.periodic.folds import FoldCurve
-from ..model.periodic.response import (
-    SPEED,
-    Response,
-    Task,
-    at,
-    folds_over,
-    response,
-    stays,
-)
+from ..model.periodic.response import response
 from ..model.periodic.seeds import Stay
+from ..model.periodic.task import SPEED, Response, Task
 from ..model.quantities import QuantityError
 
 if TYPE_CHECKING:

@@ -1,0 +1,102 @@
+"""A response evaluated: its motions at a value, whether they stay in time, and its folds over a
+second parameter."""
+
+from __future__ import annotations
+
+from . import arclength
+from .arclength import Lost, Point
+from .balance import Problem, cached
+from .branch import FOLD, Bifurcation, Solution, solution
+from .folds import FoldCurve, fold_curve
+from .seeds import Stay, stay
+from .task import SPEED, Machines, PeriodicError, Response, machines_of
+
+
+def at(result: Response, value: float) -> list[Solution]:
+    """All motions of the branches at a value of the parameter, by Newton's method from their
+    neighbours."""
+    outcome = []
+    for branch in result.branches:
+        for a, b in zip(branch.points, branch.points[1:], strict=False):
+            low, high = sorted((a.value, b.value))
+            if not low <= value < high and not (value == high and b is branch.points[-1]):
+                continue
+            solved = _between(result, a, b, value)
+            if solved is not None:
+                outcome.append(solved)
+    return outcome
+
+
+def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
+    task = result.task
+    problem = task.problem(
+        result.machines(),
+        value,
+        max(a.orbit.H, b.orbit.H),
+        turns=task.turns,
+        is_autonomous=task.is_whirl,
+        omega=a.orbit.omega,
+    )
+    share = (value - a.value) / (b.value - a.value)
+    first, second = problem.join(a.orbit), problem.join(b.orbit)
+    if task.is_whirl:
+        problem.fix_phase(first)
+    try:
+        x = arclength.solve(problem, first + share * (second - first), value)
+    except Lost:
+        return None
+    return solution(problem, Point(x, value, x, 1.0), task.accuracy)
+
+
+def stays(result: Response, point: Solution, turns: int) -> Stay:
+    """Whether the integrator, started on a motion, is still there after some turns."""
+    task = result.task
+    if task.is_whirl:
+        raise PeriodicError("a whirl by itself is of the machine without its unbalance: no check")
+    rotor, machine = task.rotor_at(result.rotor, point.value), result.machines()(point.value)
+    return stay(rotor, machine, point.orbit, point.motion, task.loads, turns)
+
+
+def folds_over(
+    result: Response, fold: Bifurcation, name: str, low: float, high: float
+) -> FoldCurve:
+    """The curve of folds through one of a response, over a second parameter.
+
+    Raises `PeriodicError` where the machine's own value of it lies outside, or what is given is no
+    fold of a smooth branch.
+    """
+    task, rotor = result.task, result.rotor
+    start = {str(n): value for n, _, value in rotor.parameters()}[name]
+    if not low <= start <= high:
+        raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
+    if fold.kind != FOLD:
+        raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
+    for end in (low, high):
+        rotor.with_value(name, end)
+    first = result.machines()
+    base = task.problem(first, fold.value, fold.orbit.H, turns=task.turns)
+
+    @cached
+    def problem_at(value: float) -> Problem:
+        """Return the equations about the fold, at a value of the second parameter."""
+        changed = rotor.with_value(name, value)
+        if task.name == SPEED:
+            machine = first(0.0).with_rotor(changed)
+            machines: Machines = lambda _: machine  # noqa: E731
+        else:
+            machines = machines_of(changed, task)
+        problem = task.problem(
+            machines,
+            fold.value,
+            fold.orbit.H,
+            turns=task.turns,
+            is_autonomous=task.is_whirl,
+            omega=fold.orbit.omega,
+            length=base.lengths,
+        )
+        problem.row_scale = base.row_scale
+        if task.is_whirl:
+            problem.fix_phase(problem.join(fold.orbit))
+        return problem
+
+    return fold_curve(problem_at, fold.orbit, start, low, high, task.steps)

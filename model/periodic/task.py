@@ -1,0 +1,103 @@
+"""What is asked of a machine's periodic motions, and the branches that answer it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from ..machine.speed_tables import tables_of
+from ..quantities import QuantityError
+from .arclength import Steps
+from .balance import Orbit, Parameter, Problem, cached
+from .branch import Accuracy, Branch
+from .condensed import Condensed
+
+SPEED = "speed"
+
+Machines = Callable[[float], Condensed]  # of a value of the parameter
+
+
+class PeriodicError(QuantityError):
+    """A periodic answer that cannot be had; says why."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is asked for: the parameter over [low, high], `speed` [rad/s] where it is another one,
+    constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are,
+    values at which runs in time seed further branches; is_whirl: of the machine
+    without unbalance, that which whirls by itself; begin: an orbit
+    from which alone branches are followed, at the machine's own value of the parameter."""
+
+    low: float
+    high: float
+    name: str = SPEED
+    speed: float = 0.0
+    turns: int = 1
+    loads: np.ndarray | None = None
+    accuracy: Accuracy = field(default_factory=Accuracy)
+    steps: Steps = field(default_factory=lambda: Steps(most=0.1))
+    seeds: tuple[float, ...] = ()
+    is_whirl: bool = False
+    begin: Orbit | None = None
+
+    @property
+    def parameter(self) -> Parameter:
+        """What is varied, with the length of its range."""
+        return Parameter(self.name, self.high - self.low)
+
+    def speed_at(self, value: float) -> float:
+        """The speed at a value of the parameter [rad/s]."""
+        return value if self.name == SPEED else self.speed
+
+    def rotor_at(self, rotor: Rotor, value: float) -> Rotor:
+        """The machine with a value of the parameter."""
+        return rotor if self.name == SPEED else rotor.with_value(self.name, value)
+
+    def problem(self, machines: Machines, at: float, H: int, **options: Any) -> Problem:
+        """The equations about a value of the parameter, with H harmonics."""
+        return Problem(machines, self.parameter, at, H, speed=self.speed, **options)
+
+
+@dataclass
+class Response:
+    """Branches of a task, and what is to be said of them, a line each."""
+
+    rotor: Rotor
+    task: Task
+    branches: list[Branch] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def machines(self) -> Machines:
+        """The machine over the parameter."""
+        return machines_of(self.rotor, self.task)
+
+
+def check(rotor: Rotor, task: Task) -> None:
+    """Raise `PeriodicError` or `QuantityError` for what cannot be asked of a machine."""
+    if not task.low < task.high:
+        raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
+    speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
+    for speed in speeds:
+        if not 0 < speed < math.inf:
+            raise PeriodicError(f"speed = {speed:g} rad/s: must be > 0 and finite")
+        for allowed in tables_of(rotor):
+            if not allowed.low <= speed <= allowed.high:
+                raise PeriodicError(allowed.beyond.format(speed=speed))
+    if task.name != SPEED:
+        for value in (task.low, task.high):
+            rotor.with_value(task.name, value)
+
+
+def machines_of(rotor: Rotor, task: Task) -> Machines:
+    """The machine over the parameter."""
+    if task.name == SPEED:
+        machine = Condensed(rotor, task.loads)
+        return lambda _: machine
+    first = Condensed(rotor.with_value(task.name, task.low), task.loads)
+    return cached(lambda value: first.with_rotor(rotor.with_value(task.name, value)))
