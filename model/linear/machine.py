@@ -11,7 +11,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,15 +23,14 @@ from ..parts.base import Interface, Mount, Spring
 from ..parts.housing import masses
 from ..parts.linear_bearing import LINEAR_BEARING
 from ..structure.assembly import assemble
-from ..structure.elastic import factorized, strains
+from ..structure.elastic import factorized
 from ..structure.parameters import elastic_share, lengths_of
-from ..structure.structure import Structure
 from .linearized import Linear, LinearError, Strain
+from .matrices import TURN, differences, expansion, in_plane, matrices_of, to_complex
 from .tangents import Tangents, tangents
 
 OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
-_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
 _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
@@ -60,7 +59,7 @@ class LinearMachine:
         self.rotor = rotor
         self.structure = assemble(rotor)
         self.supports = _supports(rotor)
-        self._full = _matrices(rotor, self.structure)
+        self._full = matrices_of(rotor, self.structure)
         self._set_contacts(contacts or OPEN)
         if contacts is None and self.has_contacts and not self.is_held:
             self._set_contacts(PINNED)
@@ -74,14 +73,14 @@ class LinearMachine:
         size = len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
-        self.expand = _expansion(size, held)
+        self.expand = expansion(size, held)
         self.M = (self.expand.T @ self._full.M @ self.expand).tocsc()
         self._K, self._D, self._gyroscopic = (
             (self.expand.T @ matrix @ self.expand).tocsc()
             for matrix in (self._full.K, self._full.C, self._full.gyroscopic)
         )
         ends = [(dof, end) for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)]
-        self.across = _differences(size, ends)
+        self.across = differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
         self._strained = (self._full.strained @ self.expand).tocsr()
         self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
@@ -151,7 +150,7 @@ class LinearMachine:
             (dof, ground if is_rigid else end % (ground + 1))
             for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)
         ]
-        across = _differences(ground + 1, of_springs + of_interfaces) @ self.expand @ kept
+        across = differences(ground + 1, of_springs + of_interfaces) @ self.expand @ kept
         springs = across[: 2 * len(of_springs)]
         K = kept.T @ self._K @ kept
         if len(of_springs):
@@ -197,7 +196,7 @@ class LinearMachine:
     def _strain(self, speed: float) -> Strain:
         """Return the contribution of the shaft's strain."""
         numbers = self.structure.numbers[0]
-        by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * _TURN
+        by_d = interpreted(elastic_share)(numbers.eta_h) * np.eye(2) - self._kappa(speed) * TURN
         by_v = numbers.eta_v * np.eye(2)
         return Strain(self._strained, self._full.stiffness, by_d, by_v)
 
@@ -308,86 +307,10 @@ class Undamped(NamedTuple):
         return solve(matrix.real)[0] + 1j * solve(matrix.imag)[0]
 
 
-class _Full(NamedTuple):
-    """Matrices of x, y of every dof, housing and ground, before anything is pinned, C and K without
-    what the shaft's strain adds; its strains by them, and each element's stiffness."""
-
-    M: sp.csr_matrix
-    C: sp.csr_matrix
-    K: sp.csr_matrix
-    gyroscopic: sp.csr_matrix
-    strained: sp.csr_matrix
-    stiffness: np.ndarray
-
-
-def _matrices(rotor: Rotor, s: Structure) -> _Full:
-    housings = s.housings
-    by_deflection, stiffness = strains(rotor)
-    behind = sp.csr_array((by_deflection.shape[0], len(housings) + 1))
-    both = np.eye(2)
-
-    def full(band: np.ndarray, matrix: np.ndarray, x: np.ndarray, y: np.ndarray) -> sp.csr_matrix:
-        n, width = band.shape
-        below = [band[: n - d, d] for d in range(width)]
-        offsets = list(range(width))
-        half = sp.diags_array(below[1:], offsets=[-d for d in offsets[1:]], shape=(n, n))
-        plane = half + half.T + sp.diags_array(band[:, 0])
-        own = np.append(np.column_stack([x, y]).ravel(), [0.0, 0.0])
-        return sp.block_diag([sp.kron(plane, matrix), sp.diags_array(own)]).tocsr()
-
-    damping, stiff = np.zeros_like(s.K), s.K_axial.copy()
-    np.add.at(damping[:, 0], s.springs.dof, s.springs.damping)
-    np.add.at(stiff[:, 0], s.springs.dof, s.springs.stiffness)
-    none = np.zeros(len(housings))
-    return _Full(
-        M=full(s.M, both, *interpreted(masses)(housings)),
-        C=full(damping, both, housings.cx, housings.cy),
-        K=full(stiff, both, housings.kx, housings.ky),
-        gyroscopic=full(s.G, -_TURN, none, none),
-        strained=sp.kron(sp.hstack([by_deflection, behind]), both).tocsr(),
-        stiffness=stiffness,
-    )
-
-
-def _expansion(size: int, pairs: Iterable[tuple[int, int]]) -> sp.csr_matrix:
-    """Return the matrix from the unknowns to all dofs, of which ground, the last, stays; pairs:
-    (dof, end) that move as one."""
-    leader = np.arange(size)
-    for dof, end in pairs:
-        retained, merged = sorted((leader[dof], leader[end]))
-        if retained == leader[-1] or merged == leader[-1]:
-            retained, merged = leader[-1], retained + merged - leader[-1]
-        leader[leader == merged] = retained
-    moving = leader != leader[-1]
-    unknowns, column = np.unique(leader[moving], return_inverse=True)
-    row = np.flatnonzero(moving)
-    selection = sp.csr_array((np.ones(len(row)), (row, column)), shape=(size, len(unknowns)))
-    return sp.kron(selection, np.eye(2)).tocsr()
-
-
-def _differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:
-    """Return x, y of each pair's first less its second."""
-    matrix = sp.lil_array((len(pairs), size))
-    for j, (dof, end) in enumerate(pairs):
-        matrix[j, dof] = 1.0
-        matrix[j, end] = -1.0
-    return sp.kron(matrix, np.eye(2)).tocsr()
-
-
 def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
     """Return the forces f of the pins with across^T f = left, ground's rows aside."""
     rows = across.toarray().T[:-2]
     return np.linalg.lstsq(rows, left[:-2], rcond=None)[0]
-
-
-def in_plane(z: np.ndarray) -> np.ndarray:
-    """Return x, y in turn of complex numbers, shape (2 n,)."""
-    return np.column_stack([z.real, z.imag]).ravel()
-
-
-def to_complex(u: np.ndarray) -> np.ndarray:
-    """Return x + i y of x, y in turn, shape (n,)."""
-    return u[::2] + 1j * u[1::2]
 
 
 def _are_linear(rotor: Rotor) -> np.ndarray:

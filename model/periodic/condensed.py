@@ -17,14 +17,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..linear import LinearError, LinearMachine
-from ..linear.machine import OPEN, in_plane
+from ..linear.machine import OPEN
+from ..linear.matrices import TURN, in_plane
 from ..linear.tangents import tangents
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import Structure
 from .laws import LawsAlong, is_linear
-
-_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])  # i z as a matrix of (x, y)
 
 
 class Matrices(NamedTuple):
@@ -104,7 +103,7 @@ class Condensed:
         self._K = turned(without_laws(still.K, still.laws.by_d))
         self._D = turned(still_D)
         self._gyroscopic = turned(without_laws(turning.D, turning.laws.by_v) - still_D)
-        self._circulatory = turned(still.strain.matrix(_TURN).toarray())
+        self._circulatory = turned(still.strain.matrix(TURN).toarray())
         self._kappa = s.numbers[0].kappa_v, s.numbers[0].kappa_h
         linear = s.interfaces[self._linear]
         tables = [s.laws[i.law][i.row] for i in linear]
