@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 
 def cell(value: object, spec: str = "") -> str:
     """Return a value as text, a dash if it is missing or NaN.
@@ -13,3 +15,9 @@ def cell(value: object, spec: str = "") -> str:
     if isinstance(value, str):
         return value
     return format(value, spec or (".5g" if isinstance(value, float) else ""))
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown, without an end of line behind the last row."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

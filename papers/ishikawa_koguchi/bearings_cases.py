@@ -11,6 +11,7 @@ import numpy as np
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION
 
+from rotor_fmu.cells import markdown_table
 from rotor_fmu.errors import writable_folder
 from rotor_fmu.files import write_text
 from rotor_fmu.runs.report import Column, Report
@@ -132,6 +133,5 @@ def _outcomes(trials: Sequence[Trial], rows: Sequence[Mapping], fine: float, sto
         else:
             outcome = "stalled" if row["status"].startswith("gave up") else "diverged"
             cells[name, column] = f"{outcome}, {row['t_end']:.3f} s"
-    table = [["", *columns], ["---"] * (1 + len(columns))]
-    table += [[name, *(cells.get((name, column), "-") for column in columns)] for name in lines]
-    return "".join(f"| {' | '.join(line)} |\n" for line in table)
+    rows = [[name, *(cells.get((name, column), "-") for column in columns)] for name in lines]
+    return markdown_table(["", *columns], rows) + "\n"

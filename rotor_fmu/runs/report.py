@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..cells import cell
+from ..cells import cell, markdown_table
 from ..files import unfinished, write_text
 from ..screen import text_table
 
@@ -48,13 +48,8 @@ class Report:
             names = set(writer.fieldnames)
             writer.writerows({k: v for k, v in row.items() if k in names} for row in self.rows)
         heads = [column.head.replace("\n", " ") for column in self._columns]
-        lines = [
-            heads,
-            ["---"] * len(heads),
-            *(self._cells(row, self._columns) for row in self.rows),
-        ]
-        text = "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
-        write_text(text, markdown_path)
+        rows = (self._cells(row, self._columns) for row in self.rows)
+        write_text(markdown_table(heads, rows) + "\n", markdown_path)
 
     @staticmethod
     def _cells(row: Mapping[str, object], columns: Sequence[Column]) -> list[str]:

@@ -14,7 +14,7 @@ from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION, chung_hulbert, 
 
 from papers.integrators.__main__ import app
 from papers.integrators.survey import planted, rotor, survey_command
-from papers.integrators.survey.findings import Findings
+from papers.integrators.survey.findings import Findings, safe_schemes
 from papers.integrators.survey.grid import (
     TABLE,
     Experiment,
@@ -23,7 +23,6 @@ from papers.integrators.survey.grid import (
     run_grid,
     write_table,
 )
-from papers.integrators.survey.page import safe_schemes
 from papers.integrators.survey.sources import closure
 from rotor_fmu.errors import run
 

@@ -129,3 +129,16 @@ def false_state_power(row: Row) -> float:
 def rebound_of(row: Row) -> float:
     """Paper B's (12) as a restitution; see `schemes.rebound`."""
     return family.rebound(scheme_of(row))
+
+
+def safe_schemes(findings: Findings) -> list[str]:
+    """Integrators of which no run-down, no impact and no planted cycle is in the false state."""
+    result = []
+    for scheme in findings.schemes("rotor"):
+        rows = findings.of("rotor", scheme=scheme)
+        # a planted cycle may begin with a few steps in its state, but has to stay in it
+        others = findings.of("bounce", scheme=scheme) + findings.of("planted", scheme=scheme)
+        is_free = all(row["status"] == "ok" for row in rows)
+        if is_free and not any(row.get("trapped", 0.0) > 0.0 for row in others):
+            result.append(scheme)
+    return result

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
+from ...cells import markdown_table
 from ..variables import Variable, unit
 
 _HEAD = ("variable", "causality", "unit", "start", "what it is")
@@ -30,8 +31,7 @@ def rows(table: Sequence[Variable]) -> list[tuple[str, ...]]:
 def markdown(table: Sequence[Variable]) -> str:
     """Return the table in Markdown."""
     head, *body = rows(table)
-    lines = [head, ("---",) * len(head), *((f"`{name}`", *rest) for name, *rest in body)]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    return markdown_table(head, ((f"`{name}`", *rest) for name, *rest in body)) + "\n"
 
 
 def _unit(variable: Variable) -> str:
