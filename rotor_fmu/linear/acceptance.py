@@ -21,49 +21,15 @@ from .linear_tables import Table
 class CriticalMap(Displayed, linear.CriticalMap):
     """`model.linear.CriticalMap`, shown."""
 
-    def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each place where a bearing's own stiffness meets a line.
-        """
-        return acceptance_tables.critical_map_table(self)
-
-    def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The map.
-        """
-        return acceptance_plots.critical_map_figure(self)
+    table = acceptance_tables.critical_map_table
+    figure = acceptance_plots.critical_map_figure
 
 
 class UnbalanceCheck(Displayed, linear.UnbalanceCheck):
     """`model.linear.UnbalanceCheck`, shown."""
 
-    def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each critical speed of a probe, then probes and clearances.
-        """
-        return acceptance_tables.unbalance_check_table(self)
-
-    def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The critical speeds with the separation that each needs.
-        """
-        return acceptance_plots.unbalance_check_figure(self)
+    table = acceptance_tables.unbalance_check_table
+    figure = acceptance_plots.unbalance_check_figure
 
 
 @dataclass(frozen=True)
@@ -102,49 +68,15 @@ class CriticalPeaks(Displayed):
 class StabilityLevel1(Displayed, linear.StabilityLevel1):
     """`model.linear.StabilityLevel1`, shown."""
 
-    def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            The figures that level 1 asks for.
-        """
-        return acceptance_tables.level_1_table(self)
-
-    def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The logarithmic decrement over the cross coupling.
-        """
-        return acceptance_plots.level_1_figure(self)
+    table = acceptance_tables.level_1_table
+    figure = acceptance_plots.level_1_figure
 
 
 class StabilityLevel2(Displayed, linear.StabilityLevel2):
     """`model.linear.StabilityLevel2`, shown."""
 
-    def table(self) -> Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row for each case.
-        """
-        return acceptance_tables.level_2_table(self)
-
-    def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The logarithmic decrements.
-        """
-        return acceptance_plots.level_2_figure(self)
+    table = acceptance_tables.level_2_table
+    figure = acceptance_plots.level_2_figure
 
 
 @on_one_thread

@@ -41,11 +41,23 @@ class Displayed(ABC):
 
     @abstractmethod
     def table(self) -> linear_tables.Table:
-        """Return the numbers in a few columns."""
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            Head, rows and title; `text()` and `html()` show it.
+        """
 
     @abstractmethod
     def figure(self) -> Figure:
-        """Draw the result."""
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The picture.
+        """
 
     def __repr__(self) -> str:
         return f"<{self.table().title}>"
@@ -62,15 +74,7 @@ class Displayed(ABC):
 class Modes(Displayed, linear.Modes):
     """`model.linear.Modes`, shown."""
 
-    def table(self) -> linear_tables.Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row a mode.
-        """
-        return linear_tables.modes_table(self)
+    table = linear_tables.modes_table
 
     def figure(self) -> Figure:
         """Draw the result.
@@ -86,15 +90,7 @@ class Modes(Displayed, linear.Modes):
 class Campbell(Displayed, linear.Campbell):
     """`model.linear.Campbell`, shown."""
 
-    def table(self) -> linear_tables.Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row a critical speed.
-        """
-        return linear_tables.campbell_table(self)
+    table = linear_tables.campbell_table
 
     def figure(self, operating: tuple[float, float] | None = None) -> Figure:
         """Draw the result.
@@ -115,25 +111,8 @@ class Campbell(Displayed, linear.Campbell):
 class BearingCurves(Displayed, linear.BearingCurves):
     """`model.linear.BearingCurves`, shown."""
 
-    def table(self) -> linear_tables.Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row a speed.
-        """
-        return linear_tables.bearing_table(self)
-
-    def figure(self) -> Figure:
-        """Draw the result.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The journal's locus, its film, and the coefficients over the speed.
-        """
-        return linear_plots.bearing_figure(self)
+    table = linear_tables.bearing_table
+    figure = linear_plots.bearing_figure
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
@@ -191,15 +170,7 @@ class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
 class Static(Displayed, linear.Static):
     """`model.linear.Static`, shown."""
 
-    def table(self) -> linear_tables.Table:
-        """Return the numbers in a few columns.
-
-        Returns
-        -------
-        Table
-            A row a node, a row a support.
-        """
-        return linear_tables.static_table(self)
+    table = linear_tables.static_table
 
     def figure(self) -> Figure:
         """Draw the result.
