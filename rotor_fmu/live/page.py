@@ -6,7 +6,6 @@ import base64
 import hashlib
 import zlib
 from collections.abc import Mapping
-from html import escape
 from typing import Any
 
 from ..about import __version__
@@ -14,7 +13,7 @@ from ..fmi.machine_table import FmuInterface, table_bytes
 from ..fmi.packing.machine_files import Machine
 from ..library.build import core_digest, library
 from ..library.platforms import WASM
-from ..report.page import json_in_script, machine_html, template
+from ..report.page import head, json_in_script, machine_html, template
 from .controls import course, groups, places, recorded
 
 _PACKAGE = __package__
@@ -31,9 +30,7 @@ def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> s
     script = "\n".join(_template(name) for name in _SCRIPTS)
     css = f"{template('page.css').template}\n{_template('page.css')}"
     return template("page.html", _PACKAGE).substitute(
-        title=escape(machine.rotor.name or "rotor"),
-        policy=_policy(script, css),
-        css=css,
+        head=head(machine.rotor.name or "rotor", css, _policy(script, css)),
         machine=machine_html(machine.rotor),
         footer=f"rotor-fmu {__version__}",
         data=json_in_script(page_data(machine) | {"given": given or {}}),

@@ -100,9 +100,8 @@ def page(
     library = _bokeh() if with_charts else ()
     always = _ALWAYS if with_charts else ()
     return template("page.html").substitute(
-        title=escape(title),
+        head=head(title, template("page.css").template),
         about=escape(about),
-        css=template("page.css").template,
         body=body,
         footer=f"rotor-fmu {__version__}",
         data=json_in_script(data),
@@ -110,6 +109,14 @@ def page(
         library="\n".join(f"<script>{script}</script>" for script in library),
         script="\n".join(template(name).template for name in (*always, *scripts)),
     )
+
+
+def head(title: str, css: str, policy: str = "") -> str:
+    """Return the beginning of a page with its title, which is text, as HTML; policy: what a browser
+    lets it do, its Content-Security-Policy."""
+    meta = f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n' if policy else ""
+    filled = template("head.html").substitute(title=escape(title), css=css, policy=meta)
+    return filled.removesuffix("\n")
 
 
 def _bokeh() -> Sequence[str]:

@@ -26,7 +26,8 @@ class OrderTrack(ShortRepr):
     """Vectors of orders over a run, one row a turn: z = f exp(i k phi) + b exp(-i k phi).
 
     Amplitudes and angles of x and y are those of Re(X exp(i k |phi|)): a lag is negative whichever
-    way the shaft turns.
+    way the shaft turns. Each method takes one of `orders` [1] and returns an array of shape (m,);
+    `ValueError` for another order.
 
     Attributes
     ----------
@@ -54,35 +55,12 @@ class OrderTrack(ShortRepr):
         return part[:, self.orders.index(order)]
 
     def x(self, order: float = 1.0) -> np.ndarray:
-        """Complex amplitude X of Re(X exp(i k |phi|)).
-
-        Parameters
-        ----------
-        order : float
-            One of `orders` [1].
-
-        Returns
-        -------
-        numpy.ndarray
-            Amplitudes 0-p [m], shape (m,).
-        """
+        """Complex amplitude X of Re(X exp(i k |phi|)), 0-p [m]."""
         return self._ahead(self._of(self.forward, order) + np.conj(self._of(self.backward, order)))
 
     def y(self, order: float = 1.0) -> np.ndarray:
-        """Complex amplitude of y, on a forward circle a quarter turn behind x.
-
-        Where the angle falls it is ahead of x.
-
-        Parameters
-        ----------
-        order : float
-            One of `orders` [1].
-
-        Returns
-        -------
-        numpy.ndarray
-            Amplitudes 0-p [m], shape (m,).
-        """
+        """Complex amplitude of y, 0-p [m]: on a forward circle a quarter turn behind x, ahead of it
+        where the angle falls."""
         forward, backward = self._of(self.forward, order), self._of(self.backward, order)
         return self._ahead(-1j * (forward - np.conj(backward)))
 
@@ -90,63 +68,19 @@ class OrderTrack(ShortRepr):
         return np.where(self.speed < 0, np.conj(vector), vector)
 
     def phase_x(self, order: float = 1.0) -> np.ndarray:
-        """Return the angle by which x leads the mark, unwrapped over the run.
-
-        Parameters
-        ----------
-        order : float
-            One of `orders` [1].
-
-        Returns
-        -------
-        numpy.ndarray
-            Angles [rad], shape (m,).
-        """
+        """Return the angle by which x leads the mark, unwrapped over the run [rad]."""
         return _unwrapped(self.x(order))
 
     def phase_y(self, order: float = 1.0) -> np.ndarray:
-        """Return the angle by which y leads the mark, unwrapped over the run.
-
-        Parameters
-        ----------
-        order : float
-            One of `orders` [1].
-
-        Returns
-        -------
-        numpy.ndarray
-            Angles [rad], shape (m,).
-        """
+        """Return the angle by which y leads the mark, unwrapped over the run [rad]."""
         return _unwrapped(self.y(order))
 
     def major(self, order: float = 1.0) -> np.ndarray:
-        """Return the major semi-axis of the order's ellipse.
-
-        Parameters
-        ----------
-        order : float
-            One of `orders` [1].
-
-        Returns
-        -------
-        numpy.ndarray
-            Semi-axes [m], shape (m,).
-        """
+        """Return the major semi-axis of the order's ellipse [m]."""
         return np.abs(self._of(self.forward, order)) + np.abs(self._of(self.backward, order))
 
     def minor(self, order: float = 1.0) -> np.ndarray:
-        """Return the minor semi-axis of the order's ellipse.
-
-        Parameters
-        ----------
-        order : float
-            One of `orders` [1].
-
-        Returns
-        -------
-        numpy.ndarray
-            Semi-axes, negative where the order whirls backward [m], shape (m,).
-        """
+        """Return the minor semi-axis of the order's ellipse [m], negative where it whirls back."""
         return np.abs(self._of(self.forward, order)) - np.abs(self._of(self.backward, order))
 
 

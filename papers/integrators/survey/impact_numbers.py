@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
-
-from rotor_fmu.cells import markdown_table
 
 from .findings import Findings, rebound_of, scheme_of, title_of
 from .grid import Row
-from .words import listed, ms
+from .words import listed, ms, scheme_table
 
 _CLEAN = 0.3  # RMS error of the bars' tip velocity, of which the mesh's own is some 0.15 [1]
 _QUIETER = 50.0  # than Newmark's method, the high-frequency content of the ratchet [1]
@@ -60,16 +59,8 @@ def of_the_impacts(findings: Findings) -> dict[str, Any]:
 
 def _bars_table(findings: Findings) -> str:
     steps = [findings.nearest_step("bars", h) for h in (8e-4, 5e-5)]
-    head = ["", *(f"{ms(h)} ms, {case}" for h in steps for case in ("no", "average-time"))]
-    rows = []
-    for scheme in findings.schemes("bars"):
-        cells = [title_of(scheme)]
-        for h in steps:
-            for case in ("no", "average-time"):
-                result = findings.of("bars", scheme=scheme, h=h, case=case)
-                cells.append(_bars_cell(result[0]) if result else "-")
-        rows.append(cells)
-    return markdown_table(head, rows)
+    columns = {f"{ms(h)} ms, {case}": (h, case) for h in steps for case in ("no", "average-time")}
+    return _table(findings, "bars", columns, _bars_cell)
 
 
 def _bars_cell(row: Row) -> str:
@@ -79,24 +70,29 @@ def _bars_cell(row: Row) -> str:
 
 
 def _ratchet_table(findings: Findings) -> str:
+    cases = {"no": "fast [rad/s]", "average-time": "average time"}
     steps = findings.steps("ratchet")
-    head = [
-        "",
-        *(f"{ms(h)} ms, fast [rad/s]" for h in steps),
-        *(f"{ms(h)} ms, average time" for h in steps),
-    ]
-    rows = []
-    for scheme in findings.schemes("ratchet"):
-        cells = [title_of(scheme)]
-        for case in ("no", "average-time"):
-            for h in steps:
-                result = findings.of("ratchet", scheme=scheme, h=h, case=case)
-                cells.append(_ratchet_cell(result[0]) if result else "-")
-        rows.append(cells)
-    return markdown_table(head, rows)
+    columns = {f"{ms(h)} ms, {what}": (h, case) for case, what in cases.items() for h in steps}
+    return _table(findings, "ratchet", columns, _ratchet_cell)
 
 
 def _ratchet_cell(row: Row) -> str:
     if row["status"] != "ok":
         return row["status"].replace("stalled at", "stall at")
     return f"{row['fast']:.2g}" if math.isfinite(row.get("fast", math.nan)) else "-"
+
+
+def _table(
+    findings: Findings,
+    experiment: str,
+    columns: dict[str, tuple[float, str]],
+    cell_of: Callable[[Row], str],
+) -> str:
+    """A row a scheme, a column a step length and case."""
+
+    def cell(scheme: str, at: tuple[float, str]) -> str:
+        """Return what there is to say of the one row, a dash if there is none."""
+        rows = findings.of(experiment, scheme=scheme, h=at[0], case=at[1])
+        return cell_of(rows[0]) if rows else "-"
+
+    return scheme_table(findings.schemes(experiment), columns, cell, "")

@@ -8,7 +8,7 @@ from typing import Any
 from rotor_fmu.cells import markdown_table
 
 from .findings import Findings, median, safe_schemes, scheme_of, title_of
-from .words import listed, ms, percent
+from .words import listed, ms, percent, step_table
 
 _PAPER_A, _MD = "generalized-alpha=0.1,0.08", "moderate-dissipation"
 _TARGETS = (0.1, 0.05, 0.02, 0.01)
@@ -94,38 +94,31 @@ def _target_table(findings: Findings, safe: Sequence[str]) -> str:
 
 
 def _error_table(findings: Findings, schemes: Sequence[str], steps: Sequence[float]) -> str:
-    rows = []
-    for scheme in schemes:
-        cells = [title_of(scheme)]
-        for h in steps:
-            error, share = _error(findings, scheme, h), findings.trapped_share(scheme, h)
-            text = percent(error)
-            cells.append(f"{text} ({100 * share:.0f} %)" if share else text)
-        rows.append(cells)
-    return markdown_table(["h [ms]", *map(ms, steps)], rows)
+    def cell(scheme: str, h: float) -> str:
+        """Return the error, with the share of runs in the false state in brackets."""
+        share, text = findings.trapped_share(scheme, h), percent(_error(findings, scheme, h))
+        return f"{text} ({100 * share:.0f} %)" if share else text
+
+    return step_table(schemes, steps, cell)
 
 
 def _energy_table(findings: Findings) -> str:
+    def cell(scheme: str, h: float) -> str:
+        """Return the energy made."""
+        made = median(findings.of("rotor", scheme=scheme, h=h), "energy_made")
+        return "-" if made is None else f"{made:+.2g}"
+
     steps = [findings.nearest_step("rotor", h) for h in (4e-3, 1e-3, 5e-4, 2.5e-4, 1e-4)]
-    rows = []
-    for scheme in findings.schemes("rotor"):
-        cells = [title_of(scheme)]
-        for h in steps:
-            made = median(findings.of("rotor", scheme=scheme, h=h), "energy_made")
-            cells.append("-" if made is None else f"{made:+.2g}")
-        rows.append(cells)
-    return markdown_table(["h [ms]", *map(ms, steps)], rows)
+    return step_table(findings.schemes("rotor"), steps, cell)
 
 
 def _work_table(findings: Findings) -> str:
+    def cell(scheme: str, h: float) -> str:
+        """Return Newton's iterations and the cost of a step."""
+        runs = [r for r in findings.of("rotor", scheme=scheme, h=h) if "newton" in r]
+        newton = median(runs, lambda row: row["newton"] / row["steps"])
+        cost = median(runs, lambda row: row["cpu_s"] / row["steps"] * 1e6)
+        return "-" if newton is None else f"{newton:.1f}, {cost:.1f} µs"
+
     steps = [findings.nearest_step("rotor", h) for h in (4e-3, 1e-3, 2.5e-4, 1e-4)]
-    rows = []
-    for scheme in findings.schemes("rotor"):
-        cells = [title_of(scheme)]
-        for h in steps:
-            runs = [r for r in findings.of("rotor", scheme=scheme, h=h) if "newton" in r]
-            newton = median(runs, lambda row: row["newton"] / row["steps"])
-            cost = median(runs, lambda row: row["cpu_s"] / row["steps"] * 1e6)
-            cells.append("-" if newton is None else f"{newton:.1f}, {cost:.1f} µs")
-        rows.append(cells)
-    return markdown_table(["h [ms]", *map(ms, steps)], rows)
+    return step_table(findings.schemes("rotor"), steps, cell)

@@ -1,8 +1,13 @@
-"""Numbers and names as the page writes them."""
+"""Numbers, names and tables of schemes as the page writes them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+from rotor_fmu.cells import markdown_table
+
+from .findings import title_of
 
 
 def ms(h: float) -> str:
@@ -20,3 +25,18 @@ def percent(value: float | None) -> str:
 def listed(names: Sequence[str]) -> str:
     """Names in a sentence."""
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def scheme_table(
+    schemes: Iterable[str], columns: dict[str, Any], cell: Callable[[str, Any], str], corner: str
+) -> str:
+    """A row a scheme; columns: by their heads what `cell` makes a cell of, behind the scheme."""
+    rows = [[title_of(s), *(cell(s, column) for column in columns.values())] for s in schemes]
+    return markdown_table([corner, *columns], rows)
+
+
+def step_table(
+    schemes: Iterable[str], steps: Sequence[float], cell: Callable[[str, float], str]
+) -> str:
+    """A row a scheme, a column a step length [s]."""
+    return scheme_table(schemes, {ms(h): h for h in steps}, cell, "h [ms]")
