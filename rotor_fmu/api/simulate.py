@@ -15,7 +15,8 @@ from ..model.settings import PRESETS
 from ..model.simulation import warn
 from ..model.time_loop.recorder import Record
 from ..runs.job import Job, make_job, parse_settings, verified
-from ..runs.run_down import run_recorded, usual
+from ..runs.recording import Recording
+from ..runs.run_down import Run, run_recorded, usual
 from ..runs.signals import Signals
 from .machine import Machine
 from .result import Result
@@ -99,25 +100,29 @@ def simulate(
     '390.0 rad/s'
     """
     job = plan(machine, speed, loads, stop, preset, tolerance, parameters, step)
-    if per_turn is not None and not 0 < per_turn < math.inf:
-        raise InputError(f"per_turn = {per_turn}: must be > 0 and finite, or None for every step")
-    angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
-    names = tuple(usual(machine.rotor) if record is None else record)
-    try:
-        run, recording = run_recorded(
-            machine.rotor,
-            job,
-            Record(names, angle, _ROWS),
-            about={"toml": machine.toml},
-            is_silent=True,
-        )
-    except ValueError as error:
-        raise InputError(str(error)) from error
+    run, recording = _recorded(machine, job, _record(machine, record, per_turn))
     if verify:
         run, recording = verified(job, run, recording, "finer")
     for message in run.messages:
         warn(message)
     return Result(recording, run, machine)
+
+
+def _record(machine: Machine, names: Sequence[str] | None, per_turn: float | None) -> Record:
+    """Return what is recorded, of the arguments of `simulate`."""
+    if per_turn is not None and not 0 < per_turn < math.inf:
+        raise InputError(f"per_turn = {per_turn}: must be > 0 and finite, or None for every step")
+    angle = 0.0 if per_turn is None else 2 * math.pi / per_turn
+    return Record(tuple(usual(machine.rotor) if names is None else names), angle, _ROWS)
+
+
+def _recorded(machine: Machine, job: Job, record: Record) -> tuple[Run, Recording]:
+    """Make the run; what cannot be recorded is an `InputError`."""
+    about = {"toml": machine.toml}
+    try:
+        return run_recorded(machine.rotor, job, record, about=about, is_silent=True)
+    except ValueError as error:
+        raise InputError(str(error)) from error
 
 
 def plan(

@@ -72,16 +72,7 @@ def response(
     ),
 ) -> dict[str, Any]:
     """Periodic motions with contacts: the whole curve with its jumps and unstable parts."""
-    low_high: float | tuple[float, float]
-    varied = None
-    if over is None:
-        ends = speed_range(speed, 2)
-        if len(ends) != 2:
-            raise InputError(f"--speed {speed}: must be FROM:TO")
-        low_high = float(ends[0]), float(ends[1])
-    else:
-        low_high = one_speed(speed)
-        varied = _range(over, "--over")
+    at, varied = _varied(speed, over)
     machine = load_rotor(rotor)[1]
     writable_folder(out)
     from ..figure_style import save
@@ -89,7 +80,7 @@ def response(
 
     result = answer(
         machine,
-        speed=low_high,
+        speed=at,
         over=varied,
         parameters=_pairs("--set", values),
         loads=_pairs("--load", load),
@@ -103,14 +94,7 @@ def response(
     )
     summary = dict(result.summary)
     if fold_over is not None:
-        folds = result.fold_curve(*_range(fold_over, "--fold-over"))
-        summary["folds"] = {k: v for k, v in folds._asdict().items() if k != "ends"} | {
-            "name": fold_over.partition("=")[0].strip(),
-            "ends": folds.ends,
-        }
-        summary["folds"] = {
-            k: v.tolist() if hasattr(v, "tolist") else v for k, v in summary["folds"].items()
-        }
+        summary["folds"] = _folds(result, fold_over)
     if check:
         summary["check"] = _checked(result)
     save(result.figure(), out / "response.png")
@@ -120,6 +104,30 @@ def response(
         typer.echo(note)
     typer.echo(f"written to {out}")
     return summary
+
+
+def _varied(
+    speed: str, over: str | None
+) -> tuple[float | tuple[float, float], tuple[str, float, float] | None]:
+    """Return the range of speeds, or the one speed, and the quantity that is varied instead."""
+    if over is not None:
+        return one_speed(speed), _range(over, "--over")
+    ends = speed_range(speed, 2)
+    if len(ends) != 2:
+        raise InputError(f"--speed {speed}: must be FROM:TO")
+    return (float(ends[0]), float(ends[1])), None
+
+
+def _folds(result: ResponseResult, text: str) -> dict[str, Any]:
+    """Return where the first fold lies over the quantity of `--fold-over`."""
+    name, low, high = _range(text, "--fold-over")
+    folds = result.fold_curve(name, low, high)
+    return {
+        "second": folds.second.tolist(),
+        "first": folds.first.tolist(),
+        "name": name,
+        "ends": folds.ends,
+    }
 
 
 def _checked(result: ResponseResult) -> list[dict[str, Any]]:

@@ -83,29 +83,6 @@ def plot(
     return {"out": picture}
 
 
-def _machine_page(
-    machine: Rotor,
-    ends: tuple[float, float],
-    probes: list[int] | None,
-    mode: int | None,
-    clearances: dict[int, float],
-    couplings: dict[int, float],
-    out: Path,
-) -> dict[str, Any]:
-    """Write the page of a machine and its numbers beside it."""
-    from ..acceptance.page import Question, machine_report
-
-    check_page(out)
-    asked = Question(*ends, probes, mode, clearances, couplings)
-    result = machine_report(machine, asked)
-    write_text(result.html, out)
-    write_json(dict(result.numbers), out.with_suffix(".json"))
-    for conclusion in result.conclusions:
-        typer.echo(conclusion)
-    typer.echo(out)
-    return {"out": out, **result.numbers}
-
-
 @with_output_options
 def report(
     paths: Annotated[
@@ -154,30 +131,66 @@ def report(
     --rated, and carries the check on into contact: where its response closes a clearance it is run
     up and down with its contacts.
     """
-    if rotor is not None:
-        if paths:
-            raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
-        machine = load_rotor(rotor)[1]
-        ends = operating_range(operating, rated, machine)
-        if ends is None:
-            raise InputError(
-                "--range: must be given, such as --range 9000:11000rpm, or --rated, or the "
-                "machine's [operation]"
-            )
-        gaps = clearances_of(clearance)
-        check_nodes(machine, "node", (*(node or []), *gaps))
-        couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
-        return _machine_page(machine, ends, node, mode, gaps, couplings, out)
+    if rotor is None:
+        return _report_of_runs(paths or [], is_live, units, out)
+    if paths:
+        raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
+    machine = load_rotor(rotor)[1]
+    ends = operating_range(operating, rated, machine)
+    if ends is None:
+        raise InputError(
+            "--range: must be given, such as --range 9000:11000rpm, or --rated, or the "
+            "machine's [operation]"
+        )
+    gaps = clearances_of(clearance)
+    check_nodes(machine, "node", (*(node or []), *gaps))
+    couplings = cross_couplings(machine, ends[1], stage, cross_coupling)
+    return _report_of_machine(machine, ends, node, mode, gaps, couplings, out)
+
+
+def _report_of_machine(
+    machine: Rotor,
+    ends: tuple[float, float],
+    probes: list[int] | None,
+    mode: int | None,
+    clearances: dict[int, float],
+    couplings: dict[int, float],
+    out: Path,
+) -> dict[str, Any]:
+    """Write the page of a machine and its numbers beside it."""
+    from ..acceptance.page import Question, machine_report
+
+    check_page(out)
+    asked = Question(*ends, probes, mode, clearances, couplings)
+    result = machine_report(machine, asked)
+    write_text(result.html, out)
+    write_json(dict(result.numbers), out.with_suffix(".json"))
+    for conclusion in result.conclusions:
+        typer.echo(conclusion)
+    typer.echo(out)
+    return {"out": out, **result.numbers}
+
+
+def _report_of_runs(
+    paths: list[Path], is_live: bool, units: str | None, out: Path
+) -> dict[str, Any]:
+    """Write the page of one or two runs, of a study, or the one on which a run's machine runs."""
+    is_study = _check_runs(paths, is_live)
+    check_page(out)
+    if is_live:
+        page = _live_page(paths[0])
+    else:
+        page = _study_page(paths[0], out.parent) if is_study else _runs_page(paths, units)
+    write_text(page, out)
+    typer.echo(out)
+    return {"out": out}
+
+
+def _check_runs(paths: list[Path], is_live: bool) -> bool:
+    """Raise `InputError` for folders that no page can be of; return whether it is of a study."""
     if not paths:
         raise InputError("RUN_OR_STUDY: must be given, or a machine by --rotor")
-    from ..plotting.reading import (
-        is_study,
-        read_run,
-        read_study,
-        read_summary,
-        rows_of_quantiles,
-        told_apart,
-    )
+    from ..plotting.reading import is_study
 
     for path in paths:
         if not path.exists():
@@ -189,28 +202,34 @@ def report(
         raise InputError(f"{len(paths)} runs: a page shows one or two")
     if is_live and (studies or len(paths) > 1):
         raise InputError("--live: a page on which a machine runs is of one run")
-    check_page(out)
-    if is_live:
-        from ..live.page import solver_page
-        from ..live.recorded_run import machine_of_run, settings_of_run
+    return bool(studies)
 
-        run = read_run(paths[0])
-        recorded = machine_of_run(run)
-        page = solver_page(recorded, settings_of_run(run, recorded))
-    elif studies:
-        from ..plotting.selected import pages_of_runs
-        from ..report.study import study_page
 
-        about, rows = read_study(paths[0])
-        drawn = rows_of_quantiles(about, rows)
-        page = study_page(about, rows, pages_of_runs(paths[0], out.parent), drawn)
-    else:
-        from ..report.page import runs_page
+def _live_page(path: Path) -> str:
+    from ..live.page import solver_page
+    from ..live.recorded_run import machine_of_run, settings_of_run
+    from ..plotting.reading import read_run
 
-        runs = [read_run(path) for path in paths]
-        told_apart(runs, paths)
-        choose(units, runs[0].rotor.units if runs[0].rotor else "")
-        page = runs_page(runs, [read_summary(path) for path in paths])
-    write_text(page, out)
-    typer.echo(out)
-    return {"out": out}
+    run = read_run(path)
+    recorded = machine_of_run(run)
+    return solver_page(recorded, settings_of_run(run, recorded))
+
+
+def _study_page(path: Path, beside: Path) -> str:
+    from ..plotting.reading import read_study, rows_of_quantiles
+    from ..plotting.selected import pages_of_runs
+    from ..report.study import study_page
+
+    about, rows = read_study(path)
+    drawn = rows_of_quantiles(about, rows)
+    return study_page(about, rows, pages_of_runs(path, beside), drawn)
+
+
+def _runs_page(paths: list[Path], units: str | None) -> str:
+    from ..plotting.reading import read_run, read_summary, told_apart
+    from ..report.page import runs_page
+
+    runs = [read_run(path) for path in paths]
+    told_apart(runs, paths)
+    choose(units, runs[0].rotor.units if runs[0].rotor else "")
+    return runs_page(runs, [read_summary(path) for path in paths])

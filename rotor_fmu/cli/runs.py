@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -15,6 +16,11 @@ from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options
 from .completion import one_of, settable
 from .shared import Free, RotorFile, Units
+
+if TYPE_CHECKING:
+    from ..runs.job import Job
+    from ..runs.recording import Recording
+    from ..runs.run_down import Run
 
 # What a command calls is imported when it is called: its help needs none of it.
 Sets = Annotated[
@@ -90,13 +96,8 @@ def _run(
     ] = None,
 ) -> dict[str, Any]:
     """Make a run, write its results and return its figures."""
-    from ..report.page import write_report
-    from ..report.verification import text_of
     from ..runs import job as jobs
     from ..runs.ramp import RampGiven
-    from ..runs.run_plots import write_run_pictures
-    from ..runs.sentences import sentences
-    from ..runs.summary import summary
     from ..runs.verification import finer_job
 
     begun = time.perf_counter()
@@ -111,7 +112,28 @@ def _run(
     writable_folder(out)
     fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
     jobs.clear(out)
-    label = f"{kind}, {preset or 'default'}"
+    outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
+    report = _write(outcome, preset, out, name)
+    report["wall_s"] = time.perf_counter() - begun
+    jobs.write_json(report, out / "summary.json")
+    _print(outcome, report, out)
+    return report | {"out": str(out)}
+
+
+class _Outcome(NamedTuple):
+    """A run that was carried out: its result, the recording of the run without the FMU, and by how
+    much the latter ends apart from the FMU's, as a share of full scale; None without an FMU."""
+
+    job: Job
+    result: Run
+    recording: Recording
+    apart: float | None
+
+
+def _carry_out(job: Job, fmu: Path | None, label: str, verify: bool) -> _Outcome:
+    """Make the run through the FMU, if there is one, and recorded without it."""
+    from ..runs import job as jobs
+
     driven = None if fmu is None else jobs.execute(job, fmu, label)
     recorded, recording = jobs.execute_recorded(
         job, f"{label}, recorded", is_silent=driven is not None
@@ -122,31 +144,49 @@ def _run(
         recorded, recording = jobs.verified(job, recorded, recording, f"{label}, finer")
         if "verification" in recording.about:
             result = replace(result, status=recorded.status)
+    apart = None if driven is None else jobs.difference(driven, recorded)
+    return _Outcome(job, result, recording, apart)
+
+
+def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[str, Any]:
+    """Write CSV file, recording, pictures and page, and return the figures of the run."""
+    from ..report.page import write_report
+    from ..runs.job import write_csv
+    from ..runs.run_plots import write_run_pictures
+    from ..runs.summary import summary
+
+    job, result, recording, apart = outcome
     report = summary(result) | {
         "recorded_steps": len(recording.t),
-        "recorded_apart": driven and jobs.difference(driven, recorded),
+        "recorded_apart": apart,
         "verification": recording.about.get("verification"),
     }
-    jobs.write_csv(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
+    write_csv(result, {v.name: v.unit for v in job.table}, out / f"{name}.csv")
     recording.save(out / "recording.npz")
     title = f"{job.rotor.name}, preset {preset}" if preset else job.rotor.name
     is_adaptive = job.settings.mode == "adaptive"
     write_run_pictures(result, recording, report, title, is_adaptive, out, name)
     write_report(recording, report, out / "report.html")
-    report["wall_s"] = time.perf_counter() - begun
-    jobs.write_json(report, out / "summary.json")
-    if apart := report["recorded_apart"]:
-        why = "" if job.signals.is_held else ", which holds its inputs over a communication step"
+    return report
+
+
+def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
+    """Print what the run came to."""
+    from ..report.verification import text_of
+    from ..runs.sentences import sentences
+
+    if outcome.apart:
+        is_held = outcome.job.signals.is_held
+        why = "" if is_held else ", which holds its inputs over a communication step"
         typer.echo(
-            f"rotor-fmu: warning: the run recorded without the FMU ends {apart:.2g} of full scale "
-            f"apart from the FMU's{why}; the pictures are of the recorded one",
+            f"rotor-fmu: warning: the run recorded without the FMU ends {outcome.apart:.2g} "
+            f"of full scale apart from the FMU's{why}; the pictures are of the recorded one",
             err=True,
         )
-    for sentence in sentences(report, recording, out / "report.html"):
+    for sentence in sentences(report, outcome.recording, out / "report.html"):
         typer.echo(sentence)
     if report["verification"]:
         typer.echo(text_of(report["verification"]), nl=False)
-    return report | {"out": str(out)}
 
 
 @with_output_options
