@@ -1,6 +1,7 @@
 """What a run's status says, in every way of running one."""
 
 import pickle
+import re
 import warnings
 
 import pytest
@@ -8,9 +9,11 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.model.messages import CODES, SENTENCES
 from rotor_fmu.model.simulation import RotorNote, RotorWarning
 from rotor_fmu.model.spelling import NOTES, Message
+from rotor_fmu.model.step import status as of_step
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.log import read_message, with_code
+from rotor_fmu.library.build import C_SOURCES
 from rotor_fmu.status import status_of
 
 COARSE = "doubtful: too-coarse-in-contact"
@@ -68,3 +71,10 @@ def test_a_machine_that_is_unstable_by_itself_is_a_note_and_the_run_ok():
     assert run.status == "ok"
     assert "unstable" in run.codes
     assert {note.category for note in seen} == {RotorNote}
+
+
+def test_the_instance_in_c_has_the_statuses_of_the_kernels():
+    header = (C_SOURCES / "kernels.h").read_text(encoding="utf-8")
+    numbers = dict(re.findall(r"\b(UNFINISHED|ENDED_EARLY) = (\d+)", header))
+    assert numbers == {name: str(getattr(of_step, name)) for name in ("UNFINISHED", "ENDED_EARLY")}
+    assert max(of_step.UNFINISHED, of_step.BROKEN) < of_step.ENDED_EARLY
