@@ -14,7 +14,7 @@ from ..output_options import with_output_options
 from ..runs.job import load_rotor
 from .answers import print_answer
 from .nodes import CrossCouplings, Stages, check_nodes, cross_couplings
-from .shared import Contacts, RotorFile, check_count
+from .shared import Contacts, PictureFolder, RotorFile, check_count
 from .speeds import Rated, rated_speed
 
 
@@ -39,7 +39,7 @@ def critical_map(
         bool, typer.Option("--rigid-pedestals", help="Take housings and pedestals as ground.")
     ] = False,
     contacts: Contacts = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/critical_map"),
+    out: PictureFolder = Path("out/critical_map"),
 ) -> dict[str, Any]:
     """Compute the undamped critical speed map: forward critical speeds over the bearings'
     stiffness, with the stiffness that the bearings have themselves."""
@@ -73,7 +73,7 @@ def stability(
         ),
     ] = None,
     contacts: Contacts = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/stability"),
+    out: PictureFolder = Path("out/stability"),
 ) -> dict[str, Any]:
     """Compute the stability of the first forward mode at the rated speed by API 617: its
     logarithmic decrement over the cross coupling (level 1) or with each seal (level 2)."""

@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
 from .answers import print_answer
-from .shared import RotorFile
+from .shared import PictureFolder, RotorFile
 from .speeds import one_speed
 
 
@@ -39,7 +39,7 @@ def balance(
             "tenth of the rotor's weight."
         ),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/balance"),
+    out: PictureFolder = Path("out/balance"),
 ) -> dict[str, Any]:
     """Balance a machine by influence coefficients (ISO 21940-12), from runs in time: as it is, with
     a trial unbalance in each correction plane, and with the correction unbalances."""

@@ -14,6 +14,7 @@ from ..files import write_text
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
 from .answers import print_answer
+from .shared import PictureFolder
 from .speeds import speed_range
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def bearing(
         Path | None,
         typer.Option(help="File for a linear_bearing with these coefficients over the speed."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/bearing"),
+    out: PictureFolder = Path("out/bearing"),
 ) -> dict[str, Any]:
     """Compute where a journal rests in its oil film, the film's eight coefficients there, and the
     threshold of whirl.

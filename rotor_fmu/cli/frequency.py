@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..output_options import with_output_options
 from ..runs.job import load_rotor
 from .answers import print_answer
-from .shared import Contacts, RotorFile
+from .shared import Contacts, PictureFolder, RotorFile
 from .speeds import One, one_speed, speed_range
 
 _POINTS = 801
@@ -47,9 +47,7 @@ def frequency_response(
         ),
     ] = None,
     contacts: Contacts = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path(
-        "out/frequency_response"
-    ),
+    out: PictureFolder = Path("out/frequency_response"),
 ) -> dict[str, Any]:
     """Compute the frequency response of displacements to a force at a speed, or, with --loop, the
     sensitivity of the control loops of magnetic bearings (ISO 14839-3)."""

@@ -10,7 +10,7 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from .answers import machine_in_units, name_films, print_answer
-from .shared import Contacts, Count, RotorFile, Units, check_count
+from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
 from .speeds import (
     One,
     OperatingRange,
@@ -27,6 +27,8 @@ from .speeds import (
 
 _POINTS, _MOST_MODES = 41, 1000
 
+Count = Annotated[int, typer.Option(help="Number of modes.")]
+
 
 @with_output_options
 def modes(
@@ -35,7 +37,7 @@ def modes(
     count: Count = 8,
     contacts: Contacts = None,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/modes"),
+    out: PictureFolder = Path("out/modes"),
 ) -> dict[str, Any]:
     """Compute natural frequencies, damping, logarithmic decrements, whirl and mode shapes at a
     speed."""
@@ -68,7 +70,7 @@ def campbell(
     operating: OperatingRange = None,
     rated: Rated = None,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/campbell"),
+    out: PictureFolder = Path("out/campbell"),
 ) -> dict[str, Any]:
     """Compute the Campbell diagram, critical speeds, and the threshold speed of stability."""
     speeds, machine = speed_range(speed, _POINTS), machine_in_units(rotor, units)
@@ -93,7 +95,7 @@ def static(
     speed: One = "0",
     contacts: Contacts = None,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/static"),
+    out: PictureFolder = Path("out/static"),
 ) -> dict[str, Any]:
     """Compute the deflection under gravity and the load on each bearing."""
     at, machine = one_speed(speed), machine_in_units(rotor, units)
@@ -107,7 +109,7 @@ def static(
 def show(
     rotor: RotorFile = None,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="Folder for the picture.")] = Path("out/show"),
+    out: PictureFolder = Path("out/show"),
 ) -> dict[str, Any]:
     """Draw the machine to scale and list its parts."""
     machine = machine_in_units(rotor, units)

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
 from ..files import write_text
 from ..output_options import with_output_options
-from .shared import RotorFile, check_page
+from .shared import Page, RotorFile, check_page
 
 
 @with_output_options
 def page(
     rotor: RotorFile = None,
-    out: Annotated[Path, typer.Option(help="The page to write.")] = Path("page.html"),
+    out: Page = Path("page.html"),
 ) -> dict[str, Any]:
     """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
     needs no network."""

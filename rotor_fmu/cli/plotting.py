@@ -17,7 +17,7 @@ from ..runs.job import load_rotor, write_json
 from ..units import in_si
 from .completion import one_of, places
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
-from .shared import Units, check_page
+from .shared import Page, Units, check_page
 from .speeds import OperatingRange, Rated, operating_range
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def report(
         ),
     ] = False,
     units: Units = None,
-    out: Annotated[Path, typer.Option(help="The page to write.")] = Path("report.html"),
+    out: Page = Path("report.html"),
 ) -> dict[str, Any]:
     """Write the report page of a run, of two runs compared with each other, of a study, or, with
     --rotor, of a machine: statics, critical speeds, modes, response, stability, contact.

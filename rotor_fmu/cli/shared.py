@@ -28,7 +28,8 @@ Contacts = Annotated[
         help="State of clearance contacts: open or pinned; default: open if other supports hold it."
     ),
 ]
-Count = Annotated[int, typer.Option(help="Number of modes.")]
+PictureFolder = Annotated[Path, typer.Option(help="Folder for the picture.")]
+Page = Annotated[Path, typer.Option(help="The page to write.")]
 
 
 def check_count(count: int, most: int) -> None:
