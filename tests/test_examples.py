@@ -120,6 +120,19 @@ def test_the_rig_runs_down_through_both_peaks_of_the_converged_run():
         assert rig["peak"](output, name) == pytest.approx((size, hz), rel=0.01)
 
 
+# --- rolling bearing ---
+
+
+def test_a_damaged_race_shows_at_the_frequency_at_which_balls_pass():
+    example = script("rolling_bearing", "rolling_bearing.py")
+    machine = example["rotor"]()
+    orders, damaged = example["spectrum"](machine)
+    _, sound = example["spectrum"](example["rotor"](0.0))
+    for k in range(1, 5):
+        at = np.argmin(np.abs(orders - k * example["passing"](machine)))
+        assert damaged[at - 1 : at + 2].max() > 5.0 * sound[at - 1 : at + 2].max()
+
+
 # --- oil film ---
 
 

@@ -17,7 +17,15 @@ ROOT = Path(__file__).parents[2]
 _TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
 _TEN_MINUTES = ("beginner", "compressor", "drive_train")
 _HOW_TO = (
-    *("studies", "oil_films", "check_by_api_617", "native", "page", "couple_an_fmu"),
+    *(
+        "studies",
+        "oil_films",
+        "rolling_bearings",
+        "check_by_api_617",
+        "native",
+        "page",
+        "couple_an_fmu",
+    ),
     *("choose_a_coupling", "from_ross", "from_xltrc2"),
 )
 SECTIONS = {

@@ -17,8 +17,8 @@ so that it has the potential k delta^(m + 1) / (m + 1).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import MISSING, dataclass, fields
+from typing import Any, NamedTuple
 
 from ..kernels.functions import angle, direction, modulus, power
 from ..kernels.jit import jit, jit_not_inlined
@@ -68,6 +68,15 @@ class ContactQuantities:
         0.0,
     )
     c_t: float = quantity("N.s/m", "tangential damping of a sticking contact", default=100.0)
+
+
+def contact_quantity(name: str, default: Any = MISSING, rule: Rule | None = None) -> Any:
+    """Return a quantity of a clearance contact for another data class, with another default value
+    or another rule."""
+    known = {f.name: f.metadata["quantity"] for f in fields(ContactQuantities)}[name]
+    return quantity(
+        *(known.unit, known.text, rule or known.rule, default), is_parameter=known.is_parameter
+    )
 
 
 @jit

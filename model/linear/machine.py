@@ -83,7 +83,8 @@ class LinearMachine:
         self.across = differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
         self._strained = (self._full.strained @ self.expand).tocsr()
-        self._is_held_at_rest = self._holds(self.at_zero_load(0.0))
+        self._seated = self._rigid()[:, 1] * -_seat(self.rotor)
+        self._is_held_at_rest = self._holds(self._linear(0.0, self._seated))
         turning = s.numbers[0].lowest_omega
         self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
 
@@ -120,7 +121,7 @@ class LinearMachine:
             raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
         force = self.expand.T @ given
-        rest = np.zeros(self.expand.shape[1])
+        rest = self._seated
         before = math.inf
         for _ in range(_ITERATIONS):
             linear = self._linear(speed, rest)
@@ -260,6 +261,15 @@ class LinearMachine:
     def _holds(self, linear: Linear) -> bool:
         """Return whether the stiffness resists every motion as a rigid body."""
         soft = _SOFT * self.structure.numbers[0].lowest_omega ** 2
+        rigid = self._rigid()
+        flexibility = linear.strain.flexibility(linear.strain.by_d)
+        solve = factorized(linear.own_K + soft * self.M, self._strained, flexibility)
+        moved, _ = solve(soft * (self.M @ rigid))
+        return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
+
+    def _rigid(self) -> np.ndarray:
+        """Return the shaft's motions as a rigid body: to the right, upwards, tilted in each of both
+        planes; shape (unknowns, 4)."""
         nodes, size = self.nodes, self.across.shape[1] // 2
         n = 2 * len(nodes)
         motions = np.zeros((2 * size, 4))
@@ -267,11 +277,7 @@ class LinearMachine:
             motions[plane : 2 * n : 4, plane] = 1.0
             motions[plane : 2 * n : 4, 2 + plane] = nodes - nodes.mean()
             motions[2 + plane : 2 * n : 4, 2 + plane] = 1.0
-        rigid = self.expand.T @ motions
-        flexibility = linear.strain.flexibility(linear.strain.by_d)
-        solve = factorized(linear.own_K + soft * self.M, self._strained, flexibility)
-        moved, _ = solve(soft * (self.M @ rigid))
-        return bool((np.abs(moved).max(axis=0) < 0.5 * np.abs(rigid).max(axis=0)).all())
+        return np.asarray(self.expand.T @ motions)
 
     def why_not_held(self) -> str:
         """Return one line about the supports that hold the machine and those that do not."""
@@ -311,6 +317,13 @@ def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
     """Return the forces f of the pins with across^T f = left, ground's rows aside."""
     rows = across.toarray().T[:-2]
     return np.linalg.lstsq(rows, left[:-2], rcond=None)[0]
+
+
+def _seat(rotor: Rotor) -> float:
+    """Return how far the shaft falls before its bearings hold it [m]."""
+    elements = (e for where, part in rotor.named_parts() for e in part.elements(where, 0.0))
+    seats = (e.law.seat(e.source) for e in elements if isinstance(e, Interface) and e.law.seat)
+    return max(seats, default=0.0)
 
 
 def _are_linear(rotor: Rotor) -> np.ndarray:

@@ -12,6 +12,7 @@ from .law import Law
 from .line import Line
 from .linear_bearing import LinearBearing, Seal
 from .port import Port, Sensor
+from .rolling_bearing import RollingBearing
 from .squeeze_film_damper import SqueezeFilmDamper
 from .support import Support
 from .touchdown_bearing import TouchdownBearing

@@ -10,7 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
@@ -25,7 +25,7 @@ from ..contact.film import (
 )
 from ..contact.film_wall import breaks, wall_energy, wall_state, wall_tangent
 from ..contact.film_zone import VECTORS
-from ..contact.wall import ContactQuantities
+from ..contact.wall import contact_quantity
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import (
@@ -53,13 +53,6 @@ _LONGEST = 2.0  # length over diameter
 _OVERLAP = 1e-9  # rad
 
 
-def _of_contact(name: str, default: float, rule: Rule | None = None) -> Any:
-    """Return a quantity of a clearance contact with another default value."""
-    known = {f.name: f.metadata["quantity"] for f in fields(ContactQuantities)}[name]
-    rule = rule or known.rule
-    return quantity(known.unit, known.text, rule, default, is_parameter=known.is_parameter)
-
-
 @dataclass(frozen=True, kw_only=True)
 class FilmQuantities:
     """The quantities of an oil film and of the contact behind it: radius of the journal, length and
@@ -75,14 +68,14 @@ class FilmQuantities:
     )
     short: bool = switch("Ocvirk's film in the place of one of finite length", False)
     points: float = quantity("1", "elements of the film of a pad", _POINTS, 48.0)
-    k: float = _of_contact("k", 0.0, NOT_NEGATIVE)
-    c: float = _of_contact("c", 100.0)
-    delta_c: float = _of_contact("delta_c", 2e-7)
-    exponent: float = _of_contact("exponent", 1.0)
-    mu: float = _of_contact("mu", 0.1)
-    v_s: float = _of_contact("v_s", 1e-3)
-    mu_rise: float = _of_contact("mu_rise", 0.0)
-    v_stribeck: float = _of_contact("v_stribeck", 0.01)
+    k: float = contact_quantity("k", 0.0, NOT_NEGATIVE)
+    c: float = contact_quantity("c", 100.0)
+    delta_c: float = contact_quantity("delta_c", 2e-7)
+    exponent: float = contact_quantity("exponent", 1.0)
+    mu: float = contact_quantity("mu", 0.1)
+    v_s: float = contact_quantity("v_s", 1e-3)
+    mu_rise: float = contact_quantity("mu_rise", 0.0)
+    v_stribeck: float = contact_quantity("v_stribeck", 0.01)
 
 
 OUTPUTS = (

@@ -120,6 +120,9 @@ class Law:
         The table of a part, shape (rows, columns), where the law takes one.
     stiffness : callable, optional
         Stiffness by which a part holds its node at rest [N/m], where the law holds it softly.
+    seat : callable, optional
+        How far a part lets its node fall before it holds it [m], where it does not at no
+        displacement.
     """
 
     name: str
@@ -141,6 +144,7 @@ class Law:
     turns: bool = False
     table: Callable[[Any], np.ndarray] | None = None
     stiffness: Callable[[Any], float] | None = None
+    seat: Callable[[Any], float] | None = None
 
     @property
     def dtype(self) -> np.dtype:

@@ -31,6 +31,8 @@ _OF_PARTS = {
     "diameter": Usual(1e-4, 20.0, _LENGTHS),
     "width": Usual(1e-4, 20.0, _LENGTHS),
     "journal_radius": Usual(1e-4, 5.0, _LENGTHS),
+    "pitch_diameter": Usual(1e-3, 20.0, _LENGTHS),
+    "element_diameter": Usual(1e-4, 1.0, _LENGTHS),
     "clearance": Usual(1e-8, 0.05, _LENGTHS),
     "e": Usual(0.0, 0.02, _LENGTHS),
     "mass": Usual(0.0, 1e6, (("g", 1e-3),)),
@@ -80,7 +82,10 @@ def _asked(where: str, item: Any, usual: dict[str, Usual]) -> Iterator[str]:
         value = getattr(item, name)
         if name in usual and isinstance(value, (int, float)):
             shown = f"{where}.{name}" if where else name
-            asked = _question(shown, value, declared.unit, usual[name])
+            usually = usual[name]
+            if declared.rule.least < 0.0 <= usually.low:  # of either sign
+                usually = usually._replace(low=-usually.high)
+            asked = _question(shown, value, declared.unit, usually)
             if asked:
                 yield asked
 
