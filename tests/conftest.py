@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 from rotor_fmu.model.backend import waits_for_compiler
 
+from rotor_fmu.cli import app
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from .browser import driver, silent  # noqa: F401, fixtures
@@ -51,6 +52,17 @@ def _compile():
     """Without a library of kernels fill an empty cache, so that no two workers compile the same."""
     if waits_for_compiler():
         subprocess.run([sys.executable, "-c", COMPILE_MODEL], capture_output=True, check=False)
+
+
+@pytest.fixture
+def command(tmp_path, capsys):
+    """A command carried out in this process, its files in `out`: what it prints."""
+
+    def run(*arguments):
+        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
+        return capsys.readouterr().out
+
+    return run
 
 
 @pytest.fixture

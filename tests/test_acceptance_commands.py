@@ -14,17 +14,6 @@ COMPRESSOR = str(ROSS / "compressor.toml")
 PNG = b"\x89PNG"
 
 
-@pytest.fixture
-def command(tmp_path, capsys):
-    """A command carried out, its output told."""
-
-    def run(*arguments):
-        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
-        return capsys.readouterr().out
-
-    return run
-
-
 def test_critical_map_tells_where_bearings_meet_it(command, tmp_path):
     said = command("critical-map", "--rotor", COMPRESSOR, "--stiffness", "1e7:1e9:5")
     assert "linear_bearing[1]     x     1" in said

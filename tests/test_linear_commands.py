@@ -20,17 +20,6 @@ ROSS = Path(__file__).parent / "reference" / "ross"
 PNG = b"\x89PNG"
 
 
-@pytest.fixture
-def command(tmp_path, capsys):
-    """A command carried out, its output told."""
-
-    def run(*arguments):
-        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
-        return capsys.readouterr().out
-
-    return run
-
-
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [

@@ -18,26 +18,20 @@ from rotor_fmu.output_options import json_text, with_output_options
 from rotor_fmu.runs import run_down
 from rotor_fmu.runs.job import prepare
 
+from .toml_text import table
+
 SHORT = ("run-down", "--direct", "--preset", "robust", "--stop", "0.02", "--out", ".")
 DIVERGING = (
     *("run-down", "--direct", "--preset", "paper", "--set", "solver.method=wbz"),
     *("--set", "solver.alpha_m=0.08", "--stop", "1", "--out", "."),
 )
-STUDY = """
-name = "two"
-machine = "rig"
-[run]
-kind = "run-down"
-from = 200
-to = 199
-rate = 10
-[set]
-"solver.tolerance" = 1e-2
-[vary]
-"bearing[1].mu" = { values = [0.05, 0.1] }
-[keep]
-X = { peak = "disc[3].x_amp" }
-"""
+STUDY = (
+    'name = "two"\nmachine = "rig"\n'
+    + table("run", **{"kind": "run-down", "from": 200, "to": 199, "rate": 10})
+    + table("set", **{"solver.tolerance": 1e-2})
+    + table("vary", **{"bearing[1].mu": {"values": [0.05, 0.1]}})
+    + table("keep", X={"peak": "disc[3].x_amp"})
+)
 
 
 @pytest.fixture

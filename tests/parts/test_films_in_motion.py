@@ -15,35 +15,26 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
-_SHAFT = """
-[material]
-young = 2.1e11
-density = 100.0
-poisson = 0.3
-[shaft]
-nodes = [0.0, 0.1, 0.2]
-diameters = [0.1, 0.1]
-[[body]]
-node = 2
-mass = 40.0
-I_d = 0.2
-I_p = 0.2
-e = {e}
-"""
-_FILM = """
-[[journal_bearing]]
-node = {node}
-journal_radius = 0.05
-length = 0.03
-clearance = 1e-4
-viscosity = 0.01
-{more}
-"""
+from ..toml_text import table
+from .machines import shaft
+
+_RADIUS, _CLEARANCE = 0.05, 1e-4  # of journals [m]
+_OF_A_FILM = {"journal_radius": _RADIUS, "clearance": _CLEARANCE, "viscosity": 0.01}
 
 
-def _rotor(more="short = true", e=0.0):
-    films = "".join(_FILM.format(node=node, more=more) for node in (1, 3))
-    return parse_rotor(_SHAFT.format(e=e) + films)
+def _shaft(e=0.0):
+    body = table("[body]", node=2, mass=40.0, I_d=0.2, I_p=0.2, e=e)
+    light = table("material", young=2.1e11, density=100.0)
+    return shaft(0.0, 0.1, 0.2, diameter=0.1, material=light) + body
+
+
+def _film(node, **more):
+    return table("[journal_bearing]", node=node, length=0.03, **_OF_A_FILM, **more)
+
+
+def _rotor(e=0.0, **more):
+    more = more or {"short": True}
+    return parse_rotor(_shaft(e) + _film(1, **more) + _film(3, **more))
 
 
 def _run(rotor, speed, tolerance=1e-4, **options):
@@ -104,7 +95,7 @@ def test_ledger_closes_through_a_threshold():
 
 
 def test_a_start_at_standstill_lies_on_its_wall_and_lifts_off():
-    rotor = _rotor("k = 1e8")
+    rotor = _rotor(k=1e8)
     run = _run(rotor, 0.0, 1e-2)
     assert run.read("journal_bearing[1].contact") == 1.0
     assert run.read("journal_bearing[1].film") < 1e-6
@@ -137,7 +128,7 @@ def test_a_free_rotor_is_braked_by_its_films():
 
 # --- squeeze film dampers ---
 
-_DAMPER = {"node": 1, "journal_radius": 0.05, "length": 0.02, "clearance": 1e-4, "viscosity": 0.01}
+_DAMPER = {"node": 1, "length": 0.02, **_OF_A_FILM}
 
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
@@ -166,37 +157,12 @@ def test_tangent_of_a_damper():
             np.testing.assert_allclose(tangent, np.transpose(seen), atol=1e-6 * abs(tangent).max())
 
 
-_ON_DAMPERS = """
-gravity = 0.0
-[material]
-young = 2.1e13
-density = 1.0
-[shaft]
-nodes = [0.0, 0.1, 0.2]
-diameters = [0.02, 0.02]
-[[body]]
-node = 2
-mass = 10.0
-I_d = 1e-2
-I_p = 1e-3
-e = 3e-5
-[[squeeze_film_damper]]
-node = 1
-journal_radius = 0.05
-length = 0.02
-clearance = 1e-4
-viscosity = {viscosity}
-short = true
-stiffness = 5e4
-[[squeeze_film_damper]]
-node = 3
-journal_radius = 0.05
-length = 0.02
-clearance = 1e-4
-viscosity = {viscosity}
-short = true
-stiffness = 5e4
-"""
+def _on_dampers(viscosity):
+    body = table("[body]", node=2, mass=10.0, I_d=1e-2, I_p=1e-3, e=3e-5)
+    more = {"viscosity": viscosity, "short": True, "stiffness": 5e4}
+    dampers = [table("[squeeze_film_damper]", **{**_DAMPER, **more, "node": n}) for n in (1, 3)]
+    stiff = shaft(0.0, 0.1, 0.2, material=table("material", young=2.1e13, density=1.0))
+    return parse_rotor(f"gravity = 0.0\n{stiff}{body}{''.join(dampers)}")
 
 
 def _orbit(run, speed, seconds):
@@ -208,7 +174,7 @@ def test_jump_of_a_rotor_on_dampers():
     # B = 2 mu R L^3 / (m c^3 w_n) = 0.05 with two dampers; e from the closed form of the orbit
     natural = 100.0
     viscosity = 0.05 * 10.0 * 1e-12 * natural / (2 * 0.05 * 0.02**3)
-    rotor = parse_rotor(_ON_DAMPERS.format(viscosity=viscosity))
+    rotor = _on_dampers(viscosity)
     # from below the fold on and slowly up: the large orbit; begun at 2.0: the small one
     up = _run(rotor, 140.0)
     up.advance(1.0, 140.0)
@@ -227,13 +193,9 @@ def test_bad_damper_is_refused():
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):
     """The FMU in Python and the native one, with a film in lobes and a damper."""
-    text = _SHAFT.format(e=1e-5) + _FILM.format(
-        node=1, more="pads = [1.570796, 4.712389]\narc = 2.8\npreload = 0.4\nk = 1e8"
-    )
-    text += (
-        "[[squeeze_film_damper]]\nnode = 3\njournal_radius = 0.05\nlength = 0.02\n"
-        "clearance = 1e-4\nviscosity = 0.01\nstiffness = 1e7\n"
-    )
+    lobes = {"pads": [1.570796, 4.712389], "arc": 2.8, "preload": 0.4}
+    damper = table("[squeeze_film_damper]", **{**_DAMPER, "node": 3}, stiffness=1e7)
+    text = _shaft(1e-5) + _film(1, **lobes, k=1e8) + damper
     names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
     simulation = Simulation(
         parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None
