@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
 import rotor_fmu as rf
-from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.machine_picture import machine_figure
 from rotor_fmu.machine_file.declared_tables import own_tables, part_tables
@@ -86,16 +84,12 @@ def test_every_key_of_the_page_is_known_to_the_reader():
 
 
 @pytest.fixture
-def output(tmp_path, monkeypatch, capsys):
-    """What `rotor-fmu example` prints or, refused, says."""
+def output(process):
+    """Status of `rotor-fmu example`, and what it prints or, refused, says."""
 
     def tell(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", "example", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
+        done = process("example", *arguments)
+        return done.returncode, done.stdout, done.stderr
 
     return tell
 

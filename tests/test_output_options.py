@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 import time
 from types import SimpleNamespace
 
@@ -12,7 +11,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
-from rotor_fmu.cli import app, main
+from rotor_fmu.cli import app
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.output_options import json_text, with_output_options
 from rotor_fmu.runs import run_down
@@ -35,16 +34,12 @@ STUDY = (
 
 
 @pytest.fixture
-def output(tmp_path, monkeypatch, capsys):
-    """Standard output, standard error and status of a command, run in this process."""
+def output(process):
+    """Standard output, standard error and status of a command."""
 
     def run(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        said = capsys.readouterr()
-        return said.out, said.err, end.value.code
+        done = process(*arguments)
+        return done.stdout, done.stderr, done.returncode
 
     return run
 
