@@ -1,15 +1,20 @@
 """What a run's status says, in every way of running one."""
 
 import pickle
+import re
 import warnings
+from pathlib import Path
 
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.model.messages import CODES, SENTENCES
 from rotor_fmu.model.simulation import RotorNote, RotorWarning
 from rotor_fmu.model.spelling import NOTES, Message
+from rotor_fmu.model.step import step
+from rotor_fmu.model.time_loop import early_return, equilibrium, time_loop
 
 import rotor_fmu as rf
+from rotor_fmu import fmi
 from rotor_fmu.fmi.log import read_message, with_code
 from rotor_fmu.status import status_of
 
@@ -24,6 +29,38 @@ kyx = -3000.0
 cxx = 0.0
 cyy = 0.0
 """
+
+
+OF_A_STEP = (step.DONE, step.NOT_CONVERGED, step.NOT_FINITE, step.BROKEN)
+ENDS_EARLY = (
+    *(early_return.PAST_DISPLACEMENT, early_return.PAST_FORCE),
+    *(early_return.CLOSED, early_return.OPENED),
+)
+OF_A_START = (
+    *(equilibrium.HELD, equilibrium.NOT_HELD, equilibrium.NOT_CONVERGED_AT_REST),
+    *(equilibrium.UNSTABLE, equilibrium.BEYOND, equilibrium.MOVED),
+    *(early_return.LIMITED, early_return.IN_STAGES),
+)
+
+
+def test_every_way_in_which_a_start_or_an_advance_ends_has_a_status_of_its_own():
+    early = [time_loop.ENDED_EARLY + end for end in (early_return.GOES_ON, *ENDS_EARLY)]
+    of_an_advance = [*OF_A_STEP, time_loop.UNFINISHED, *early]
+    for statuses in (of_an_advance, OF_A_START):
+        assert len({*statuses}) == len(statuses)
+    # all is well
+    assert (step.DONE, equilibrium.HELD, early_return.GOES_ON) == (0, 0, 0)
+    # what ended it early is above this, and nothing else is
+    assert max(*OF_A_STEP, time_loop.UNFINISHED) < time_loop.ENDED_EARLY
+    assert min(ENDS_EARLY) > early_return.GOES_ON
+
+
+def test_the_instance_in_c_knows_the_same_statuses():
+    header = (Path(fmi.__file__).parent / "c" / "kernels.h").read_text(encoding="utf-8")
+    seen = {
+        name: int(value) for name, value in re.findall(r"\b([A-Z_]+) = (\d+)(?= *[,}])", header)
+    }
+    assert seen == {name: getattr(time_loop, name) for name in ("UNFINISHED", "ENDED_EARLY")}
 
 
 def test_a_status_lists_the_codes_of_warnings_once_and_leaves_out_notes():
