@@ -69,7 +69,7 @@ def test_a_force_is_mirrored_in_a_mirror_and_turns_with_the_bearing(seeds):
 
 @seeds(25, 2000)
 def test_a_tangent_is_the_derivative_of_the_force(seeds):
-    """With the default's elements or more, and but where no pressure builds up, which has no
+    """With the default's elements or more, but where no pressure builds up, which has no
     derivative there. Of several differences the best counts: a rupture that reaches an edge spoils
     the longer ones."""
     tried = 0
