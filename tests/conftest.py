@@ -11,6 +11,8 @@ import pytest
 from matplotlib.figure import Figure
 from rotor_fmu.model.backend import waits_for_compiler
 
+from rotor_fmu.cli import app, main
+from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.python_fmu import build
 
 from .browser import driver, silent  # noqa: F401, fixtures
@@ -51,6 +53,44 @@ def _compile():
     """Without a library of kernels fill an empty cache, so that no two workers compile the same."""
     if waits_for_compiler():
         subprocess.run([sys.executable, "-c", COMPILE_MODEL], capture_output=True, check=False)
+
+
+@pytest.fixture
+def command(tmp_path, capsys):
+    """A command carried out in this process, its files in `out`: what it prints."""
+
+    def run(*arguments):
+        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
+        return capsys.readouterr().out
+
+    return run
+
+
+@pytest.fixture
+def process(tmp_path, monkeypatch, capfd):
+    """`rotor-fmu` as its own process would run it, in this one, which has loaded what it needs."""
+
+    def run(*arguments):
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
+        with pytest.raises(SystemExit) as end:
+            main()
+        said = capfd.readouterr()
+        return subprocess.CompletedProcess(arguments, end.value.code, said.out, said.err)
+
+    return run
+
+
+@pytest.fixture
+def refusal(command):
+    """The message of a command that is refused."""
+
+    def run(*arguments):
+        with pytest.raises((InputError, ValueError)) as refused:
+            command(*arguments)
+        return str(refused.value)
+
+    return run
 
 
 @pytest.fixture

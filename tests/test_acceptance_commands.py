@@ -14,17 +14,6 @@ COMPRESSOR = str(ROSS / "compressor.toml")
 PNG = b"\x89PNG"
 
 
-@pytest.fixture
-def command(tmp_path, capsys):
-    """A command carried out, its output told."""
-
-    def run(*arguments):
-        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
-        return capsys.readouterr().out
-
-    return run
-
-
 def test_critical_map_tells_where_bearings_meet_it(command, tmp_path):
     said = command("critical-map", "--rotor", COMPRESSOR, "--stiffness", "1e7:1e9:5")
     assert "linear_bearing[1]     x     1" in said
@@ -84,11 +73,10 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         (["unbalance", "--range", "10:50Hz", "--mode", "99"], "mode = 99: must be from 1"),
     ],
 )
-def test_impossible_wishes_are_refused(command, tmp_path, arguments, expected):
-    with pytest.raises((InputError, ValueError)) as refused:
-        command(*arguments)
-    assert expected in str(refused.value)
-    assert "\n" not in str(refused.value)
+def test_impossible_wishes_are_refused(refusal, tmp_path, arguments, expected):
+    said = refusal(*arguments)
+    assert expected in said
+    assert "\n" not in said
     assert not list(tmp_path.iterdir())
 
 

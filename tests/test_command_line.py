@@ -30,21 +30,6 @@ def rotor_fmu(*arguments, cwd):
 
 
 @pytest.fixture
-def command(tmp_path, monkeypatch, capfd):
-    """The command in this process, which has loaded what it needs."""
-
-    def carry_out(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        said = capfd.readouterr()
-        return subprocess.CompletedProcess(arguments, end.value.code, said.out, said.err)
-
-    return carry_out
-
-
-@pytest.fixture
 def input_error(tmp_path, monkeypatch, capsys):
     """The one line that a refused command prints; it must leave nothing behind."""
     return input_error_by(main, tmp_path, monkeypatch, capsys)
@@ -121,8 +106,8 @@ def test_help_names_every_command_and_loads_none(tmp_path):
     assert not {"numba", "numpy", "scipy", "matplotlib", "fmpy"} & set(loaded.split())
 
 
-def test_nothing_asked_prints_help_alone(command):
-    done = command()
+def test_nothing_asked_prints_help_alone(process):
+    done = process()
     assert (done.returncode, done.stderr) == (0, "")
     assert "Usage:" in done.stdout
 
@@ -197,10 +182,10 @@ def test_a_run_writes_its_figures_and_pictures(tmp_path):
 
 
 def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_earlier_one(
-    command, tmp_path
+    process, tmp_path
 ):
     (tmp_path / "run_down_x.png").write_bytes(b"of an earlier run")
-    done = command(
+    done = process(
         *("run-down", "--set", "speed=185", "--preset", "robust", "--stop", "1"),
         *("--direct", "--out", "."),
     )
@@ -213,9 +198,9 @@ def test_a_run_at_one_speed_is_drawn_over_time_and_frequency_and_replaces_an_ear
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_signals_from_a_file_drive_the_run(command, tmp_path):
+def test_signals_from_a_file_drive_the_run(process, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed,disc[2].fy\n0,100,5\n1,120,5\n")
-    done = command(
+    done = process(
         *("run-down", "--input", "signals.csv", "--stop", "1", "--direct", "--out", "."),
     )
     assert done.returncode == 0, done.stderr
@@ -250,9 +235,9 @@ def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_signals_that_end_before_the_run_are_said_to_be_held(command, tmp_path):
+def test_signals_that_end_before_the_run_are_said_to_be_held(process, tmp_path):
     (tmp_path / "signals.csv").write_text("time,speed\n0,100\n0.01,100\n")
-    done = command(
+    done = process(
         *("run-down", "--input", "signals.csv", "--stop", "0.02", "--direct", "--out", "."),
     )
     assert done.returncode == 0, done.stderr
@@ -261,8 +246,8 @@ def test_signals_that_end_before_the_run_are_said_to_be_held(command, tmp_path):
     )
 
 
-def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
-    done = command(
+def test_a_run_that_diverges_ends_with_status_1_and_a_reason(process, tmp_path):
+    done = process(
         *("run-down", "--preset", "paper", "--set", "solver.method=wbz"),
         *("--set", "solver.alpha_m=0.08", "--direct", "--out", "."),
     )
@@ -273,8 +258,8 @@ def test_a_run_that_diverges_ends_with_status_1_and_a_reason(command, tmp_path):
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(("how", "level"), [([], "warning"), (["--direct"], "note")])
-def test_a_setting_without_effect_is_said(command, tmp_path, how, level):
-    done = command(
+def test_a_setting_without_effect_is_said(process, tmp_path, how, level):
+    done = process(
         *("run-down", "--preset", "robust", "--set", "solver.tolerance=1e-4"),
         *("--stop", "0.01", "--out", ".", *how),
     )
@@ -286,9 +271,9 @@ def test_a_setting_without_effect_is_said(command, tmp_path, how, level):
 
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("order", [1, -1])
-def test_parameters_that_go_together_are_taken_together(command, tmp_path, order):
+def test_parameters_that_go_together_are_taken_together(process, tmp_path, order):
     sets = ["shaft.eta_h=0.01", "shaft.rotating_damping=true"][::order]
-    done = command(
+    done = process(
         *("run-down", "--direct", "--stop", "0.01", "--out", "."),
         *(word for text in sets for word in ("--set", text)),
     )
@@ -356,7 +341,7 @@ def test_ctrl_c_ends_a_run_in_one_line_and_leaves_no_results(tmp_path, how, modu
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(command, tmp_path):
+def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process, tmp_path):
     """The FMU holds its loads over a step: it is driven beside, and how far it is off is said."""
     t = np.linspace(0.0, 0.2, 101)
     rows = np.column_stack([t, np.full(101, 150.0), 30 * np.cos(180 * t), 30 * np.sin(180 * t)])
@@ -367,7 +352,7 @@ def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(command,
     ends = []
     for step in ("0.004", "0.001"):
         given = ("--input", "loads.csv", "--stop", "0.2", "--step", step, "--out", ".")
-        done = command("run-down", *given)
+        done = process("run-down", *given)
         assert done.returncode == 0, done.stderr
         assert "which holds its inputs over a communication step" in done.stderr
         names, *_, last = (tmp_path / "run_down.csv").read_text().splitlines()
@@ -377,8 +362,8 @@ def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(command,
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_a_run_with_a_reduced_shaft_drives_an_fmu_that_was_built_with_it(command, tmp_path):
-    done = command(
+def test_a_run_with_a_reduced_shaft_drives_an_fmu_that_was_built_with_it(process, tmp_path):
+    done = process(
         *("run-down", "--set", "solver.reduction=4", "--set", "speed=150"),
         *("--stop", "0.1", "--out", "."),
     )

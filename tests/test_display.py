@@ -8,7 +8,6 @@ import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
-from rotor_fmu.cli import app
 from rotor_fmu.display import choose, current, display_of, restored
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
@@ -19,15 +18,6 @@ from rotor_fmu.report.signal_plots import bode, orbit
 from rotor_fmu.report.view import View
 
 from .recordings import recorded
-
-
-@pytest.fixture
-def command(tmp_path, capsys):
-    def run(*arguments):
-        app([*arguments, "--out", str(tmp_path / "out")], standalone_mode=False)
-        return capsys.readouterr().out
-
-    return run
 
 
 def test_us_units_are_by_definition_and_words_go_together():

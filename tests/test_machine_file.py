@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,7 +13,6 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 
 import rotor_fmu as rf
-from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.machine_picture import machine_figure
 from rotor_fmu.machine_file.declared_tables import own_tables, part_tables
@@ -32,12 +30,14 @@ VALIDATOR = jsonschema.Draft202012Validator(schema())
 
 
 def test_the_schema_is_one_and_is_json():
-    jsonschema.Draft202012Validator.check_schema(json.loads(json.dumps(schema())))
+    of_schemas = jsonschema.Draft202012Validator(jsonschema.Draft202012Validator.META_SCHEMA)
+    assert [*of_schemas.iter_errors(json.loads(json.dumps(schema())))] == []
 
 
 @pytest.mark.parametrize("machine", MACHINES, ids=lambda path: path.stem)
 def test_every_machine_of_the_project_fits_the_schema(machine):
-    VALIDATOR.validate(tomllib.loads(machine.read_text(encoding="utf-8")))
+    content = tomllib.loads(machine.read_text(encoding="utf-8"))
+    assert [error.message for error in VALIDATOR.iter_errors(content)] == []
 
 
 @pytest.mark.parametrize(
@@ -84,16 +84,12 @@ def test_every_key_of_the_page_is_known_to_the_reader():
 
 
 @pytest.fixture
-def output(tmp_path, monkeypatch, capsys):
-    """What `rotor-fmu example` prints or, refused, says."""
+def output(process):
+    """Status of `rotor-fmu example`, and what it prints or, refused, says."""
 
     def tell(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", "example", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        said = capsys.readouterr()
-        return end.value.code, said.out, said.err
+        done = process("example", *arguments)
+        return done.returncode, done.stdout, done.stderr
 
     return tell
 
@@ -135,7 +131,7 @@ def test_an_unknown_example_is_told_its_neighbour(output):
 )
 def test_what_is_extended_is_a_file_that_a_machine_may_fill(tmp_path, base, why):
     if not hasattr(os, "mkfifo"):
-        pytest.skip("no pipes with names here")
+        pytest.skip("named pipes are POSIX")
     os.mkfifo(tmp_path / "pipe")
     with (tmp_path / "large").open("wb") as file:
         file.truncate(10**9)

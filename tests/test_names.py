@@ -10,21 +10,11 @@ import rotor_fmu as rf
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.runs.run_down import usual
 
-SIMPLE = """
-gravity = 0.0
-[material]
-young = 2.1e11
-density = 7800.0
-[shaft]
-nodes = [0.0, 0.3, 0.9]
-diameters = [0.03, 0.03]
-[[support]]
-node = 1
-stiffness = 1e7
-[[support]]
-node = 3
-stiffness = 1e7
-"""
+from .parts.machines import shaft
+from .toml_text import table
+
+SUPPORTS = "".join(table("[support]", node=node, stiffness=1e7) for node in (1, 3))
+SIMPLE = "gravity = 0.0\n" + shaft(0.0, 0.3, 0.9, diameter=0.03) + SUPPORTS
 HUB = "[[disc]]\nz = 0.5\ndiameter = 0.2\nwidth = 0.05\n"
 
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 import time
 from types import SimpleNamespace
 
@@ -12,45 +11,35 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.simulation import Simulation
 
 import rotor_fmu as rf
-from rotor_fmu.cli import app, main
+from rotor_fmu.cli import app
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.output_options import json_text, with_output_options
 from rotor_fmu.runs import run_down
 from rotor_fmu.runs.job import prepare
+
+from .toml_text import table
 
 SHORT = ("run-down", "--direct", "--preset", "robust", "--stop", "0.02", "--out", ".")
 DIVERGING = (
     *("run-down", "--direct", "--preset", "paper", "--set", "solver.method=wbz"),
     *("--set", "solver.alpha_m=0.08", "--stop", "1", "--out", "."),
 )
-STUDY = """
-name = "two"
-machine = "rig"
-[run]
-kind = "run-down"
-from = 200
-to = 199
-rate = 10
-[set]
-"solver.tolerance" = 1e-2
-[vary]
-"bearing[1].mu" = { values = [0.05, 0.1] }
-[keep]
-X = { peak = "disc[3].x_amp" }
-"""
+STUDY = (
+    'name = "two"\nmachine = "rig"\n'
+    + table("run", **{"kind": "run-down", "from": 200, "to": 199, "rate": 10})
+    + table("set", **{"solver.tolerance": 1e-2})
+    + table("vary", **{"bearing[1].mu": {"values": [0.05, 0.1]}})
+    + table("keep", X={"peak": "disc[3].x_amp"})
+)
 
 
 @pytest.fixture
-def output(tmp_path, monkeypatch, capsys):
-    """Standard output, standard error and status of a command, run in this process."""
+def output(process):
+    """Standard output, standard error and status of a command."""
 
     def run(*arguments):
-        monkeypatch.chdir(tmp_path)
-        monkeypatch.setattr(sys, "argv", ["rotor-fmu", *arguments])
-        with pytest.raises(SystemExit) as end:
-            main()
-        said = capsys.readouterr()
-        return said.out, said.err, end.value.code
+        done = process(*arguments)
+        return done.stdout, done.stderr, done.returncode
 
     return run
 

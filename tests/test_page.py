@@ -66,8 +66,11 @@ def test_every_page_is_silent_and_fits_its_width(silent, pages, name, width, dar
 @pytest.mark.slow
 def test_pictures_follow_when_the_reader_goes_dark(silent, pages):
     page = Page(silent, pages / "one.html")
+    ground = "return over.bode.plot.background_fill_color"
+    assert page.run(ground) == "#ffffff"
     look(silent, dark=True)
-    page.wait("over.bode.plot.background_fill_color === '#14181d'")
+    page.wait("over.bode.plot.background_fill_color !== '#ffffff'")
+    assert page.run(ground) == "#14181d"
 
 
 def test_a_speed_picked_by_a_click_shows_its_orbit_and_spectrum(silent, pages):

@@ -51,11 +51,12 @@ def copy(tmp_path_factory):
 
 
 def run(language, text, folder, environment):
-    """Run or save a block; what runs must succeed without a warning."""
+    """What is wrong with a block that is run: its exit status and what it printed where it fails or
+    warns, else nothing. A machine file is saved."""
     if language == "toml":
         if named := re.match(r"# (\w+\.toml)", text):
             (folder / named[1]).write_text(text, encoding="utf-8")
-        return
+        return ""
     text = NOT_HERE.sub("", text)
     done = subprocess.run(
         [*RUN[language], text],
@@ -66,8 +67,8 @@ def run(language, text, folder, environment):
         text=True,
         check=False,
     )
-    assert done.returncode == 0, f"{text}\n{done.stdout}"
-    assert not re.search(r"warning|traceback", done.stdout, re.IGNORECASE), f"{text}\n{done.stdout}"
+    is_wrong = done.returncode or re.search(r"warning|traceback", done.stdout, re.IGNORECASE)
+    return f"{text}\nexit {done.returncode}\n{done.stdout}" if is_wrong else ""
 
 
 @pytest.mark.slow
@@ -82,7 +83,7 @@ def test_the_blocks_of_a_page_run_as_pasted_and_warn_of_nothing(copy, page):
     is_example = "examples" in page.relative_to(ROOT).parts
     folder = (copy / page.relative_to(ROOT)).parent if is_example else copy
     for language, text in blocks(page):
-        run(language, text, folder, environment)
+        assert run(language, text, folder, environment) == ""
 
 
 def test_commands_stand_in_blocks_that_are_run():

@@ -9,6 +9,8 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import CouplingOptions, Simulation, StepFailure
 
+from .parts.films import in_films, on_dampers
+
 H = 0.002
 ON = CouplingOptions(has_sensitivities=True)
 MOTIONS = ("disc[1].x", "disc[1].y", "disc[2].x", "disc[3].x", "disc[3].y")
@@ -21,7 +23,7 @@ LINE = rig_toml() + '[[line]]\nnode = 2\nimpedance = 50.0\nname = "joint"\n'
 class Differences:
     """A step that can be made again with an input changed."""
 
-    def __init__(self, rotor, speed, steps, torque=None, coupling=ON, loads=None):
+    def __init__(self, rotor, speed, steps, torque=None, coupling=ON):
         options = {} if torque is None else {"drive_torque": torque}
         self.drive = speed if torque is None else torque
         self.simulation = Simulation(
@@ -103,6 +105,32 @@ def test_so_they_are_of_a_rotor_that_a_torque_drives(impedance):
     assert not within(made.errors((*MOTIONS, *FORCES, "w", "phi"), [0], 3.0), 3e-6)
     # the speed is found to 4e-7 rad/s, and what follows from it
     assert not within(made.errors((*MOTIONS, *FORCES), range(1, made.inputs), 0.3), 3e-6)
+
+
+LOBES = {"pads": [1.570796, 4.712389], "arc": 2.8, "preload": 0.4}
+FILMS = {
+    "short": (in_films(1e-5, short=True), 600.0),
+    "finite": (in_films(1e-5, points=24.0), 600.0),
+    "lobes": (in_films(1e-5, **LOBES, points=24.0), 600.0),
+    "touching": (in_films(1e-5, points=24.0, k=1e7, roughness=4e-5), 20.0),
+    "damper": (on_dampers(0.005), 600.0),
+}
+
+
+@pytest.mark.parametrize("name", FILMS)
+@pytest.mark.parametrize("torque", [None, 0.05])
+@pytest.mark.parametrize("steps", [1, 20])
+def test_so_they_are_of_a_rotor_in_oil_films(name, torque, steps):
+    rotor, speed = FILMS[name]
+    made = Differences(rotor, speed, steps, torque)
+    part = "squeeze_film_damper[1]" if name == "damper" else "journal_bearing[1]"
+    assert made.simulation.read(f"{part}.contact") == (name == "touching")
+    read = ["body[1].x", "body[1].y"]
+    read += [f"{part}.{output}" for output in ("fx", "fy", "film", "eccentricity")]
+    read += ["tau"] if torque is None and name != "damper" else []
+    assert not within(made.errors(read, range(1, made.inputs), 1.0), 1e-6)
+    change = 1e-4 * speed if torque is None else 1.0
+    assert not within(made.errors([*read, "w", "phi"], [0], change), 1e-6)
 
 
 def test_the_named_ones_are_entries_of_all():

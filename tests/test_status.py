@@ -10,6 +10,7 @@ from rotor_fmu.model.messages import CODES, SENTENCES
 from rotor_fmu.model.simulation import RotorNote, RotorWarning
 from rotor_fmu.model.spelling import NOTES, Message
 from rotor_fmu.model.step import status as of_step
+from rotor_fmu.model.time_loop import early_return, equilibrium
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.log import read_message, with_code
@@ -27,6 +28,30 @@ kyx = -3000.0
 cxx = 0.0
 cyy = 0.0
 """
+
+
+OF_A_STEP = (of_step.DONE, of_step.NOT_CONVERGED, of_step.NOT_FINITE, of_step.BROKEN)
+ENDS_EARLY = (
+    *(early_return.PAST_DISPLACEMENT, early_return.PAST_FORCE),
+    *(early_return.CLOSED, early_return.OPENED),
+)
+OF_A_START = (
+    *(equilibrium.HELD, equilibrium.NOT_HELD, equilibrium.NOT_CONVERGED_AT_REST),
+    *(equilibrium.UNSTABLE, equilibrium.BEYOND, equilibrium.MOVED),
+    *(early_return.LIMITED, early_return.IN_STAGES),
+)
+
+
+def test_every_way_in_which_a_start_or_an_advance_ends_has_a_status_of_its_own():
+    early = [of_step.ENDED_EARLY + end for end in (early_return.GOES_ON, *ENDS_EARLY)]
+    of_an_advance = [*OF_A_STEP, of_step.UNFINISHED, *early]
+    for statuses in (of_an_advance, OF_A_START):
+        assert len({*statuses}) == len(statuses)
+    # all is well
+    assert (of_step.DONE, equilibrium.HELD, early_return.GOES_ON) == (0, 0, 0)
+    # what ended it early is above this, and nothing else is
+    assert max(*OF_A_STEP, of_step.UNFINISHED) < of_step.ENDED_EARLY
+    assert min(ENDS_EARLY) > early_return.GOES_ON
 
 
 def test_a_status_lists_the_codes_of_warnings_once_and_leaves_out_notes():

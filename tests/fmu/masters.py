@@ -8,18 +8,21 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import fmpy
+import pytest
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.runs.host_env import host_environment
 
 HERE = Path(__file__).parent
 COMPILER = shutil.which("cc") or shutil.which("gcc")
+NO_COMPILER = "neither cc nor gcc is installed, which compile the C programs"
+NEEDS_COMPILER = pytest.mark.skipif(COMPILER is None, reason=NO_COMPILER)
 try:
     ENVIRONMENT = host_environment()
 except InputError as reason:
     ENVIRONMENT, NO_C_HOST = None, str(reason)
 else:
-    NO_C_HOST = "" if COMPILER else "no C compiler on this machine"
+    NO_C_HOST = "" if COMPILER else NO_COMPILER
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.machine_table import HEAD_SIZE
 from rotor_fmu.fmi.packing.native_fmu import build_native
 
-from .masters import COMPILER
+from .masters import COMPILER, NEEDS_COMPILER
 from .skins import DISCARD, SKINS, Discarded, Extracted, Native, Refused
 
 H = 0.02
@@ -279,7 +279,7 @@ int fmi2Reset(void) { return 4; }
 """
 
 
-@pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+@NEEDS_COMPILER
 @pytest.mark.parametrize("kind", SKINS)
 def test_a_library_with_the_same_names_that_all_can_see_does_no_harm(kind, extracted, tmp_path):
     (tmp_path / "same.c").write_text(SAME_NAMES)

@@ -4,38 +4,41 @@ from .test_hosting import in_a_process
 
 
 def test_the_search_path_does_not_grow_with_instances_or_folders(fmu):
-    in_a_process(
+    seen = in_a_process(
         fmu,
         """
-lengths = []
+lengths, entries = [], []
 for i in range(3):
     folder = fmpy.extract(path)
     for j in range(3):
         start(new()).freeInstance()
         lengths.append(len(sys.path))
-    assert sum("resources" in entry for entry in sys.path) == 1
-assert len(set(lengths)) == 1, lengths
+    entries.append(sum("resources" in entry for entry in sys.path))
+show(lengths=lengths, entries=entries)
 """,
     )
+    assert seen.entries == [1] * 3
+    assert seen.lengths == [seen.lengths[0]] * 9
 
 
-def test_its_modules_come_from_its_own_folder_and_are_few(fmu, tmp_path):
-    in_a_process(
+def test_its_modules_come_from_its_own_folder_and_are_few(fmu):
+    seen = in_a_process(
         fmu,
         """
 before = set(sys.modules)
 start(new()).freeInstance()
-ours = [m for name, m in sys.modules.items() if name.startswith("rotorbearing_")]
-assert len(ours) == 4, ours
-assert all(m.__file__.startswith(str(folder)) for m in ours)
+ours = [m.__file__ for name, m in sys.modules.items() if name.startswith("rotorbearing_")]
 new_packages = {name.partition(".")[0] for name in set(sys.modules) - before}
-assert not new_packages & {"numpy", "scipy", "numba", "rotor_fmu", "model"}, new_packages
+show(folder=str(folder), ours=ours, new_packages=sorted(new_packages))
 """,
     )
+    assert len(seen.ours) == 4
+    assert all(file.startswith(seen.folder) for file in seen.ours), seen
+    assert not {"numpy", "scipy", "numba", "rotor_fmu", "model"} & {*seen.new_packages}
 
 
 def test_its_folder_may_be_gone_when_a_run_begins_and_nothing_is_kept_anywhere(fmu, tmp_path):
-    in_a_process(
+    seen = in_a_process(
         fmu,
         """
 instance = new()
@@ -45,8 +48,9 @@ instance.doStep(0.0, 0.02)
 instance.reset()
 start(instance)
 instance.doStep(0.0, 0.02)
-assert log == []
+show(log=log)
 """,
         {"ROTOR_FMU_CACHE": str(tmp_path), "HOME": str(tmp_path)},
     )
+    assert seen.log == []
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []

@@ -3,18 +3,21 @@
 Everything that might crash runs in a process of its own, and a crash shows in its exit status.
 """
 
+import json
 import os
 import subprocess
 import sys
 import zipfile
+from types import SimpleNamespace
 
+import fmpy
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.packing.python_fmu import build, package_name
 
 PRELUDE = """
-import sys, fmpy, shutil
+import json, sys, fmpy, shutil
 path = sys.argv[1]
 folder = fmpy.extract(path)
 description = fmpy.read_model_description(folder)
@@ -39,18 +42,13 @@ def start(instance, **values):
     instance.enterInitializationMode()
     instance.exitInitializationMode()
     return instance
-def fails(call, *arguments):
-    try:
-        call(*arguments)
-    except fmpy.fmi1.FMICallException as error:
-        assert error.status in (fmpy.fmi2.fmi2Error, fmpy.fmi2.fmi2Fatal), error.status
-        return True
-    return False
+def show(**seen):
+    print(json.dumps(seen), flush=True)
 """
 
 
 def in_a_process(fmu, script, environment=None, seconds=1200, arguments=()):
-    """Standard output of a script that ends well; fails on a crash or an error."""
+    """What a script shows at last by `show`, as an object; fails on a crash or an error."""
     done = subprocess.run(
         [sys.executable, "-c", PRELUDE + script, str(fmu), *arguments],
         capture_output=True,
@@ -60,7 +58,7 @@ def in_a_process(fmu, script, environment=None, seconds=1200, arguments=()):
         env={**os.environ, **(environment or {})},
     )
     assert done.returncode == 0, f"exit {done.returncode}\n{done.stdout}\n{done.stderr}"
-    return done
+    return SimpleNamespace(**json.loads(done.stdout.splitlines()[-1]))
 
 
 TRAJECTORY = """
@@ -79,7 +77,7 @@ def run(instance, steps=STEPS):
 
 
 def test_a_hundred_instances_each_give_the_result_they_give_alone(fmu):
-    done = in_a_process(
+    seen = in_a_process(
         fmu,
         TRAJECTORY
         + """
@@ -96,19 +94,21 @@ for k in range(STEPS):
     for i, instance in enumerate(together):
         instance.doStep(k * H, H)
         seen[i].append(look(instance))
-assert {i: seen[i] for i in alone} == alone
-assert len({str(one) for one in seen}) == 100
-print(resident() - before)
+grown = resident() - before
 for instance in together:
     instance.terminate()
     instance.freeInstance()
+show(alone=alone, together=seen, grown=grown)
 """,
     )
-    assert int(done.stdout.split()[-1]) < 100_000, "kB: a hundred took 23 MB"
+    assert len(seen.alone) == 25
+    assert {i: seen.together[int(i)] for i in seen.alone} == seen.alone
+    assert len({str(one) for one in seen.together}) == 100
+    assert seen.grown < 100_000, "kB: a hundred took 23 MB"
 
 
 def test_instances_stepped_from_several_threads_give_what_they_give_alone(fmu):
-    in_a_process(
+    seen = in_a_process(
         fmu,
         TRAJECTORY
         + """
@@ -117,15 +117,19 @@ STEPS = 200
 alone = [run(begin(i), STEPS) for i in range(8)]
 instances = [begin(i) for i in range(8)]
 with ThreadPoolExecutor(4) as pool:
-    assert list(pool.map(lambda instance: run(instance, STEPS), instances)) == alone
+    stepped = list(pool.map(lambda instance: run(instance, STEPS), instances))
     # made, initialized and stepped in a thread each
-    assert list(pool.map(lambda i: run(begin(i), STEPS), range(8))) == alone
+    made = list(pool.map(lambda i: run(begin(i), STEPS), range(8)))
+show(alone=alone, stepped=stepped, made=made)
 """,
     )
+    assert len({str(one) for one in seen.alone}) == 8
+    assert seen.stepped == seen.alone
+    assert seen.made == seen.alone
 
 
 def test_a_run_goes_on_after_its_extraction_folder_is_deleted(fmu):
-    in_a_process(
+    seen = in_a_process(
         fmu,
         """
 results = []
@@ -134,7 +138,6 @@ for i in range(3):
     r = fmpy.simulate_fmu(folder, stop_time=0.2, output=["disc[3].x"])
     results.append(r["disc[3].x"].tolist())
     shutil.rmtree(folder)
-assert results[0] == results[1] == results[2]
 folder = fmpy.extract(path)
 instance = start(new())
 instance.doStep(0.0, 0.1)
@@ -145,40 +148,43 @@ start_again = instance.setupExperiment, instance.enterInitializationMode
 for call in (*start_again, instance.exitInitializationMode):
     call()
 instance.doStep(0.0, 0.1)
-assert instance.getReal([refs["disc[3].x"]]) == first
+show(results=results, first=first, after=instance.getReal([refs["disc[3].x"]]))
 """,
     )
+    assert seen.results == [seen.results[0]] * 3
+    assert len(seen.results[0]) > 1
+    assert seen.after == seen.first
 
 
 def test_two_rotors_in_one_process_do_not_meet(fmu, tmp_path):
     other = build(tmp_path, rig_toml().replace("diameter = 0.12", "diameter = 0.11"))
-    in_a_process(
+    seen = in_a_process(
         fmu,
         f"""
 def last(which):
     return fmpy.simulate_fmu(which, stop_time=0.2, output=["disc[3].y"])["disc[3].y"].tolist()
-alone = last(path)
-other = last({str(other)!r})
-assert alone != other
-assert last(path) == alone
+show(alone=last(path), other=last({str(other)!r}), again=last(path))
 """,
     )
+    assert seen.other != seen.alone
+    assert seen.again == seen.alone
 
 
 def test_two_versions_of_the_code_in_one_process_do_not_meet(fmu, tmp_path):
     newer = another_version(fmu, tmp_path / "newer.fmu")
-    in_a_process(
+    seen = in_a_process(
         fmu,
         f"""
 def last(which):
     return fmpy.simulate_fmu(which, stop_time=0.05, output=["disc[3].y"])["disc[3].y"].tolist()
-first = last(path)
-doubled = last({str(newer)!r})
-assert doubled == [2 * y for y in first]
-assert last(path) == first
-assert last({str(newer)!r}) == doubled
+newer = {str(newer)!r}
+show(seen=[last(path), last(newer), last(path), last(newer)])
 """,
-    )
+    ).seen
+    first = seen[0]
+    assert any(first)
+    doubled = [2 * y for y in first]
+    assert seen == [first, doubled, first, doubled]
 
 
 def another_version(fmu, target):
@@ -229,40 +235,45 @@ def foreign(tmp_path_factory):
 
 def test_an_fmu_that_is_built_where_another_has_run_is_the_same(fmu, tmp_path):
     """The copy of pythonfmu that an FMU leaves in its host holds no libraries, and is deleted."""
-    in_a_process(
+    seen = in_a_process(
         fmu,
         """
 fmpy.simulate_fmu(path, stop_time=0.01)
-assert "resources" in sys.modules["pythonfmu"].__file__
+wrapper = sys.modules["pythonfmu"].__file__
 from pathlib import Path
 from rotor_fmu.fmi.packing.python_fmu import build
 build(Path(sys.argv[2]))
+show(wrapper=wrapper)
 """,
         arguments=[str(tmp_path)],
     )
+    assert "resources" in seen.wrapper
     assert (tmp_path / fmu.name).read_bytes() == fmu.read_bytes()
 
 
 @pytest.mark.parametrize("order", ["foreign first", "foreign last"])
 def test_a_foreign_fmu_with_a_package_of_the_same_name_is_not_met(fmu, foreign, order):
-    in_a_process(
+    seen = in_a_process(
         fmu,
         f"""
 def ours():
     return fmpy.simulate_fmu(path, stop_time=0.2, output=["disc[3].y"])["disc[3].y"].tolist()
 def theirs():
     result = fmpy.simulate_fmu({str(foreign)!r}, stop_time=1.0, output_interval=0.5)
-    assert result["y"].tolist() == [7.0, 3.5, 7.0]
+    return result["y"].tolist()
 first, second = (theirs, ours) if {order!r} == "foreign first" else (ours, theirs)
-first()
-second()
-theirs()
-print(ours()[-1].hex(), flush=True)
+show(seen=[first(), second(), theirs(), ours()])
 # at exit the other FMU's wrapper frees its state twice, and may abort: not what is asked here
 import os
 os._exit(0)
 """,
-    )
+    ).seen
+    expected = fmpy.simulate_fmu(str(fmu), stop_time=0.2, output=["disc[3].y"])[
+        "disc[3].y"
+    ].tolist()
+    reply = [7.0, 3.5, 7.0]
+    begun = [reply, expected] if order == "foreign first" else [expected, reply]
+    assert seen == [*begun, reply, expected]
 
 
 def test_a_failing_run_does_not_end_in_silence(fmu):

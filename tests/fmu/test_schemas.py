@@ -14,6 +14,8 @@ from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.reading import machine_text
 
+from .test_hosts import needs
+
 SCHEMAS = Path(fmpy.__file__).parent
 FMI2 = SCHEMAS / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 FMI3 = SCHEMAS / "schema" / "fmi3"
@@ -22,6 +24,8 @@ SSP = SCHEMAS / "ssp" / "schema" / "SystemStructureDescription.xsd"
 MANIFEST = Path(__file__).parents[1] / "reference" / "fmi3LayeredStandardReferenceManifest.xsd"
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TERMINALS = "terminalsAndIcons/terminalsAndIcons.xml"
+SYSTEMS = sorted(EXAMPLES.glob("*/SystemStructure.ssd"))
+OSP_SYSTEMS = sorted(EXAMPLES.glob("*/OspSystemStructure.xml"))
 MACHINES = [None, *(EXAMPLES / name for name in ("drop/compressor.toml", "from_ross/rubbing.toml"))]
 
 
@@ -33,8 +37,19 @@ def described_by(schema):
     return etree.XMLSchema(etree.fromstring(text.encode(), base_url=f"{folder}/schema.xsd"))
 
 
-def check(content, schema):
-    described_by(schema).assertValid(etree.fromstring(content))
+def mistakes(content, schema):
+    """What a file's text has that its schema does not allow, by line."""
+    described = described_by(schema) if isinstance(schema, Path) else schema
+    described.validate(etree.fromstring(content))
+    return [f"line {error.line}: {error.message}" for error in described.error_log]
+
+
+def osp_schema():
+    """OSP's schema, which stands in libcosim's library."""
+    folder = Path(find_spec("libcosimpy").origin).parent
+    content = next(folder.rglob("*libcosimc*.so")).read_bytes()
+    begin, end = content.index(b"<xs:schema"), content.index(b"</xs:schema>")
+    return etree.XMLSchema(etree.fromstring(content[begin : end + len(b"</xs:schema>")]))
 
 
 def xml_of(fmu):
@@ -53,13 +68,11 @@ def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
     else:
         fmu = build_native(tmp_path, toml, is_free, kind, ["linux64"])
     result = xml_of(fmu)
-    check(
-        result.pop("modelDescription.xml"),
-        FMI3 / "fmi3ModelDescription.xsd" if kind == 3 else FMI2,
-    )
-    check(result.pop(TERMINALS), FMI3 / "fmi3TerminalsAndIcons.xsd")
+    description = FMI3 / "fmi3ModelDescription.xsd" if kind == 3 else FMI2
+    assert mistakes(result.pop("modelDescription.xml"), description) == []
+    assert mistakes(result.pop(TERMINALS), FMI3 / "fmi3TerminalsAndIcons.xsd") == []
     for path in [path for path in result if path.endswith("fmi-ls-manifest.xml")]:
-        check(result.pop(path), MANIFEST)
+        assert mistakes(result.pop(path), MANIFEST) == []
     assert not result
 
 
@@ -67,18 +80,20 @@ def test_partners_are_described_as_their_schema_wants(tmp_path):
     for name in ("drive_train", "magnetic_bearing"):
         fmu = example_coupling(name).build(tmp_path)
         (content,) = xml_of(fmu).values()
-        check(content, FMI2)
+        assert mistakes(content, FMI2) == []
 
 
-def test_systems_are_valid_as_ssp_and_for_osp():
-    """OSP's schema stands in libcosim's library."""
-    for system in EXAMPLES.glob("*/SystemStructure.ssd"):
-        check(system.read_bytes(), SSP)
-    if find_spec("libcosimpy") is None:
-        pytest.skip("libcosimpy is not installed: pip install libcosimpy")
-    folder = Path(find_spec("libcosimpy").origin).parent
-    content = next(folder.rglob("*libcosimc*.so")).read_bytes()
-    begin, end = content.index(b"<xs:schema"), content.index(b"</xs:schema>")
-    schema = etree.XMLSchema(etree.fromstring(content[begin : end + len(b"</xs:schema>")]))
-    for system in EXAMPLES.glob("*/OspSystemStructure.xml"):
-        schema.assertValid(etree.parse(str(system)))
+@pytest.mark.parametrize("system", SYSTEMS, ids=lambda path: path.parent.name)
+def test_systems_are_valid_as_ssp(system):
+    assert mistakes(system.read_bytes(), SSP) == []
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+@pytest.mark.parametrize("system", OSP_SYSTEMS, ids=lambda path: path.parent.name)
+def test_systems_are_valid_for_osp(system):
+    assert mistakes(system.read_bytes(), osp_schema()) == []
+
+
+def test_the_examples_have_systems():
+    assert SYSTEMS
+    assert OSP_SYSTEMS

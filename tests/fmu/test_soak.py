@@ -38,33 +38,30 @@ instance.doStep(done * H, H)
 seen = instance.getReal([refs["disc[3].y"]])[0]
 instance.freeInstance()
 shutil.rmtree(folder)
-print(*grown, seen)
+show(grown=grown, y=seen)
 """
 WRAPPER = 4.0  # kB that pythonfmu's wrapper keeps of an instance: lists of the script's names
 linux = pytest.mark.skipif(not Path("/proc/self/statm").is_file(), reason="needs Linux's /proc")
 
 
-def soak(fmu, folder, counts, an_instance):
-    """Run the script; an_instance: what each may leave behind [kB], steps and states nothing but
-    what the memory's own rounding does."""
+def soak(fmu, folder, counts):
+    """The script's `grown` [kB] by instances, steps and states, its last `y` [m], and the files
+    `left` in the temporary folder."""
     folder.mkdir()
     script = SOAK.replace("{counts}", repr(counts))
-    done = in_a_process(fmu, script, {"TMPDIR": str(folder)}, seconds=7200)
-    *grown, seen = map(float, done.stdout.split())
-    assert grown[0] < 4000 + an_instance * counts[0], grown
-    assert max(grown[1:]) < 1000, grown
-    assert -1e-3 < seen < 0.0
-    assert list(folder.iterdir()) == []
+    seen = in_a_process(fmu, script, {"TMPDIR": str(folder)}, seconds=7200)
+    seen.left = [path.name for path in folder.iterdir()]
+    return seen
 
 
 @linux
-def test_some_hundred_instances_steps_and_states_leave_nothing_behind(fmu, tmp_path):
-    soak(fmu, tmp_path / "temporary", (20, 500, 100), WRAPPER)
-
-
-@linux
-@pytest.mark.slow
-def test_ten_thousand_instances_a_million_steps_and_ten_thousand_states_leave_nothing_behind(
-    fmu, tmp_path
-):
-    soak(fmu, tmp_path / "temporary", (10_000, 1_000_000, 10_000), WRAPPER)
+@pytest.mark.parametrize(
+    "counts", [(20, 500, 100), pytest.param((10_000, 1_000_000, 10_000), marks=pytest.mark.slow)]
+)
+def test_instances_steps_and_states_leave_nothing_behind(fmu, tmp_path, counts):
+    seen = soak(fmu, tmp_path / "temporary", counts)
+    of_instances, *of_others = seen.grown
+    assert of_instances < 4000 + WRAPPER * counts[0]
+    assert max(of_others) < 1000  # the memory's own rounding
+    assert -1e-3 < seen.y < 0.0
+    assert seen.left == []

@@ -17,7 +17,7 @@ from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.fmi.log import with_code
 
-from ..fmu.masters import COMPILER
+from ..fmu.masters import NEEDS_COMPILER
 from ..parts.test_linear_bearing import FLEXIBLE, TABLE
 from .machine import Machine
 
@@ -227,7 +227,7 @@ def test_a_hundred_instances_in_eight_threads_run_as_one_alone(fmu):
         machine.close()
 
 
-@pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+@NEEDS_COMPILER
 def test_a_c_host_without_any_environment_gets_the_numbers_that_fmpy_gets(c_host, fmu):
     calls = ["instantiate", "real speed 300", "setup 0", "enter", "exit"]
     for i in range(25):

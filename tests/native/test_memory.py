@@ -10,7 +10,7 @@ import pytest
 from rotor_fmu.library.build import C_SOURCES, core_digest, kernels, objects
 from rotor_fmu.library.platforms import PLATFORMS
 
-from ..fmu.masters import COMPILER, HERE, Master
+from ..fmu.masters import COMPILER, HERE, NEEDS_COMPILER, Master
 from ..fmu.test_failures import FAILURES, commands, sequences
 from ..fmu.test_fuzz import survive
 
@@ -58,7 +58,7 @@ def test_valgrind_finds_neither_a_wrong_access_nor_a_leak(c_host):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(COMPILER is None, reason="no C compiler on this machine")
+@NEEDS_COMPILER
 def test_the_sanitizers_find_neither_a_wrong_access_nor_undefined_behaviour(fmu, tmp_path):
     """The skin compiled with them by the system's compiler, and the kernels as they are."""
     master = Master(fmu, tmp_path / "host", is_alone=True)

@@ -1,8 +1,7 @@
 """FMUs of machines told in TOML, each built once."""
 
-from importlib.util import find_spec
-
 import pytest
+from rotor_fmu.model.kernels.library import here
 
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
@@ -15,8 +14,8 @@ from .driven import Machine
 )
 def machine_of(request, tmp_path_factory):
     """`machine_of(toml, is_free)`: its FMU, ready to be driven."""
-    if request.param == "native" and find_spec("ziglang") is None:
-        pytest.skip("ziglang is not installed (pip install 'rotor-fmu[build]')")
+    if request.param == "native" and here() != "linux64":
+        pytest.skip(f"the native FMU is built for linux64 here, and this platform is {here()}")
     built = {}
 
     def machine(toml, is_free=False):

@@ -5,6 +5,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
+STEEL = "[material]\nyoung = 2.1e11\ndensity = 7800.0\n"
 SHAFT = 1e-4  # mass of the light shaft of `rigid` [kg]
 
 
@@ -48,9 +49,9 @@ cyy = {share * c}
     )
 
 
-def shaft(*nodes, diameter=0.02):
-    """A cylindrical shaft of steel with nodes at these places [m]."""
-    return f"{STEEL}[shaft]\nnodes = {[*nodes]}\ndiameters = {[diameter] * (len(nodes) - 1)}\n"
+def shaft(*nodes, diameter=0.02, material=STEEL):
+    """A cylindrical shaft with nodes at these places [m]; material: its table."""
+    return f"{material}[shaft]\nnodes = {[*nodes]}\ndiameters = {[diameter] * (len(nodes) - 1)}\n"
 
 
 def sections(*lengths, **keys):
@@ -74,7 +75,6 @@ housing = "{housing}"
 """
 
 
-STEEL = "[material]\nyoung = 2.1e11\ndensity = 7800.0\n"
 HELD = """
 [[linear_bearing]]
 z = 0.0

@@ -49,6 +49,14 @@ def record(kind, **changes):
     return np.array([row], dtype=law.dtype).view(np.recarray)[0]
 
 
+def force_and_tangent(law, part, motion, weights, free):
+    """Force and its tangent's two numbers, the law's states after a step, and their rates."""
+    internal_state, rate = free.copy(), np.zeros(len(free))
+    seen = law.tangent(part, TABLES, motion, weights, free, internal_state)
+    law.rates(part, TABLES, motion, internal_state, rate)
+    return seen, internal_state, rate
+
+
 def states(rng, count):
     """Displacements in contact and velocities, the friction within and beyond its smoothing."""
     for _ in range(count):
@@ -95,23 +103,13 @@ def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
     law, by_d, by_v, by_rate, free = TOUCHDOWN_BEARING, 0.7, 40.0, 2e-4, np.array([5.0, 0.0])
 
     def force(d, v):
-        internal_state = np.array([5.0, 0.0])
-        result, p, q = law.tangent(
-            part,
-            TABLES,
-            Kinematics(d, v, spin, spin),
-            Weights(by_d, by_v, by_rate),
-            free,
-            internal_state,
-        )
-        rate = np.zeros(2)
-        law.rates(part, TABLES, Kinematics(d, v, spin, spin), internal_state, rate)
+        motion, weights = Kinematics(d, v, spin, spin), Weights(by_d, by_v, by_rate)
+        seen, internal_state, rate = force_and_tangent(law, part, motion, weights, free)
         # the race's own equation holds
         assert internal_state[0] - free[0] - by_rate * rate[0] == pytest.approx(0, abs=1e-9)
-        assert result == pytest.approx(
-            law.force(part, TABLES, Kinematics(d, v, spin, spin), internal_state), rel=1e-12
-        )
-        return result, p, q
+        again = law.force(part, TABLES, motion, internal_state)
+        assert seen[0] == pytest.approx(again, rel=1e-12)
+        return seen
 
     for d, v in states(np.random.default_rng(2), 20):
         _, p, q = force(d, v)

@@ -15,35 +15,8 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
-_SHAFT = """
-[material]
-young = 2.1e11
-density = 100.0
-poisson = 0.3
-[shaft]
-nodes = [0.0, 0.1, 0.2]
-diameters = [0.1, 0.1]
-[[body]]
-node = 2
-mass = 40.0
-I_d = 0.2
-I_p = 0.2
-e = {e}
-"""
-_FILM = """
-[[journal_bearing]]
-node = {node}
-journal_radius = 0.05
-length = 0.03
-clearance = 1e-4
-viscosity = 0.01
-{more}
-"""
-
-
-def _rotor(more="short = true", e=0.0):
-    films = "".join(_FILM.format(node=node, more=more) for node in (1, 3))
-    return parse_rotor(_SHAFT.format(e=e) + films)
+from ..toml_text import table
+from .films import DAMPER, film, heavy_shaft, in_films, on_dampers
 
 
 def _run(rotor, speed, tolerance=1e-4, **options):
@@ -75,7 +48,7 @@ def _size(run, seconds, speed, rest):
 
 
 def test_linear_threshold_is_bracketed_by_integration():
-    rotor = _rotor()
+    rotor = in_films()
     threshold = bearing_curves(rotor, np.linspace(400.0, 1200.0, 5)).threshold
     assert modes(rotor, 0.99 * threshold).eigenvalues.real.max() < 0
     assert modes(rotor, 1.01 * threshold).eigenvalues.real.max() > 0
@@ -90,7 +63,7 @@ def test_linear_threshold_is_bracketed_by_integration():
 
 
 def test_ledger_closes_through_a_threshold():
-    rotor = _rotor(e=2e-6)
+    rotor = in_films(e=2e-6)
     run = _run(rotor, 400.0, 1e-3)
     run.advance(2.0, 400.0, rate=500.0)
     lost = sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))
@@ -104,7 +77,7 @@ def test_ledger_closes_through_a_threshold():
 
 
 def test_a_start_at_standstill_lies_on_its_wall_and_lifts_off():
-    rotor = _rotor("k = 1e8")
+    rotor = in_films(k=1e8)
     run = _run(rotor, 0.0, 1e-2)
     assert run.read("journal_bearing[1].contact") == 1.0
     assert run.read("journal_bearing[1].film") < 1e-6
@@ -119,14 +92,14 @@ def test_a_film_that_does_not_carry_is_said():
     with pytest.raises(
         EquilibriumError, match=r"oil film at node . does not carry them at 0 rad/s"
     ):
-        _run(_rotor(), 0.0)
-    run = _run(_rotor(), 600.0)
+        _run(in_films(), 0.0)
+    run = _run(in_films(), 600.0)
     with pytest.raises(StepFailure, match=r"oil film at node . is thinner than its roughness"):
         run.advance(1.0, 600.0, np.array([-1e8j]))
 
 
 def test_a_free_rotor_is_braked_by_its_films():
-    rotor = _rotor()
+    rotor = in_films()
     run = _run(rotor, 600.0, drive_torque=0.0)
     torque = 2 * run.read("journal_bearing[1].torque")
     inertia = 2 * run.read("energy.kinetic") / 600.0**2
@@ -137,15 +110,13 @@ def test_a_free_rotor_is_braked_by_its_films():
 
 # --- squeeze film dampers ---
 
-_DAMPER = {"node": 1, "journal_radius": 0.05, "length": 0.02, "clearance": 1e-4, "viscosity": 0.01}
-
 
 @pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
 def test_centred_circular_orbits_of_a_short_damper(e):
     omega = 100.0
     scale = 0.01 * 0.05 * 0.02**3 * omega / 1e-8
     for full in (False, True):
-        damper = BearingAlone(SqueezeFilmDamper(**_DAMPER, short=True, full=full), 0.0)
+        damper = BearingAlone(SqueezeFilmDamper(**DAMPER, short=True, full=full), 0.0)
         force = damper.force(e * 1e-4, 1j * omega * e * 1e-4) / scale
         radial, tangential = -2 * e**2 / (1 - e**2) ** 2, -math.pi * e / (2 * (1 - e**2) ** 1.5)
         expected = complex(0.0, 2 * tangential) if full else complex(radial, tangential)
@@ -154,7 +125,7 @@ def test_centred_circular_orbits_of_a_short_damper(e):
 
 def test_tangent_of_a_damper():
     for options in ({"short": True}, {"short": True, "full": True}, {}):
-        damper = BearingAlone(SqueezeFilmDamper(**_DAMPER, stiffness=1e5, **options), 0.0)
+        damper = BearingAlone(SqueezeFilmDamper(**DAMPER, stiffness=1e5, **options), 0.0)
         d, v = 3e-5 - 4e-5j, 1e-3 + 2e-3j
         for weights, h in ((Weights(1.0, 0.0, 0.0), 1e-10), (Weights(0.0, 1.0, 0.0), 1e-7)):
             seen = []
@@ -166,39 +137,6 @@ def test_tangent_of_a_damper():
             np.testing.assert_allclose(tangent, np.transpose(seen), atol=1e-6 * abs(tangent).max())
 
 
-_ON_DAMPERS = """
-gravity = 0.0
-[material]
-young = 2.1e13
-density = 1.0
-[shaft]
-nodes = [0.0, 0.1, 0.2]
-diameters = [0.02, 0.02]
-[[body]]
-node = 2
-mass = 10.0
-I_d = 1e-2
-I_p = 1e-3
-e = 3e-5
-[[squeeze_film_damper]]
-node = 1
-journal_radius = 0.05
-length = 0.02
-clearance = 1e-4
-viscosity = {viscosity}
-short = true
-stiffness = 5e4
-[[squeeze_film_damper]]
-node = 3
-journal_radius = 0.05
-length = 0.02
-clearance = 1e-4
-viscosity = {viscosity}
-short = true
-stiffness = 5e4
-"""
-
-
 def _orbit(run, speed, seconds):
     run.advance(run.time + seconds, speed)
     return run.read("squeeze_film_damper[1].eccentricity")
@@ -208,7 +146,7 @@ def test_jump_of_a_rotor_on_dampers():
     # B = 2 mu R L^3 / (m c^3 w_n) = 0.05 with two dampers; e from the closed form of the orbit
     natural = 100.0
     viscosity = 0.05 * 10.0 * 1e-12 * natural / (2 * 0.05 * 0.02**3)
-    rotor = parse_rotor(_ON_DAMPERS.format(viscosity=viscosity))
+    rotor = on_dampers(viscosity)
     # from below the fold on and slowly up: the large orbit; begun at 2.0: the small one
     up = _run(rotor, 140.0)
     up.advance(1.0, 140.0)
@@ -219,7 +157,7 @@ def test_jump_of_a_rotor_on_dampers():
 
 def test_bad_damper_is_refused():
     with pytest.raises(QuantityError, match=r"full = true: needs squeeze_film_damper\[1\].short"):
-        SqueezeFilmDamper(**_DAMPER, full=True).check("squeeze_film_damper[1]")
+        SqueezeFilmDamper(**DAMPER, full=True).check("squeeze_film_damper[1]")
 
 
 # --- FMUs ---
@@ -227,13 +165,9 @@ def test_bad_damper_is_refused():
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):
     """The FMU in Python and the native one, with a film in lobes and a damper."""
-    text = _SHAFT.format(e=1e-5) + _FILM.format(
-        node=1, more="pads = [1.570796, 4.712389]\narc = 2.8\npreload = 0.4\nk = 1e8"
-    )
-    text += (
-        "[[squeeze_film_damper]]\nnode = 3\njournal_radius = 0.05\nlength = 0.02\n"
-        "clearance = 1e-4\nviscosity = 0.01\nstiffness = 1e7\n"
-    )
+    lobes = {"pads": [1.570796, 4.712389], "arc": 2.8, "preload": 0.4}
+    damper = table("[squeeze_film_damper]", **{**DAMPER, "node": 3}, stiffness=1e7)
+    text = heavy_shaft(1e-5) + film(1, **lobes, k=1e8) + damper
     names = ("journal_bearing[1].fx", "journal_bearing[1].film", "squeeze_film_damper[1].fy")
     simulation = Simulation(
         parse_rotor(text), choose("controlled", tolerance=1e-3), speed=500.0, warn=lambda _: None

@@ -13,7 +13,11 @@ from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.quantities import QuantityError
 
+from ..toml_text import table
+from .machines import shaft
+
 _PI = math.pi
+_GIVEN = {"journal_radius": 0.05, "length": 0.03, "clearance": 1e-4, "viscosity": 0.1}
 BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 _AXIAL_GROOVES = {"pads": (_PI / 2, 1.5 * _PI), "arc": _PI - math.radians(20)}
 _SHAPES = {
@@ -28,8 +32,7 @@ _SHAPES = {
 
 
 def _bearing(**values):
-    given = {"node": 1, "journal_radius": 0.05, "length": 0.03, "clearance": 1e-4}
-    return JournalBearing(**{**given, "viscosity": 0.1, **values})
+    return JournalBearing(**{"node": 1, **_GIVEN, **values})
 
 
 def test_short_bearing_of_friswell_et_al_5_5_1():
@@ -166,31 +169,13 @@ def test_a_film_dissipates_what_goes_into_it():
         assert film.outputs(d, v)["power"] >= 0.0
 
 
-_MACHINE = """
-[material]
-young = 2.1e11
-density = 7850
-poisson = 0.3
-[shaft]
-nodes = [0.0, 0.1, 0.2]
-diameters = [0.1, 0.1]
-[[point_mass]]
-node = 2
-mass = 100.0
-[[journal_bearing]]
-node = 1
-journal_radius = 0.05
-length = 0.03
-clearance = 1e-4
-viscosity = 0.1
-{more}
-[[journal_bearing]]
-node = 3
-journal_radius = 0.05
-length = 0.03
-clearance = 1e-4
-viscosity = 0.1
-"""
+def _machine(more):
+    """A machine file whose first bearing has these lines beside or in the place of its own."""
+    given = {key: value for key, value in _GIVEN.items() if not more.startswith(f"{key} = ")}
+    mass = table("[point_mass]", node=2, mass=100.0)
+    first, second = (table("[journal_bearing]", node=1, **given), {"node": 3, **_GIVEN})
+    films = f"{first}{more}\n{table('[journal_bearing]', **second)}"
+    return shaft(0.0, 0.1, 0.2, diameter=0.1) + mass + films
 
 
 @pytest.mark.parametrize(
@@ -210,12 +195,8 @@ viscosity = 0.1
     ],
 )
 def test_bad_bearing_is_refused(more, message):
-    name = more.split(" = ")[0]
-    text = _MACHINE.replace("{more}", more)
-    if name in ("length", "viscosity"):
-        text = text.replace(f"{name} = 0.03\n", "", 1).replace(f"{name} = 0.1\n", "", 1)
     with pytest.raises(QuantityError) as raised:
-        parse_rotor(text)
+        parse_rotor(_machine(more))
     assert str(raised.value).startswith("journal_bearing[1].")
     assert message in str(raised.value)
     assert "\n" not in str(raised.value)

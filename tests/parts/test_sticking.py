@@ -19,7 +19,15 @@ from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.structure.assembly import machine_elements
 
 from .machines import bearings, rigid
-from .test_contact_laws import KINDS, RACE, TABLES, interpreted_law, record, states
+from .test_contact_laws import (
+    KINDS,
+    RACE,
+    TABLES,
+    force_and_tangent,
+    interpreted_law,
+    record,
+    states,
+)
 
 pytestmark = pytest.mark.filterwarnings("ignore::rotor_fmu.model.simulation.RotorWarning")
 WEIGHT, RADIUS, K, K_T, MU = 9.81, 5e-3, 1e7, 1e6, 0.3
@@ -211,19 +219,12 @@ def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_hol
         free[-1] = rng.normal() * 1e-6
 
         def force(d, v, free=free):
-            internal_state = free.copy()
-            result, p, q = law.tangent(
-                part,
-                TABLES,
-                Kinematics(d, v, spin, spin),
-                Weights(by_d, by_v, b),
-                free,
-                internal_state,
+            motion, weights = Kinematics(d, v, spin, spin), Weights(by_d, by_v, b)
+            (result, p, q), internal_state, rate = force_and_tangent(
+                law, part, motion, weights, free
             )
-            rate = np.zeros(count)
-            law.rates(part, TABLES, Kinematics(d, v, spin, spin), internal_state, rate)
             assert internal_state[-1] == pytest.approx(free[-1] + b * rate[-1], abs=1e-12)
-            again = law.force(part, TABLES, Kinematics(d, v, spin, spin), internal_state)
+            again = law.force(part, TABLES, motion, internal_state)
             assert result == pytest.approx(again, rel=1e-9, abs=1e-9 * abs(result))
             return result, p, q, internal_state
 

@@ -10,6 +10,7 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.studies.design import Axis, Design, Distribution
 from rotor_fmu.studies.reading import read_study
 
+VALUES = "values = [40e-6, 60e-6]"
 STUDY = """
 [run]
 kind = "run-down"
@@ -103,22 +104,22 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; did you mean X"),
         ("X = {", "clearance = {", "keep clearance: is the name of something varied"),
         (
-            "values = [40e-6, 60e-6]",
+            VALUES,
             'distribution = "normal", mean = 5e-5',
             "vary clearance: a normal distribution needs mean, std; no std",
         ),
         (
-            "values = [40e-6, 60e-6]",
+            VALUES,
             'distribution = "gauss", mean = 5e-5',
             "distribution = 'gauss': must be one of uniform, log-uniform, normal",
         ),
         (
-            "values = [40e-6, 60e-6]",
+            VALUES,
             'distribution = "uniform", low = 2, high = 1',
             "vary clearance: low = 2: must be below high = 1",
         ),
         (
-            "values = [40e-6, 60e-6]",
+            VALUES,
             'distribution = "uniform", low = 4e-5, high = 6e-5',
             "vary clearance: is distributed; [design] must name one of random",
         ),

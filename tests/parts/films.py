@@ -1,0 +1,36 @@
+"""Rotors in oil films."""
+
+from rotor_fmu.model.machine.toml import parse_rotor
+
+from ..toml_text import table
+from .machines import shaft
+
+OF_A_FILM = {"journal_radius": 0.05, "clearance": 1e-4, "viscosity": 0.01}
+DAMPER = {"node": 1, "length": 0.02, **OF_A_FILM}
+
+
+def heavy_shaft(e=0.0):
+    """A rigid body of 40 kg with an eccentricity [m] amid a light shaft of nodes 1 to 3."""
+    body = table("[body]", node=2, mass=40.0, I_d=0.2, I_p=0.2, e=e)
+    light = table("material", young=2.1e11, density=100.0)
+    return shaft(0.0, 0.1, 0.2, diameter=0.1, material=light) + body
+
+
+def film(node, **more):
+    """A journal bearing, plain unless more says otherwise."""
+    return table("[journal_bearing]", node=node, length=0.03, **OF_A_FILM, **more)
+
+
+def in_films(e=0.0, **more):
+    """The rotor of `heavy_shaft` between two such films, by default Ocvirk's."""
+    more = more or {"short": True}
+    return parse_rotor(heavy_shaft(e) + film(1, **more) + film(3, **more))
+
+
+def on_dampers(viscosity):
+    """A weightless rotor of 10 kg, 30 um out of balance, on two short dampers with springs."""
+    body = table("[body]", node=2, mass=10.0, I_d=1e-2, I_p=1e-3, e=3e-5)
+    more = {"viscosity": viscosity, "short": True, "stiffness": 5e4}
+    dampers = [table("[squeeze_film_damper]", **{**DAMPER, **more, "node": n}) for n in (1, 3)]
+    stiff = shaft(0.0, 0.1, 0.2, material=table("material", young=2.1e13, density=1.0))
+    return parse_rotor(f"gravity = 0.0\n{stiff}{body}{''.join(dampers)}")
