@@ -16,6 +16,7 @@ from .store import Store, median
 # by program and the first words of its setting: (label, colour, marker)
 _SERIES = {
     (OWN, "tolerance"): ("this project, error-controlled", BLUE, "o"),
+    (OWN, "radau5"): ("this project, radau5", BLUE, "D"),
     (OWN, ""): ("this project, other modes", BLUE, "."),
     ("CVODE", "order 2"): ("CVODE, order 2", ORANGE, "s"),
     ("CVODE on 4 modes", ""): ("CVODE, order 2, on four modes", ORANGE, "o"),

@@ -16,8 +16,8 @@ from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import law_breaks, relative
-from .step.step import BROKEN
-from .time_loop import early_return, equilibrium, time_loop
+from .step.status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
+from .time_loop import early_return, equilibrium
 from .time_loop.control import CONTROLLED, FIXED
 
 _TWO_PI = 2 * math.pi
@@ -212,15 +212,15 @@ def failure(run, status, arguments):
     to have been made anew."""
     r = run.memory.record[0]
     arguments[0], arguments[1], arguments[2] = r.failed_at, r.omega, r.failed_h
-    if status == time_loop.NOT_CONVERGED:
+    if status == NOT_CONVERGED:
         return messages.NOT_CONVERGED
     if status == BROKEN:
         arguments[3] = _broken(run)
         return messages.FILM_BROKEN
-    if status == time_loop.UNFINISHED:
+    if status == UNFINISHED:
         arguments[3] = r.max_iterations
         return messages.STOPPED
-    ended = status - time_loop.ENDED_EARLY
+    ended = status - ENDED_EARLY
     if ended > early_return.GOES_ON:
         arguments[1] = r.failed_value
         if ended < early_return.CLOSED:

@@ -17,11 +17,11 @@ from .machine.rotor import Rotor
 from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .spelling import MOST_ARGUMENTS, Message, choice, spell
 from .stability.whirls import Whirl, growing_whirls
+from .step.status import DONE
 from .step.step import Motion
 from .structure.assembly import interface_names
 from .structure.reduction import assembled
 from .structure.structure import Structure
-from .time_loop import time_loop
 from .time_loop.block import LAYOUT, RunData, new_block
 from .time_loop.equilibrium import HELD
 from .time_loop.observe import observed_names
@@ -229,7 +229,7 @@ class Simulation:
         status = self._entry_points.advance(
             float(to), float(drive), math.nan if rate is None else rate
         )
-        if status != time_loop.DONE:
+        if status != DONE:
             raise StepFailure(self._failure(status))
         if self._ranges:
             self._warn_beyond(float(self._run.memory.record["omega"][0]))

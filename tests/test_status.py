@@ -3,19 +3,18 @@
 import pickle
 import re
 import warnings
-from pathlib import Path
 
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.model.messages import CODES, SENTENCES
 from rotor_fmu.model.simulation import RotorNote, RotorWarning
 from rotor_fmu.model.spelling import NOTES, Message
-from rotor_fmu.model.step import step
-from rotor_fmu.model.time_loop import early_return, equilibrium, time_loop
+from rotor_fmu.model.step import status as of_step
+from rotor_fmu.model.time_loop import early_return, equilibrium
 
 import rotor_fmu as rf
-from rotor_fmu import fmi
 from rotor_fmu.fmi.log import read_message, with_code
+from rotor_fmu.library.build import C_SOURCES
 from rotor_fmu.status import status_of
 
 COARSE = "doubtful: too-coarse-in-contact"
@@ -31,7 +30,7 @@ cyy = 0.0
 """
 
 
-OF_A_STEP = (step.DONE, step.NOT_CONVERGED, step.NOT_FINITE, step.BROKEN)
+OF_A_STEP = (of_step.DONE, of_step.NOT_CONVERGED, of_step.NOT_FINITE, of_step.BROKEN)
 ENDS_EARLY = (
     *(early_return.PAST_DISPLACEMENT, early_return.PAST_FORCE),
     *(early_return.CLOSED, early_return.OPENED),
@@ -44,23 +43,15 @@ OF_A_START = (
 
 
 def test_every_way_in_which_a_start_or_an_advance_ends_has_a_status_of_its_own():
-    early = [time_loop.ENDED_EARLY + end for end in (early_return.GOES_ON, *ENDS_EARLY)]
-    of_an_advance = [*OF_A_STEP, time_loop.UNFINISHED, *early]
+    early = [of_step.ENDED_EARLY + end for end in (early_return.GOES_ON, *ENDS_EARLY)]
+    of_an_advance = [*OF_A_STEP, of_step.UNFINISHED, *early]
     for statuses in (of_an_advance, OF_A_START):
         assert len({*statuses}) == len(statuses)
     # all is well
-    assert (step.DONE, equilibrium.HELD, early_return.GOES_ON) == (0, 0, 0)
+    assert (of_step.DONE, equilibrium.HELD, early_return.GOES_ON) == (0, 0, 0)
     # what ended it early is above this, and nothing else is
-    assert max(*OF_A_STEP, time_loop.UNFINISHED) < time_loop.ENDED_EARLY
+    assert max(*OF_A_STEP, of_step.UNFINISHED) < of_step.ENDED_EARLY
     assert min(ENDS_EARLY) > early_return.GOES_ON
-
-
-def test_the_instance_in_c_knows_the_same_statuses():
-    header = (Path(fmi.__file__).parent / "c" / "kernels.h").read_text(encoding="utf-8")
-    seen = {
-        name: int(value) for name, value in re.findall(r"\b([A-Z_]+) = (\d+)(?= *[,}])", header)
-    }
-    assert seen == {name: getattr(time_loop, name) for name in ("UNFINISHED", "ENDED_EARLY")}
 
 
 def test_a_status_lists_the_codes_of_warnings_once_and_leaves_out_notes():
@@ -105,3 +96,10 @@ def test_a_machine_that_is_unstable_by_itself_is_a_note_and_the_run_ok():
     assert run.status == "ok"
     assert "unstable" in run.codes
     assert {note.category for note in seen} == {RotorNote}
+
+
+def test_the_instance_in_c_has_the_statuses_of_the_kernels():
+    header = (C_SOURCES / "kernels.h").read_text(encoding="utf-8")
+    numbers = dict(re.findall(r"\b(UNFINISHED|ENDED_EARLY) = (\d+)", header))
+    assert numbers == {name: str(getattr(of_step, name)) for name in ("UNFINISHED", "ENDED_EARLY")}
+    assert max(of_step.UNFINISHED, of_step.BROKEN) < of_step.ENDED_EARLY

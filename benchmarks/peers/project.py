@@ -16,12 +16,16 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
 def methods() -> list[Method]:
-    """The error-controlled mode at its tolerances, the other presets, and small fixed steps."""
+    """The error-controlled mode and radau5 at their tolerances, the other presets, and small fixed
+    steps."""
     controlled = [
         Method(PROGRAM, f"tolerance = {t:g}", partial(solve, choose(tolerance=t)), tolerance=t)
         for t in TOLERANCES
     ]
-    chosen = {name: choose(name) for name in settings.PRESETS if name != settings.DEFAULT_PRESET}
+    chosen = {
+        f"radau5, tolerance = {t:g}": choose(tolerance=t, method="radau5") for t in TOLERANCES
+    }
+    chosen |= {name: choose(name) for name in settings.PRESETS if name != settings.DEFAULT_PRESET}
     chosen |= {f"robust, h = {h:g} s": choose("robust", h=h) for h in (1e-4,)}
     chosen |= {f"moderate, h = {h:g} s": choose("moderate", h=h) for h in (2.5e-4, 1e-4, 5e-5)}
     return controlled + [method(name, choice) for name, choice in chosen.items()]

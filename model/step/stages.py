@@ -23,7 +23,8 @@ from ..schemes.radau import A_SQUARED, END_SLOPE, LAMBDA, SHARES, STAGES, T_INVE
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
 from .laws import MOST_STATES, law_breaks, relative
 from .stage_problem import solve_stages
-from .step import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE, add_internal, by_axis, is_sane
+from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
+from .step import add_internal, by_axis, is_sane
 
 
 class Stages(NamedTuple):

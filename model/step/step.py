@@ -21,9 +21,9 @@ from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
 from .laws import kinematics, law_breaks, law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
+from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 
 # What becomes of a step; broken: it ends where a law means nothing.
-DONE, NOT_CONVERGED, NOT_FINITE, BROKEN = 0, 1, 2, 4
 
 
 class Motion(NamedTuple):

@@ -6,8 +6,7 @@ correction, it does to a row as well, with the interfaces' problem replaced by i
 
     dw = dw_free + W dF,    dF = dF/dd dd + dF/dd' dd' + dF/dOmega dOmega + dF/down down
 
-The laws give dF/dd and dF/dd' in closed form (`parts.law`); by speed and internal states a law, a
-function of a few numbers, is differenced. Step lengths and fitting count as given.
+What the laws change is `law_tangents`'. Step lengths and fitting count as given.
 """
 
 from __future__ import annotations
@@ -17,13 +16,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import add_product, solve
-from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
-from ..parts.law import Kinematics, Weights
 from .excitation import add_load
 from .interface_problem import solve_columns
-from .laws import kinematics, law_rates, law_tangent, relative
+from .law_tangents import change_of, force_by_rest, linearize_laws, states_along
+from .laws import kinematics, relative
 from .linear_step import balance, balance_back, correct, predict
 from .step import (
     Motion,
@@ -33,9 +31,6 @@ from .step import (
     housing_forces,
     predict_internal_state,
 )
-
-# Of the size of what a law depends on: by how much it is differenced.
-_SHARE = 1e-6
 
 
 class Tangent(NamedTuple):
@@ -134,120 +129,6 @@ def _add_by_spin(structure, spin, d_spin, share, damping, q, v, scratch, out):
 
 
 @jit
-def _shift(moving, d, d_dot, d_omega, by):
-    """Return `Kinematics` moved along a derivative; speed and sliding speed change together."""
-    turned = by * d_omega
-    return Kinematics(
-        moving.displacement + by * d,
-        moving.velocity + by * d_dot,
-        moving.speed + turned,
-        moving.sliding_speed + turned,
-    )
-
-
-@jit
-def _step_along(interface, moving, d, d_dot, d_omega, free, d_free, omega_scale):
-    """Return by how much to move along a derivative; 0 where there is nothing to move."""
-    size = modulus(d) / interface.length
-    size = max(size, modulus(d_dot) / (interface.length * omega_scale))
-    size = max(size, abs(d_omega) / max(abs(moving.speed), 1.0))
-    for k in range(interface.states):
-        scale = abs(free[k]) if free[k] != 0.0 else interface.length
-        size = max(size, abs(d_free[k]) / scale)
-    return _SHARE / size if size > 0.0 else 0.0
-
-
-@jit_not_inlined
-def _force_by_rest(laws, interface, moving, d_omega, rate, free, d_free, omega_scale, work):
-    """Return dF by the speed and by what is known of the internal states."""
-    by = _step_along(interface, moving, 0j, 0j, d_omega, free, d_free, omega_scale)
-    if by == 0.0:
-        return 0.0j
-    weights = Weights(1.0, 0.0, rate)
-    first = interface.internal_state
-    shifted = work.shifted[first:]
-    for k in range(interface.states):
-        shifted[k] = free[k] + by * d_free[k]
-    above, _, _ = law_tangent(
-        laws, interface, _shift(moving, 0j, 0j, d_omega, by), weights, shifted, work.above[first:]
-    )
-    for k in range(interface.states):
-        shifted[k] = free[k] - by * d_free[k]
-    below, _, _ = law_tangent(
-        laws, interface, _shift(moving, 0j, 0j, d_omega, -by), weights, shifted, work.below[first:]
-    )
-    return (above - below) * (0.5 / by)
-
-
-@jit_not_inlined
-def _states_along(
-    laws, interface, moving, d, d_dot, d_omega, rate, free, d_free, omega_scale, work, out
-):
-    """Fill out with the change of the internal states at the end of a step."""
-    by = _step_along(interface, moving, d, d_dot, d_omega, free, d_free, omega_scale)
-    first = interface.internal_state
-    weights = Weights(1.0, 0.0, rate)
-    shifted = work.shifted[first:]
-    for side in range(2):
-        signed = by if side == 0 else -by
-        for k in range(interface.states):
-            shifted[k] = free[k] + signed * d_free[k]
-        law_tangent(
-            laws,
-            interface,
-            _shift(moving, d, d_dot, d_omega, signed),
-            weights,
-            shifted,
-            work.above[first:] if side == 0 else work.below[first:],
-        )
-    for k in range(interface.states):
-        change = work.above[first + k] - work.below[first + k]
-        out[first + k] = change * (0.5 / by) if by > 0.0 else 0.0
-
-
-@jit_not_inlined
-def _rates_along(
-    laws, interface, moving, d, d_dot, d_omega, state, d_state, omega_scale, work, out
-):
-    """Fill out with the change of the rates of the internal states."""
-    by = _step_along(interface, moving, d, d_dot, d_omega, state, d_state, omega_scale)
-    first = interface.internal_state
-    shifted = work.shifted[first:]
-    for side in range(2):
-        signed = by if side == 0 else -by
-        for k in range(interface.states):
-            shifted[k] = state[k] + signed * d_state[k]
-        law_rates(
-            laws,
-            interface,
-            _shift(moving, d, d_dot, d_omega, signed),
-            shifted,
-            work.above[first:] if side == 0 else work.below[first:],
-        )
-    for k in range(interface.states):
-        change = work.above[first + k] - work.below[first + k]
-        out[first + k] = change * (0.5 / by) if by > 0.0 else 0.0
-
-
-@jit
-def _linearize_laws(structure, spin, rate, motion, free, work):
-    """Fill work.by_law at a motion; free: of its internal states."""
-    for j in range(len(structure.interfaces)):
-        interface = structure.interfaces[j]
-        moving = kinematics(interface, spin, motion.q, motion.v)
-        first = interface.internal_state
-        out = work.above[first:]
-        _, p, q = law_tangent(
-            structure.laws, interface, moving, Weights(1.0, 0.0, rate), free[first:], out
-        )
-        work.by_law[j, 0], work.by_law[j, 1] = p, q
-        _, p, q = law_tangent(
-            structure.laws, interface, moving, Weights(0.0, 1.0, rate), free[first:], out
-        )
-        work.by_law[j, 2], work.by_law[j, 3] = p, q
-
-
-@jit
 def _loads_on_base(structure, row):
     """Return the derivative of the base's acceleration by the input of a row [1]."""
     base = structure.numbers[0].base_load
@@ -258,7 +139,7 @@ def _loads_on_base(structure, row):
 def linearize_step(structure, scheme, spin, h, new, problem, work):
     """Fill in what all rows of a step have in common, at its end `new`."""
     share = h * scheme.gamma / (1.0 - scheme.alpha_m) * (1.0 - scheme.alpha_f)
-    _linearize_laws(structure, spin, share, new, problem.free, work)
+    linearize_laws(structure, spin, share, new, problem.free, work)
 
 
 @jit_not_inlined
@@ -268,7 +149,6 @@ def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, 
     n = structure.M.shape[0]
     af = scheme.alpha_f
     am, share = fit.mass * scheme.alpha_m, 1.0 - af
-    omega_scale = max(abs(spin.omega), structure.numbers[0].slowest)
     predict(scheme, h, old.q, old.v, old.a, out.q, out.v)
     free, scratch = out.a[:n], step.scratch
     for i in range(n):
@@ -292,7 +172,7 @@ def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, 
         out.a[at] = -by_axis(step.housing[j, 0], step.housing[j, 1], force)
     out.a[n + len(structure.housings)] = 0.0
     rate = predict_internal_state(scheme, h, old, work.d_free)
-    _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work, omega_scale)
+    _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work)
     for j in range(len(structure.interfaces)):
         if out.force[j] != 0.0:
             add_interface_force(structure, step, j, out.force[j], out.a)
@@ -300,27 +180,13 @@ def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, 
     balance(scheme, fit.mass, old.a, old.v_dot, out.a, out.v_dot)
     if len(out.internal_state) == 0:
         return
-    for j in range(len(structure.interfaces)):
-        interface = structure.interfaces[j]
-        if interface.states > 0:
-            first = interface.internal_state
-            moving = kinematics(interface, spin, new.q, new.v)
-            d, d_dot = relative(interface, out.q), relative(interface, out.v)
-            _states_along(
-                structure.laws,
-                interface,
-                moving,
-                d,
-                d_dot,
-                d_spin[0],
-                rate,
-                problem.free[first:],
-                work.d_free[first:],
-                omega_scale,
-                work,
-                out.internal_state,
-            )
-    _fill_rates_along(structure, spin, d_spin, new, out, omega_scale, work)
+    _fill_states_along(
+        *(structure, spin, d_spin, rate, new, problem.free, out, work.d_free, False, work)
+    )
+    _fill_states_along(
+        *(structure, spin, d_spin, 0.0, new, new.internal_state, out, out.internal_state),
+        *(True, work),
+    )
     balance_back(
         scheme,
         old.internal_rate_carried,
@@ -331,29 +197,24 @@ def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, 
 
 
 @jit
-def _fill_rates_along(structure, spin, d_spin, motion, out, omega_scale, work):
-    """Fill out.internal_rate from the laws."""
+def _fill_states_along(structure, spin, d_spin, rate, motion, state, out, d_state, are_rates, work):
+    """Fill out.internal_state, or if are_rates out.internal_rate, from the laws at a motion; state,
+    d_state: as in `states_along`."""
+    omega = max(abs(spin.omega), structure.numbers[0].slowest)
+    into = out.internal_rate if are_rates else out.internal_state
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         if interface.states > 0:
             first = interface.internal_state
-            _rates_along(
-                structure.laws,
-                interface,
-                kinematics(interface, spin, motion.q, motion.v),
-                relative(interface, out.q),
-                relative(interface, out.v),
-                d_spin[0],
-                motion.internal_state[first:],
-                out.internal_state[first:],
-                omega_scale,
-                work,
-                out.internal_rate,
+            states_along(
+                *(structure.laws, interface, kinematics(interface, spin, motion.q, motion.v)),
+                *(change_of(interface, out, d_spin[0], omega), rate),
+                *(state[first:], d_state[first:], are_rates, work, into),
             )
 
 
 @jit
-def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work, omega_scale):
+def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work):
     """Fill out.force by the derivative of the interfaces' problem."""
     interfaces = structure.interfaces
     m = len(interfaces)
@@ -367,7 +228,7 @@ def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work
         right[2 * j], right[2 * j + 1] = w.real, w.imag
         by = work.by_law[j]
         known = by[0] * d + by[1] * d.conjugate() + by[2] * d_dot + by[3] * d_dot.conjugate()
-        work.known[j] = known + _force_by_rest(
+        work.known[j] = known + force_by_rest(
             structure.laws,
             interface,
             kinematics(interface, spin, new.q, new.v),
@@ -375,7 +236,6 @@ def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work
             rate,
             problem.free[first:],
             work.d_free[first:],
-            omega_scale,
             work,
         )
     matrix[:, :] = 0.0
@@ -406,7 +266,6 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
     """Fill the accelerations and rates of a row by the equation of motion at an instant, at which
     displacements, velocities and internal states are given."""
     n = structure.M.shape[0]
-    omega_scale = max(abs(spin.omega), structure.numbers[0].slowest)
     f = out.v_dot[:n]
     for i in range(n):
         f[i] = 0.0
@@ -423,7 +282,7 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
         first = interface.internal_state
-        force = _force_by_rest(
+        force = force_by_rest(
             structure.laws,
             interface,
             kinematics(interface, spin, motion.q, motion.v),
@@ -431,7 +290,6 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
             0.0,
             motion.internal_state[first:],
             work.d_free[first:],
-            omega_scale,
             work,
         )
         out.force[j] = force
@@ -442,7 +300,10 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
         out.v_dot[n + j] = by_axis(1.0 / m_x, 1.0 / m_y, out.v_dot[n + j])
     out.v_dot[n + len(structure.housings)] = 0.0
     solve(structure.M_factors, f)
-    _fill_rates_along(structure, spin, d_spin, motion, out, omega_scale, work)
+    _fill_states_along(
+        *(structure, spin, d_spin, 0.0, motion, motion.internal_state, out, out.internal_state),
+        *(True, work),
+    )
     for i in range(len(out.a)):
         out.a[i] = out.v_dot[i]
     for i in range(len(out.internal_rate)):

@@ -17,6 +17,7 @@ from .early_return import IN_STAGES, LIMITED, rests_past_limit
 from .energy import FLOW, total_energy
 from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
 from .error_control import first_size
+from .interval import begin_interval, continued_rate, rate_by_drive
 from .memory import spin_now
 from .observe import observe
 from .sensitivities import observe_sensitivities
@@ -80,7 +81,7 @@ def start(block, speed, drive, rate):
         return LIMITED
     for i in range(len(run.structure.probes)):
         run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
-    time_loop.begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
+    begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
     first_size(run.structure, speed, run.motion, run.memory)
     observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
     recorder.start(
@@ -96,25 +97,12 @@ def advance(block, t_end, drive, rate):
     run = _view(block)
     numbers = run.method.numbers[0]
     r, tangents = run.memory.record[0], _tangents(run)
-    continues = math.isnan(rate)
-    status = time_loop.advance(
-        run.structure,
-        _scheme(numbers),
-        _control(numbers, r),
-        t_end,
-        drive,
-        time_loop.continued_rate(run.memory.record, drive) if continues else rate,
-        time_loop.rate_by_drive(run.memory.record) if continues else 0.0,
-        run.motion,
-        run.trial,
-        run.memory,
-        run.work,
-        run.problem,
-        run.stages,
-        run.reading,
-        run.recorder,
-        tangents,
-    )
+    d_rate = 0.0
+    if math.isnan(rate):
+        rate = continued_rate(run.memory.record, drive)
+        d_rate = rate_by_drive(run.memory.record)
+    scheme, control = _scheme(numbers), _control(numbers, r)
+    status = time_loop.advance(run, scheme, control, tangents, t_end, drive, rate, d_rate)
     _observe(run, tangents)
     return status
 

@@ -9,12 +9,14 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..schemes.radau import EXPECTED, STAGES, A, C, weight_at, weight_until
 from ..step.excitation import spin_of
 from ..step.stages import spin_of_stage, try_stages
-from ..step.step import DONE, NOT_CONVERGED, Motion
+from ..step.status import DONE, NOT_CONVERGED
+from ..step.step import Motion
 from .energy import powers
 from .error_control import tolerated_error
 from .memory import move_loads, spin_at
 from .monitors import monitor_revolution
 from .recorder import is_due, rows_within, write
+from .rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
 
 # Of the tolerance, to which the interfaces' displacements are solved for, and the bounds of that.
 OF_TOLERANCE, FINEST, COARSEST = 1e-3, 1e-9, 1e-6
@@ -38,11 +40,9 @@ def _motion_at(motion, stages, i):
 
 
 @jit
-def turn_in_stages(
-    structure, control, t, h, motion, trial, memory, work, stages, spin_iterations, spin_tolerance
-):
+def turn_in_stages(structure, control, t, h, motion, trial, memory, work, stages):
     """Take a step in stages to time t [s] with the rotation that goes with it; see
-    `time_loop._turn`, whose results these are."""
+    `rotation.turn`, whose results these are."""
     r = memory.record[0]
     last = STAGES - 1
     for i in range(STAGES):
@@ -56,7 +56,7 @@ def turn_in_stages(
     middle = spin_at(memory.record, r.t + 0.5 * h, r.alpha)
     accuracy = min(COARSEST, max(FINEST, OF_TOLERANCE * control.tolerance))
     status, total, torque = NOT_CONVERGED, 0, 0.0
-    for correction in range(spin_iterations):
+    for correction in range(SPIN_ITERATIONS):
         status, iterations = try_stages(structure, middle, h, accuracy, motion, trial, stages)
         total += iterations
         if status != DONE:
@@ -77,7 +77,7 @@ def turn_in_stages(
                 change = (drive - torque) / structure.numbers[0].inertia
                 stages.alpha[i] += change
                 largest = max(largest, h * abs(change))
-        is_small = largest <= spin_tolerance * (1.0 + abs(stages.omega[last]))
+        is_small = largest <= SPIN_TOLERANCE * (1.0 + abs(stages.omega[last]))
         if r.is_free == 0 or (is_small and correction > 0):
             break
         _follow(r, h, stages)

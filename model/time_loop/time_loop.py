@@ -11,31 +11,19 @@ import math
 
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_inlined
-from ..step.fitting import characteristic_frequency_after, fitted, unfitted
-from ..step.step import DONE, NOT_CONVERGED, accelerate, try_step
+from ..step.fitting import characteristic_frequency_after, unfitted
+from ..step.status import DONE, ENDED_EARLY, UNFINISHED
 from .control import CONTROLLED, FIXED, propose_step, retry_step, step_error
 from .early_return import CLOSED, GOES_ON, is_watched, what_ends
-from .energy import FLOW, has_power, port_power, powers, total_energy
+from .energy import has_power, port_power
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
-from .memory import PEAK, move_loads, spin_at, spin_now, take_loads
-from .monitors import (
-    monitor_errors,
-    monitor_step,
-    monitor_work,
-    open_window,
-)
+from .interval import begin_interval
+from .memory import PEAK, move_loads, spin_now
+from .monitors import monitor_errors, monitor_step, monitor_work
 from .recorder import is_due, write
+from .rotation import turn
 from .sensitivities import begin_tangents, propagate
 from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error, turn_in_stages
-
-# What becomes of an advance: as of a step, or UNFINISHED, after `max_iterations` of the interfaces'
-# problem, a step counting for one at least.
-UNFINISHED = 3
-# Or this plus what ended it early, see `early_return`.
-ENDED_EARLY = 8
-# A free rotor's rate is found by repeating the step, once at least, until the speed agrees to
-# SPIN_TOLERANCE, above the noise that the contact problem's own tolerance leaves.
-SPIN_ITERATIONS, SPIN_TOLERANCE = 12, 1e-9
 
 
 @jit_inlined
@@ -77,101 +65,6 @@ def _commit(h, structure, control, motion, trial, memory, work, stages, spin, to
 
 
 @jit
-def begin_interval(structure, drive, rate, is_start, motion, memory, work):
-    """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
-    rate [rad/s2], or the torque on a free rotor [N.m] and its rate [N.m/s]; those of the loads are
-    memory.load_rates.
-
-    Carries accelerations and powers over the jump; at the start the accelerations are
-    those of the equation of motion. A jump of the speed is work that the drive does in no time.
-    """
-    r = memory.record[0]
-    loads = memory.loads
-    before = total_energy(structure, spin_now(memory.record), motion, work.stores)
-    r.t_ref = r.t
-    r.theta_ref = r.theta
-    r.drive_work_ref = memory.work[FLOW.drive]
-    take_loads(memory, drive, rate)
-    if r.is_free == 0:
-        r.omega = drive
-        r.omega_ref = drive
-        r.alpha = rate
-    after = total_energy(structure, spin_now(memory.record), motion, work.stores)
-    if is_start:
-        r.energy_at_start = after
-        open_window(structure, memory)
-    else:
-        memory.work[FLOW.drive] += after - before
-    for i in range(len(loads)):
-        memory.load_work[i] = 0.0
-        memory.load_power[i] = 0.0
-        if has_power(structure, i, loads[i]):
-            spin = spin_now(memory.record)
-            memory.load_power[i] = port_power(structure, spin, i, loads[i], motion.v)
-    for i in range(len(motion.a)):
-        motion.a[i] -= motion.v_dot[i]
-    for i in range(len(motion.internal_state)):
-        motion.internal_rate_carried[i] -= motion.internal_rate[i]
-    for _ in range(SPIN_ITERATIONS):
-        spin = spin_now(memory.record)
-        accelerate(structure, spin, r.damping, loads, motion, work)
-        r.torque = powers(structure, spin, loads, motion, work.losses, memory.power)
-        change = _imbalance(structure, memory.record, r.omega, r.torque, 0.0)
-        if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
-            break
-        r.alpha += change
-    for i in range(len(motion.a)):
-        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
-    for i in range(len(motion.internal_state)):
-        motion.internal_rate_carried[i] = motion.internal_rate[i] + (
-            0.0 if is_start else motion.internal_rate_carried[i]
-        )
-
-
-@jit
-def _imbalance(structure, record, omega, torque, h):
-    """Return the change of a free rotor's rate [rad/s2], at the end of a step of length h [s], that
-    makes its drive less the share of its line's impedance `torque`; of another rotor not at all."""
-    r = record[0]
-    if r.is_free == 0:
-        return 0.0
-    drive = r.drive - r.drive_impedance * omega
-    return (drive - torque) / (structure.numbers[0].inertia + 0.5 * h * r.drive_impedance)
-
-
-@jit_inlined
-def _turn(structure, scheme, control, t, h, loads, motion, trial, memory, work, problem):
-    """Take a step to time t [s] with the rotation that goes with it: prescribed, or such that a
-    free rotor's torques balance at its end. Fills work.powers.
-
-    Returns the status, the Newton iterations, what the scheme was fitted with, the rotation, and
-    the drive's torque [N.m].
-    """
-    r = memory.record[0]
-    move_loads(memory, t)
-    spin = spin_at(memory.record, t, r.alpha)
-    status, total, torque = NOT_CONVERGED, 0, 0.0
-    fit = unfitted()
-    for correction in range(SPIN_ITERATIONS):
-        if control.is_fitted and control.h_in_the_open == math.inf:
-            fit = fitted(scheme, math.sqrt(r.characteristic_frequency_squared) * h)
-        status, iterations = try_step(
-            structure, scheme, fit, spin, h, loads, motion, trial, work, problem
-        )
-        total += iterations
-        if status != DONE:
-            break
-        torque = powers(structure, spin, loads, trial, work.losses, work.powers)
-        change = _imbalance(structure, memory.record, spin.omega, torque, h)
-        is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
-        if r.is_free == 0 or (is_small and correction > 0):
-            break
-        spin = spin_at(memory.record, t, spin.alpha + change)
-        status = NOT_CONVERGED
-    return status, total, fit, spin, torque
-
-
-@jit
 def _rescale(record, h, motion):
     """Make the accelerations that generalized-alpha carries along those of steps of length h [s].
 
@@ -190,24 +83,61 @@ def _rescale(record, h, motion):
 
 
 @jit_inlined
-def _time_loop(
-    structure,
-    scheme,
-    control,
-    t_end,
-    motion,
-    trial,
-    memory,
-    work,
-    problem,
-    stages,
-    reading,
-    recorder,
-    tangents,
-):
-    """Return the loop over steps, cut to equal parts of what remains so that none is a sliver."""
+def _attempt(run, scheme, control, t, h):
+    """Take a step to time t [s], and judge it: returns its status, its Newton iterations, what the
+    scheme was fitted with, the rotation, the drive's torque [N.m], and, of a step that is done, the
+    measures of its local error, that error and what the step is judged by."""
+    structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     r = memory.record[0]
-    loads = memory.loads
+    fit = unfitted()
+    if control.stages > 0:
+        status, iterations, spin, torque = turn_in_stages(
+            structure, control, t, h, motion, trial, memory, run.work, run.stages
+        )
+    else:
+        status, iterations, fit, spin, torque = turn(
+            structure, scheme, control, t, h, motion, trial, memory, run.work, run.problem
+        )
+    measures, local, error = NOTHING, 0.0, 0.0
+    if status == DONE:
+        frequency = math.copysign(math.sqrt(r.characteristic_frequency_squared), spin.omega)
+        measures = measure(structure.weights, direction(frequency * h), motion, trial)
+        size = r.motion_size
+        if control.stages > 0:
+            local = stage_error(structure, control, size, frequency, h, motion, run.stages)
+        else:
+            local = local_error(structure, control, size, frequency, h, measures)
+        error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
+    return status, iterations, fit, spin, torque, measures, local, error
+
+
+@jit
+def _parts(r, t_end, h):
+    """Return in how many equal steps, of about h [s], what remains until t_end [s] is cut, so that
+    none is a sliver."""
+    return max(1.0, math.ceil((t_end - r.t) / h - 1e-6))
+
+
+@jit_inlined
+def _record(run, control, h):
+    """Let the recorder write a row where one is due."""
+    structure, motion, memory = run.structure, run.motion, run.memory
+    recorder, observed = run.recorder, run.reading.observed
+    if len(recorder.rows) == 0:
+        return
+    if control.stages > 0:
+        record_stages(
+            structure, h, motion, run.trial, memory, run.work, run.stages, recorder, observed
+        )
+    elif is_due(structure, memory.record, recorder.head):
+        write(structure, motion, memory, run.work, recorder, observed)
+
+
+@jit_inlined
+def _time_loop(run, scheme, control, tangents, t_end):
+    """Take steps until t_end [s]; returns DONE or why not."""
+    structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
+    r = memory.record[0]
     memory.peaks[PEAK.since_communication, :, :] = 0.0
     varies = control.mode != FIXED
     shortest = control.h_min * (1.0 + 1e-5)
@@ -216,13 +146,12 @@ def _time_loop(
     if is_steady:
         r.h = min(r.h, max(control.h_min, control.h_in_the_open))
     taken = 0
-    parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6)) if t_end > r.t else 0.0
+    parts = _parts(r, t_end, r.h) if t_end > r.t else 0.0
     while parts >= 1.0:
         h = (t_end - r.t) / parts
         proposed = r.h
         was_rejected = False
         h_before = r.h_carried
-        measures, local = NOTHING, 0.0
         while True:
             if varies:
                 monitor_work(structure, memory)
@@ -233,37 +162,12 @@ def _time_loop(
             t = t_end if parts == 1.0 else r.t + h
             if control.mode == CONTROLLED:
                 _rescale(memory.record, h, motion)
-            fit = unfitted()
-            if control.stages > 0:
-                status, iterations, spin, torque = turn_in_stages(
-                    structure,
-                    control,
-                    t,
-                    h,
-                    motion,
-                    trial,
-                    memory,
-                    work,
-                    stages,
-                    SPIN_ITERATIONS,
-                    SPIN_TOLERANCE,
-                )
-            else:
-                status, iterations, fit, spin, torque = _turn(
-                    structure, scheme, control, t, h, loads, motion, trial, memory, work, problem
-                )
+            status, iterations, fit, spin, torque, measures, local, error = _attempt(
+                run, scheme, control, t, h
+            )
             r.newton += iterations
             taken += max(1, iterations)
-            error = 0.0
             if status == DONE:
-                frequency = math.copysign(math.sqrt(r.characteristic_frequency_squared), spin.omega)
-                measures = measure(structure.weights, direction(frequency * h), motion, trial)
-                size = r.motion_size
-                if control.stages > 0:
-                    local = stage_error(structure, control, size, frequency, h, motion, stages)
-                else:
-                    local = local_error(structure, control, size, frequency, h, measures)
-                error = step_error(structure, control, local, h, r.steps == 0, motion, trial)
                 if not varies or error <= control.eps_max:
                     break
                 if h <= shortest:
@@ -277,7 +181,7 @@ def _time_loop(
             r.rejected += 1
             was_rejected = True
             proposed = retry_step(structure, control, h, error, status == DONE, motion, trial)
-            parts = max(1.0, math.ceil((t_end - r.t) / proposed - 1e-6))
+            parts = _parts(r, t_end, proposed)
             h = (t_end - r.t) / parts
         ends = what_ends(structure, motion, trial, r) if is_watched(r) else GOES_ON
         if GOES_ON < ends < CLOSED:
@@ -286,18 +190,8 @@ def _time_loop(
         if r.has_sensitivities == 1:
             ratio = h / h_before if control.mode == CONTROLLED and h_before > 0.0 else 1.0
             propagate(
-                structure,
-                scheme,
-                fit,
-                spin,
-                h,
-                ratio,
-                t,
-                trial,
-                memory,
-                work,
-                problem,
-                tangents,
+                *(structure, scheme, fit, spin, h, ratio, t),
+                *(trial, memory, run.work, run.problem, tangents),
             )
         r.characteristic_frequency_squared = characteristic_frequency_after(
             structure, spin.omega, h, measures, r.characteristic_frequency_squared
@@ -314,69 +208,19 @@ def _time_loop(
         r.error = error
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
         r.h_largest = max(r.h_largest, proposed)
-        _commit(h, structure, control, motion, trial, memory, work, stages, spin, torque)
-        if len(recorder.rows) > 0:
-            if control.stages > 0:
-                record_stages(
-                    structure,
-                    h,
-                    motion,
-                    trial,
-                    memory,
-                    work,
-                    stages,
-                    recorder,
-                    reading.observed,
-                )
-            elif is_due(structure, memory.record, recorder.head):
-                write(structure, motion, memory, work, recorder, reading.observed)
+        _commit(h, structure, control, motion, trial, memory, run.work, run.stages, spin, torque)
+        _record(run, control, h)
         parts = parts - 1.0
         if ends >= CLOSED and parts >= 1.0:
             r.failed_at = r.t
             return ENDED_EARLY + ends
         if varies and parts >= 1.0:
-            parts = max(1.0, math.ceil((t_end - r.t) / r.h - 1e-6))
+            parts = _parts(r, t_end, r.h)
     return DONE
 
 
-@jit
-def continued_rate(record, drive):
-    """Return the rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between
-    the last two given, or 0 where it is held; 0 of a torque too."""
-    r = record[0]
-    since = r.t - r.t_ref
-    if r.is_free == 1 or r.continues == 0:
-        return 0.0
-    return (drive - r.omega_ref) / since if since > 0.0 else r.alpha
-
-
-@jit
-def rate_by_drive(record):
-    """Return the derivative of `continued_rate` by the speed given [1/s]."""
-    r = record[0]
-    since = r.t - r.t_ref
-    return 0.0 if r.is_free == 1 or r.continues == 0 or not since > 0.0 else 1.0 / since
-
-
 @jit_inlined
-def advance(
-    structure,
-    scheme,
-    control,
-    t_end,
-    drive,
-    rate,
-    d_rate,
-    motion,
-    trial,
-    memory,
-    work,
-    problem,
-    stages,
-    reading,
-    recorder,
-    tangents,
-):
+def advance(run, scheme, control, tangents, t_end, drive, rate, d_rate):
     """Advance to t_end [s]; returns DONE or why not.
 
     drive: the speed now [rad/s], of a free rotor the torque [N.m]; rate: of either [rad/s2, N.m/s],
@@ -384,24 +228,11 @@ def advance(
     [N/s]. All are linear in time until t_end.
     On failure the state is that after the last accepted step.
     """
+    structure, motion, memory, work = run.structure, run.motion, run.memory, run.work
     begin_interval(structure, drive, rate, False, motion, memory, work)
     if memory.record[0].has_sensitivities == 1:
         begin_tangents(structure, spin_now(memory.record), d_rate, motion, memory, work, tangents)
-    status = _time_loop(
-        structure,
-        scheme,
-        control,
-        t_end,
-        motion,
-        trial,
-        memory,
-        work,
-        problem,
-        stages,
-        reading,
-        recorder,
-        tangents,
-    )
+    status = _time_loop(run, scheme, control, tangents, t_end)
     if status != DONE:
         move_loads(memory, memory.record[0].t)
     return status

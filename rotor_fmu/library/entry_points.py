@@ -16,7 +16,8 @@ from numba import literal_unroll, types
 from ..model import messages, outcomes
 from ..model.kernels.jit import jit
 from ..model.settings import resolver
-from ..model.time_loop import entries, time_loop
+from ..model.step.status import DONE
+from ..model.time_loop import entries
 from ..model.time_loop.block import LAYOUT
 from ..model.warnings import RUN_WARNINGS
 
@@ -106,7 +107,7 @@ def rotor_outcome(block, status, arguments):
     """Return the outcome of `rotor_advance`; a negative code is a warning about a run that goes on.
     If it diverged, `rotor_survey` must have been called again before."""
     run = _view(block)
-    if status == time_loop.DONE:
+    if status == DONE:
         return _last_run_warning(run.memory.record[0], arguments)
     return outcomes.failure(run, status, arguments)
 

@@ -31,8 +31,16 @@ class Case:
 
     @property
     def reach(self):
-        """How far a journal goes whose film is nowhere thinner than its roughness [m]."""
-        return self.part.clearance - self.part.roughness
+        """How far a journal goes whose film is nowhere thinner than its roughness and than what the
+        default's elements resolve, a hundredth of its clearance [m]."""
+        return self.part.clearance - max(self.part.roughness, 0.01 * self.part.clearance)
+
+    @property
+    def viscous(self):
+        """A force of the film's size [N]."""
+        part = self.part
+        slender = part.journal_radius / part.clearance
+        return part.viscosity * self.pace * slender**2 * part.journal_radius * part.length
 
     @property
     def pace(self):
@@ -92,7 +100,7 @@ def drawn(random, least_points=8):
         "clearance": clearance,
         "viscosity": 10 ** random.uniform(-3.0, -0.5),
         "roughness": clearance * 10 ** random.uniform(-3.0, -1.0),
-        "points": float(random.choice([n for n in (8, 12, 24, 48) if n >= least_points])),
+        "points": float(random.choice([n for n in (8, 12, 24, 48, 96) if n >= least_points])),
         "short": bool(random.random() < 0.3),
     }
     if random.random() < 0.25:

@@ -11,7 +11,9 @@ from rotor_fmu.model.parts.law import Weights
 from .film_cases import TURN, Bench, drawn, states
 
 BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
-ROUNDING = 1e-8  # of a force, which a film a thousand times thinner than the clearance may show
+# Of a force, where the film is a thousand times thinner than the clearance; of one of the film's
+# size, where the pad's edge is all that bears.
+ROUNDING, OF_EDGE = 1e-8, 1e-12
 
 
 def seeds(quick, slow):
@@ -48,28 +50,30 @@ def test_loads_are_finite_and_a_film_takes_more_than_it_gives(seeds):
     assert tried > 40 * len(seeds)
 
 
-@seeds(40, 1000)
+@seeds(40, 800)
 def test_a_force_is_mirrored_in_a_mirror_and_turns_with_the_bearing(seeds):
     """Turned the other way and with its pads mirrored; a plain circle stays as it is."""
     for seed, case, random in cases(seeds, 2):
         angle = random.uniform(0.0, TURN)
         by = cmath.rect(1.0, angle)
         bench, mirrored, turned = map(Bench, (case, case.mirrored(), case.turned(angle)))
-        for d, v in states(random, case, 50):
+        for d, v in states(random, case, 50, case.reach):
             force = bench.force(d, v)
             # beside it that of a journal that does not whirl at half the speed, which is not 0
             size = abs(force) + abs(bench.force(d, v + 1j * case.speed * d))
+            most = ROUNDING * size + OF_EDGE * case.viscous
             in_mirror = mirrored.force(d.conjugate(), v.conjugate()).conjugate()
-            assert abs(in_mirror - force) <= ROUNDING * size, (seed, d, v)
-            assert abs(turned.force(d * by, v * by) / by - force) <= ROUNDING * size, (seed, d, v)
+            assert abs(in_mirror - force) <= most, (seed, d, v)
+            assert abs(turned.force(d * by, v * by) / by - force) <= most, (seed, d, v)
 
 
-@seeds(30, 2000)
+@seeds(25, 2000)
 def test_a_tangent_is_the_derivative_of_the_force(seeds):
-    """At 24 elements and more, but where no pressure builds up, which has no derivative there. Of
-    several differences the best counts: a rupture that reaches an edge spoils the longer ones."""
+    """With the default's elements or more, but where no pressure builds up, which has no
+    derivative there. Of several differences the best counts: a rupture that reaches an edge spoils
+    the longer ones."""
     tried = 0
-    for seed, case, random in cases(seeds, 3, least_points=24):
+    for seed, case, random in cases(seeds, 3, least_points=48):
         film = case.alone()
         for d, v in states(random, case, 3, case.reach):
             if case.entrained(d, v) < 1e-2:
@@ -100,10 +104,11 @@ def slopes(film, d, v, weights, h):
     return np.transpose(columns)
 
 
-@seeds(20, 1000)
+@seeds(12, 600)
 def test_a_force_does_not_jump(seeds):
-    """Where a rupture passes a pad's edge or another pad takes over, at 24 elements and more."""
-    for seed, case, random in cases(seeds, 4, least_points=24):
+    """Where a rupture passes a pad's edge or another pad takes over, with the default's elements or
+    more."""
+    for seed, case, random in cases(seeds, 4, least_points=48):
         for name, force in paths(case, random).items():
             assert largest_jump(force) < 1e-6, (seed, name)
 

@@ -1,0 +1,122 @@
+"""Derivatives of the laws' forces and internal states along one of a machine's motion.
+
+The tangents by displacement and velocity are the laws' own; by speed and internal states a law, a
+function of a few numbers, is differenced.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..kernels.functions import modulus
+from ..kernels.jit import jit, jit_not_inlined
+from ..parts.law import Kinematics, Weights
+from .laws import kinematics, law_rates, law_tangent, relative
+
+# Of the size of what a law depends on: by how much it is differenced.
+_SHARE = 1e-6
+
+
+class Change(NamedTuple):
+    """A derivative of a law's kinematics: of its displacement, of its velocity, and of the speed
+    and the sliding speed alike; omega: what a velocity is compared by [rad/s]."""
+
+    displacement: complex
+    velocity: complex
+    speed: float
+    omega: float
+
+
+@jit
+def _shift(moving, change, by):
+    """Return `Kinematics` moved along a derivative."""
+    turned = by * change.speed
+    return Kinematics(
+        moving.displacement + by * change.displacement,
+        moving.velocity + by * change.velocity,
+        moving.speed + turned,
+        moving.sliding_speed + turned,
+    )
+
+
+@jit
+def _step_along(interface, moving, change, state, d_state):
+    """Return by how much to move along a derivative; 0 where there is nothing to move."""
+    size = modulus(change.displacement) / interface.length
+    size = max(size, modulus(change.velocity) / (interface.length * change.omega))
+    size = max(size, abs(change.speed) / max(abs(moving.speed), 1.0))
+    for k in range(interface.states):
+        scale = abs(state[k]) if state[k] != 0.0 else interface.length
+        size = max(size, abs(d_state[k]) / scale)
+    return _SHARE / size if size > 0.0 else 0.0
+
+
+@jit_not_inlined
+def force_by_rest(laws, interface, moving, d_omega, rate, state, d_state, work):
+    """Return the derivative of a law's force by the speed and by its internal states; the other
+    arguments as in `states_along`."""
+    change = Change(0j, 0j, d_omega, 1.0)
+    by = _step_along(interface, moving, change, state, d_state)
+    if by == 0.0:
+        return 0.0j
+    weights = Weights(1.0, 0.0, rate)
+    first = interface.internal_state
+    shifted = work.shifted[first:]
+    for k in range(interface.states):
+        shifted[k] = state[k] + by * d_state[k]
+    above, _, _ = law_tangent(
+        laws, interface, _shift(moving, change, by), weights, shifted, work.above[first:]
+    )
+    for k in range(interface.states):
+        shifted[k] = state[k] - by * d_state[k]
+    below, _, _ = law_tangent(
+        laws, interface, _shift(moving, change, -by), weights, shifted, work.below[first:]
+    )
+    return (above - below) * (0.5 / by)
+
+
+@jit_not_inlined
+def states_along(laws, interface, moving, change, rate, state, d_state, are_rates, work, out):
+    """Fill out with the derivative of the internal states at the end of a step, of their rates if
+    are_rates, along a `Change`; rate: as of `Weights`; state, d_state: what is known of the states,
+    and its derivative."""
+    by = _step_along(interface, moving, change, state, d_state)
+    first = interface.internal_state
+    shifted = work.shifted[first:]
+    for side in range(2):
+        signed = by if side == 0 else -by
+        for k in range(interface.states):
+            shifted[k] = state[k] + signed * d_state[k]
+        moved = _shift(moving, change, signed)
+        into = work.above[first:] if side == 0 else work.below[first:]
+        if are_rates:
+            law_rates(laws, interface, moved, shifted, into)
+        else:
+            law_tangent(laws, interface, moved, Weights(1.0, 0.0, rate), shifted, into)
+    for k in range(interface.states):
+        difference = work.above[first + k] - work.below[first + k]
+        out[first + k] = difference * (0.5 / by) if by > 0.0 else 0.0
+
+
+@jit
+def change_of(interface, motion, d_omega, omega):
+    """Return the `Change` of an interface by a derivative of the motion; see there."""
+    return Change(relative(interface, motion.q), relative(interface, motion.v), d_omega, omega)
+
+
+@jit
+def linearize_laws(structure, spin, rate, motion, free, work):
+    """Fill work.by_law at a motion; free: of its internal states."""
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        moving = kinematics(interface, spin, motion.q, motion.v)
+        first = interface.internal_state
+        out = work.above[first:]
+        _, p, q = law_tangent(
+            structure.laws, interface, moving, Weights(1.0, 0.0, rate), free[first:], out
+        )
+        work.by_law[j, 0], work.by_law[j, 1] = p, q
+        _, p, q = law_tangent(
+            structure.laws, interface, moving, Weights(0.0, 1.0, rate), free[first:], out
+        )
+        work.by_law[j, 2], work.by_law[j, 3] = p, q
