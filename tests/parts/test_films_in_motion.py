@@ -98,6 +98,22 @@ def test_a_film_that_does_not_carry_is_said():
         run.advance(1.0, 600.0, np.array([-1e8j]))
 
 
+def _pressed(run):
+    """Load a rotor ever harder, until no film of the thickness of its roughness carries it."""
+    for i in range(1, 41):
+        run.advance(2.5e-3 * i, 600.0, np.array([-2e5j * i]))
+
+
+@pytest.mark.parametrize("settings", [{}, {"method": "radau5"}], ids=["default", "radau5"])
+def test_a_run_ends_where_a_film_without_contact_breaks(settings):
+    settings = choose("controlled", tolerance=1e-3, **settings)
+    run = Simulation(in_films(), settings, speed=600.0, warn=lambda _: None)
+    with pytest.raises(StepFailure, match=r"oil film at node . is thinner than its roughness"):
+        _pressed(run)
+    # the last good state
+    assert 1e-6 <= run.read("journal_bearing[1].film") < 2e-6
+
+
 def test_a_free_rotor_is_braked_by_its_films():
     rotor = in_films()
     run = _run(rotor, 600.0, drive_torque=0.0)
