@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.linear.bearing import BearingAlone
 from rotor_fmu.model.parts.law import Weights
+from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 
 from .film_cases import TURN, Bench, drawn, states
 
@@ -168,3 +170,26 @@ def odd_pieces(force, low, high, count):
 def test_a_jump_is_seen(place):
     assert largest_jump(lambda x: complex(np.sin(9 * x), x**3)) < 1e-8
     assert largest_jump(lambda x: np.sin(9 * x) + 1e-5 * (x > place)) > 0.9e-5
+
+
+def test_neighbouring_states_of_24_elements_have_neighbouring_forces():
+    """Where the search for the rupture's ends is slow: a film of 1.3 % of its clearance."""
+    part = SqueezeFilmDamper(
+        node=1,
+        journal_radius=0.030374805142955374,
+        length=0.08124213442104915,
+        clearance=1.8163555616370514e-05,
+        viscosity=0.0178973712523934,
+        roughness=2.1251098279325406e-07,
+        points=24.0,
+        stiffness=1e6,
+    )
+    film, v = BearingAlone(part, 0.0), 0.0030243555395507386 - 0.0045327255936133395j
+    forces = [
+        film.force(d, v)
+        for d in (
+            -6.7438623427980455e-06 - 1.6602049693441512e-05j,
+            -6.743862345884243e-06 - 1.6602049685172996e-05j,
+        )
+    ]
+    assert abs(forces[1] - forces[0]) < 1e-6 * abs(forces[0])
