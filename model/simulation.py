@@ -13,6 +13,7 @@ from . import messages, outcomes
 from .backend import Backend, entry_points, selected_backend
 from .errors import UserInputError
 from .kernels.jit import INTERPRETED_WARNING, interpreted
+from .kernels.library import RAISED
 from .machine.rotor import Rotor
 from .settings import DEFAULT_PRESET, PRESETS, Settings
 from .spelling import MOST_ARGUMENTS, Message, choice, spell
@@ -153,6 +154,8 @@ class Simulation:
         self._state = self._block[whole[0].start : whole[1].stop]
         drive = speed if drive_torque is None else drive_torque
         status = self._entry_points.start(float(speed), float(drive), float(rate))
+        if status == RAISED:
+            raise EquilibriumError("internal error at the start")
         if status != HELD:
             raise EquilibriumError(self._sentence(outcomes.no_rest, self._run, status))
         self._warn_beyond(speed)
@@ -326,6 +329,8 @@ class Simulation:
 
     def _failure(self, status: int) -> str:
         """Return why a step failed."""
+        if status == RAISED:
+            return "internal error in a step"
         self._entry_points.survey(float(self._run.memory.record[0].surveyed_at), False)
         return self._sentence(outcomes.failure, self._run, status)
 

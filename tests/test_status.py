@@ -5,9 +5,11 @@ import re
 import warnings
 
 import pytest
-from rotor_fmu.model.machine.toml import rig_toml
+from rotor_fmu.model.kernels.library import RAISED
+from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.messages import CODES, SENTENCES
-from rotor_fmu.model.simulation import RotorNote, RotorWarning
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import RotorNote, RotorWarning, Simulation, StepFailure
 from rotor_fmu.model.spelling import NOTES, Message
 from rotor_fmu.model.step import status as of_step
 from rotor_fmu.model.time_loop import early_return, equilibrium
@@ -103,3 +105,12 @@ def test_the_instance_in_c_has_the_statuses_of_the_kernels():
     numbers = dict(re.findall(r"\b(UNFINISHED|ENDED_EARLY) = (\d+)", header))
     assert numbers == {name: str(getattr(of_step, name)) for name in ("UNFINISHED", "ENDED_EARLY")}
     assert max(of_step.UNFINISHED, of_step.BROKEN) < of_step.ENDED_EARLY
+
+
+def test_an_exception_in_the_solver_is_a_sentence_in_c_and_in_python():
+    header = (C_SOURCES / "kernels.h").read_text(encoding="utf-8")
+    assert re.search(r"enum \{ BROKEN = 1 << (\d+) \};", header)[1] == str(RAISED.bit_length() - 1)
+    run = Simulation(rig(), choose(), speed=100.0)
+    run._entry_points = run._entry_points._replace(advance=lambda *_: RAISED)
+    with pytest.raises(StepFailure, match=r"^internal error in a step$"):
+        run.advance(0.01, 100.0)

@@ -22,7 +22,7 @@ from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_not_inlined
 
 VECTORS = 8  # of n + 1 numbers, that the work array of a zone holds: `Vectors`
-_ITERATIONS = 60
+_ITERATIONS = 600  # a few as a rule; hundreds where elements are few and the film thin
 _CONVERGED = 1e-10  # of the ends [rad]
 _FEW, _NEAR = 8, 1e-3  # elements that the ends are first looked for with, and how well [rad]
 _SECANT = 1e-8  # move of an end from which a slope may be taken [rad]

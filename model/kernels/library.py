@@ -29,6 +29,8 @@ _PLATFORMS = {
     ("darwin", "aarch64"): "aarch64-darwin",
 }
 _DIGITS = 16
+# The status of a function whose kernel raised an exception (`rotor_fmu/fmi/c/kernels.h`).
+RAISED = 1 << 20
 
 
 def here() -> str | None:
