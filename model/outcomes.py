@@ -15,7 +15,7 @@ from .stability.matrices import OPEN
 from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
-from .step.laws import law_breaks, relative
+from .step.laws import first_broken
 from .step.status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
 from .time_loop import early_return, equilibrium
 from .time_loop.control import CONTROLLED, FIXED
@@ -70,12 +70,11 @@ def no_rest(run, status, arguments):
 def _broken(run):
     """Return the node, from 1, of a law that breaks where the last step led; 0 if there is none."""
     structure = run.structure
-    for j in range(len(structure.interfaces)):
-        interface = structure.interfaces[j]
-        if law_breaks(structure.laws, interface, relative(interface, run.trial.q)):
-            for i in range(len(structure.deflections)):
-                if structure.deflections[i, 0] == interface.dof:
-                    return structure.deflections[i, 1]
+    j = first_broken(structure, run.trial.q)
+    if j >= 0:
+        for i in range(len(structure.deflections)):
+            if structure.deflections[i, 0] == structure.interfaces[j].dof:
+                return structure.deflections[i, 1]
     return 0
 
 

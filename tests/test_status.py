@@ -109,7 +109,7 @@ def test_the_instance_in_c_has_the_statuses_of_the_kernels():
 
 def test_an_exception_in_the_solver_is_a_sentence_in_c_and_in_python():
     header = (C_SOURCES / "kernels.h").read_text(encoding="utf-8")
-    assert re.search(r"enum \{ BROKEN = 1 << (\d+) \};", header)[1] == str(RAISED.bit_length() - 1)
+    assert re.search(r"enum \{ RAISED = 1 << (\d+) \};", header)[1] == str(RAISED.bit_length() - 1)
     run = Simulation(rig(), choose(), speed=100.0)
     run._entry_points = run._entry_points._replace(advance=lambda *_: RAISED)
     with pytest.raises(StepFailure, match=r"^internal error in a step$"):

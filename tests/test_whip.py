@@ -39,8 +39,9 @@ def test_fixed_steps_that_hide_the_whip_say_so_before_and_after(preset):
 
 @pytest.mark.parametrize("preset", ["paper", "paper-adaptive"])
 def test_steps_as_coarse_as_the_papers_say_so_before(preset):
-    with pytest.warns(RotorWarning, match="hide an instability"):
+    with pytest.warns(RotorWarning) as said:
         Simulation(overhung_machine(), choose(preset), speed=400.0)
+    assert any("hide an instability" in str(warning.message) for warning in said)
 
 
 def test_with_little_friction_the_machine_is_stable_and_error_control_silent():

@@ -34,7 +34,7 @@ PAD = places(("first", "last", "x", "y", "clearance", "is_whole", "is_full"))
 _TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
-class Bearing(NamedTuple):
+class FilmBearing(NamedTuple):
     """What the film of a part and the contact behind it are made of, whatever the part: the place
     of its table, and quantities of `parts.journal_bearing.FilmQuantities`."""
 
@@ -58,8 +58,8 @@ class Bearing(NamedTuple):
 
 @jit
 def bearing_of(part):
-    """Return the `Bearing` of a part."""
-    return Bearing(
+    """Return the `FilmBearing` of a part."""
+    return FilmBearing(
         *(part.table, part.journal_radius, part.length, part.clearance, part.viscosity),
         *(part.roughness, part.short, part.points, part.k, part.c, part.delta_c, part.exponent),
         *(part.mu, part.v_s, part.mu_rise, part.v_stribeck),

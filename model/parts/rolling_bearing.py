@@ -98,15 +98,21 @@ LOSSES = tuple(loss for loss in CONTACT_LOSSES if loss.name == "contact")
 _OUT, _LOSS, _STATE = places(OUTPUTS), places(LOSSES), places(("cage", "race"))
 
 
-class Rolling(NamedTuple):
-    """How an element is pressed: penetration [m], its rate [m/s], its derivative by the angle of
-    the rotor [m] with that of its direction, the direction [1], and the force along it, its elastic
-    part [N] and its derivatives by penetration and rate [N/m], [N.s/m]."""
+class Place(NamedTuple):
+    """Where an element is: its penetration [m], its derivative by the angle of the rotor [m], and
+    the direction of the element [1]."""
 
     penetration: float
-    rate: float
     by_turn: float
     along: complex
+
+
+class Rolling(NamedTuple):
+    """How an element is pressed: its `Place`, the rate of the penetration [m/s], the force along
+    it, its elastic part [N] and its derivatives by penetration and rate [N/m], [N.s/m]."""
+
+    place: Place
+    rate: float
     normal: float
     elastic: float
     stiffness: float
@@ -137,22 +143,30 @@ def _defect(depth, arc, angle):
 
 
 @jit_not_inlined
-def _rolling(part, kinematics, internal_state, i):
-    """Return the `Rolling` of an element."""
+def _place(part, displacement, internal_state, i):
+    """Return the `Place` of an element."""
     ratio, pitch = cage_ratio(part), 2.0 * math.pi / part.count
     at = internal_state[_STATE.cage] + part.cage_angle + i * pitch
     along = direction(at)
-    turned = along.conjugate() * kinematics.displacement
+    turned = along.conjugate() * displacement
     outer, outer_slope = _defect(part.outer_depth, part.outer_arc, at - part.outer_angle)
     from_race = at - internal_state[_STATE.race] - part.inner_angle
     inner, inner_slope = _defect(part.inner_depth, part.inner_arc, from_race)
     delta = turned.real - part.clearance - outer - inner
     by_turn = ratio * (turned.imag - outer_slope) - (ratio - 1.0) * inner_slope
-    if delta <= 0.0:
-        return Rolling(delta, 0.0, by_turn, along, 0.0, 0.0, 0.0, 0.0)
-    rate = (along.conjugate() * kinematics.velocity).real + by_turn * kinematics.sliding_speed
-    n, n_k, stiffness, damping = pressed(part, delta, rate)
-    return Rolling(delta, rate, by_turn, along, n, n_k, stiffness, damping)
+    return Place(delta, by_turn, along)
+
+
+@jit_not_inlined
+def _rolling(part, kinematics, internal_state, i):
+    """Return the `Rolling` of an element."""
+    place = _place(part, kinematics.displacement, internal_state, i)
+    if place.penetration <= 0.0:
+        return Rolling(place, 0.0, 0.0, 0.0, 0.0, 0.0)
+    rate = (place.along.conjugate() * kinematics.velocity).real
+    rate += place.by_turn * kinematics.sliding_speed
+    n, n_k, stiffness, damping = pressed(part, place.penetration, rate)
+    return Rolling(place, rate, n, n_k, stiffness, damping)
 
 
 @jit_not_inlined
@@ -161,7 +175,7 @@ def _force(part, tables, kinematics, internal_state):
     force = 0.0j
     for i in range(int(part.count)):
         at = _rolling(part, kinematics, internal_state, i)
-        force -= at.normal * at.along
+        force -= at.normal * at.place.along
     return force
 
 
@@ -177,14 +191,14 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
         at = _rolling(part, kinematics, internal_state, i)
         if at.normal <= 0.0:
             continue
-        force -= at.normal * at.along
+        force -= at.normal * at.place.along
         # dn = Re(conj(a) along* z), the part across of the cage's turning past the displacement
         a = complex(
             at.stiffness * weights.displacement + at.damping * weights.velocity,
             at.damping * weights.displacement * ratio * speed,
         )
         p -= 0.5 * a.conjugate()
-        q -= 0.5 * a * at.along * at.along
+        q -= 0.5 * a * at.place.along * at.place.along
     return force, p, q
 
 
@@ -199,13 +213,8 @@ def _rates(part, tables, kinematics, internal_state, out):
 def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law; see `parts.law`."""
     energy = 0.0
-    pitch = 2.0 * math.pi / part.count
     for i in range(int(part.count)):
-        at = internal_state[_STATE.cage] + part.cage_angle + i * pitch
-        outer, _ = _defect(part.outer_depth, part.outer_arc, at - part.outer_angle)
-        from_race = at - internal_state[_STATE.race] - part.inner_angle
-        inner, _ = _defect(part.inner_depth, part.inner_arc, from_race)
-        delta = (direction(at).conjugate() * displacement).real - part.clearance - outer - inner
+        delta = _place(part, displacement, internal_state, i).penetration
         if delta > 0.0:
             energy += elastic(part, delta)[0] * delta / (part.exponent + 1.0)
     return (energy,)
@@ -218,7 +227,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
     for i in range(int(part.count)):
         at = _rolling(part, kinematics, internal_state, i)
         damped += (at.normal - at.elastic) * at.rate
-        torque += at.normal * at.by_turn
+        torque += at.normal * at.place.by_turn
     out[_LOSS.contact] = damped
     return torque
 
@@ -230,10 +239,10 @@ def _observe(part, tables, kinematics, internal_state, out):
     largest = torque = loaded = 0.0
     for i in range(int(part.count)):
         at = _rolling(part, kinematics, internal_state, i)
-        force -= at.normal * at.along
+        force -= at.normal * at.place.along
         largest = max(largest, at.normal)
         loaded += 1.0 if at.normal > 0.0 else 0.0
-        torque += at.normal * at.by_turn
+        torque += at.normal * at.place.by_turn
     out[_OUT.fx] = force.real
     out[_OUT.fy] = force.imag
     out[_OUT.largest] = largest

@@ -58,6 +58,16 @@ def relative(interface, z):
 
 
 @jit
+def first_broken(structure, q):
+    """Return the first interface whose law means nothing at the displacements q [m], or -1."""
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if law_breaks(structure.laws, interface, relative(interface, q)):
+            return j
+    return -1
+
+
+@jit
 def kinematics(interface, spin, q, v):
     """Return the `Kinematics` of an interface, q, v of shape (size,)."""
     return Kinematics(relative(interface, q), relative(interface, v), spin.omega, spin.sliding)

@@ -21,7 +21,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..schemes.radau import A_SQUARED, END_SLOPE, LAMBDA, SHARES, STAGES, T_INVERSE, A, C, T
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
-from .laws import MOST_STATES, law_breaks, relative
+from .laws import MOST_STATES, first_broken, relative
 from .stage_problem import solve_stages
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 from .step import add_internal, by_axis, is_sane
@@ -375,8 +375,6 @@ def try_stages(structure, spin, h, accuracy, old, new, stages):
             if not is_sane(stages.q[k, dof], structure.numbers[0].bound):
                 return NOT_FINITE, iterations
     _arrive(structure, h, stages, new)
-    for j in range(len(structure.interfaces)):
-        interface = structure.interfaces[j]
-        if law_breaks(structure.laws, interface, relative(interface, new.q)):
-            return BROKEN, iterations
+    if first_broken(structure, new.q) >= 0:
+        return BROKEN, iterations
     return DONE, iterations

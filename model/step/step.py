@@ -19,7 +19,7 @@ from ..parts.housing import masses
 from ..parts.law import Weights
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
-from .laws import kinematics, law_breaks, law_force, law_rates, relative
+from .laws import first_broken, kinematics, law_force, law_rates, relative
 from .linear_step import balance, balance_back, correct, predict, weights
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 
@@ -306,9 +306,8 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
     for i in range(len(structure.deflections)):
         if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
-    for j in range(len(interfaces)):
-        if law_breaks(structure.laws, interfaces[j], relative(interfaces[j], new.q)):
-            return BROKEN, iterations
+    if first_broken(structure, new.q) >= 0:
+        return BROKEN, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.internal_state) > 0:
         for i in range(len(problem.internal_state)):

@@ -27,9 +27,10 @@ from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error,
 
 
 @jit_inlined
-def _commit(h, structure, control, motion, trial, memory, work, stages, spin, torque):
+def _commit(run, control, h, spin, torque):
     """Make the trial state the present one and do the bookkeeping of an accepted step."""
-    r = memory.record[0]
+    structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
+    work, r = run.work, memory.record[0]
     for i in range(len(motion.q)):
         motion.q[i] = trial.q[i]
         motion.v[i] = trial.v[i]
@@ -45,13 +46,13 @@ def _commit(h, structure, control, motion, trial, memory, work, stages, spin, to
     r.steps += 1
     r.h_last = h
     if control.stages > 0:
-        pass_stages(structure, h, motion, trial, memory, stages)
+        pass_stages(structure, h, motion, trial, memory, run.stages)
     r.omega = spin.omega
     r.theta = spin.theta
     r.alpha = spin.alpha
     r.torque = torque
     if control.stages > 0:
-        add_stage_work(h, memory, stages)
+        add_stage_work(h, memory, run.stages)
     else:
         for i in range(len(memory.power)):
             memory.work[i] += 0.5 * h * (memory.power[i] + work.powers[i])
@@ -208,7 +209,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
         r.error = error
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
         r.h_largest = max(r.h_largest, proposed)
-        _commit(h, structure, control, motion, trial, memory, run.work, run.stages, spin, torque)
+        _commit(run, control, h, spin, torque)
         _record(run, control, h)
         parts = parts - 1.0
         if ends >= CLOSED and parts >= 1.0:

@@ -4,7 +4,7 @@
 #define ROTOR_KERNELS_H
 #include <stdint.h>
 
-enum { BROKEN = 1 << 20 };
+enum { RAISED = 1 << 20 };
 /* Of rotor_advance, and what else ends it early is above this (`model/step/status.py`). */
 enum { UNFINISHED = 3, ENDED_EARLY = 8 };
 
@@ -26,7 +26,7 @@ int32_t rotor_outcome_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
 #define CALL(NAME, ...)                                                                          \
     int64_t code = 0;                                                                            \
     void *exception = 0;                                                                         \
-    return NAME##_kernel(&code, &exception, __VA_ARGS__) ? BROKEN : (int)code
+    return NAME##_kernel(&code, &exception, __VA_ARGS__) ? RAISED : (int)code
 
 static inline int rotor_resolve_settings(uint8_t *block, double *given, double *arguments)
 {

@@ -166,7 +166,7 @@ Status build(Instance *m)
     }
     take_loads(m);
     int code = rotor_start(m->block, speed, drive, rate);
-    if (code && code != BROKEN)
+    if (code && code != RAISED)
         code = rotor_no_rest(m->block, code, numbers);
     if (code >= t->sentences)
         return refuse(m, "internal error at the start");
@@ -253,16 +253,16 @@ Status advance_to(Instance *m, double current, double size)
     int status = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
                                m->slopes[t->drive_at]);
     int code = status;
-    if (status && status != BROKEN) /* for what it may have come to */
+    if (status && status != RAISED) /* for what it may have come to */
         rotor_survey(m->block, in_block(m, t->surveyed_at), 0);
-    if (status != BROKEN)
+    if (status != RAISED)
         code = rotor_outcome(m->block, status, numbers);
     if (code > 0) {
         char why[LONGEST] = "internal error in a step";
         if (code < t->sentences)
             spell(why, sentence(t, code), numbers);
         add_start(m, why);
-        int is_early = status == UNFINISHED || (status > ENDED_EARLY && status != BROKEN);
+        int is_early = status == UNFINISHED || (status > ENDED_EARLY && status != RAISED);
         return is_early ? stop_early(m, why) : fail(m, why);
     }
     forget_slopes(m);
