@@ -17,6 +17,7 @@ from ..step.laws import law_gap, relative
 # Of the motion's size and the tolerance, the error of a radian; revolutions over which the size is
 # remembered; what motion counts as none, of the clearance or of a small length of the machine.
 SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
+FIRST = 0.1  # radians at the start over which its accelerations are taken as lasting
 SAFETY = 0.8
 # Of one step length to the next, at most; growing slowly costs little and calms the next impact.
 GROWTH, SHRINKAGE = 1.25, 0.2
@@ -109,14 +110,20 @@ def update_size(structure, omega, h, new, memory):
 
 @jit
 def first_size(structure, omega, motion, memory):
-    """Size of the motion that begins: that of a swing with the speed of rotation, or the slowest
-    motion's, that has the accelerations of the start."""
+    """Size of the motion that begins: how far the accelerations of the start carry it in `FIRST`
+    radians of the speed of rotation, or of the slowest motion.
+
+    A swing of that frequency with these accelerations is larger, and is measured soon; a journal
+    pressed on its wall starts with as large ones into a far smaller motion, and too large a size
+    is remembered for turns.
+    """
     fastest = max(structure.numbers[0].slowest, abs(omega))
     for i in range(len(memory.center)):
         memory.center[i] = motion.q[i]
     # the start taken as both ends of a step
     start = measure(structure.weights, 1.0 + 0.0j, motion, motion)
-    memory.record[0].motion_size = math.sqrt(start.acceleration) / (fastest * fastest)
+    time = FIRST / fastest
+    memory.record[0].motion_size = math.sqrt(start.acceleration) * time * time
     update_size(structure, omega, 0.0, motion, memory)
 
 
