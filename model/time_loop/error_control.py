@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.functions import root
+from ..kernels.functions import fifth_root
 from ..kernels.jit import jit
 from ..step.laws import law_gap, relative
 
@@ -174,9 +174,9 @@ def next_length(proposed, h, error, error_before):
     """
     error = max(error, SMALLEST)
     trend = max(error_before, SMALLEST) / error
-    fifth = root(error, 5)
+    fifth = fifth_root(error)
     twentieth = math.sqrt(math.sqrt(fifth))
-    factor = SAFETY * root(trend, 5) / (fifth * twentieth * twentieth * twentieth)
+    factor = SAFETY * fifth_root(trend) / (fifth * twentieth * twentieth * twentieth)
     shortest = SHRINKAGE * h if h > CUT * proposed else proposed
     return min(GROWTH * proposed, max(shortest, factor * h))
 
@@ -187,7 +187,9 @@ def next_stage_length(proposed, h, error, error_before):
     for an error per unit of time of order 4."""
     error = max(error, SMALLEST)
     trend = max(error_before, SMALLEST) / error
-    factor = SAFETY * root(trend, 10) * root(error, 40) / root(error, 5)
+    fifth = fifth_root(error)
+    fortieth = math.sqrt(math.sqrt(math.sqrt(fifth)))
+    factor = SAFETY * math.sqrt(fifth_root(trend)) * fortieth / fifth
     shortest = SHRINKAGE * h if h > CUT * proposed else proposed
     return min(STAGE_GROWTH * proposed, max(shortest, factor * h))
 
