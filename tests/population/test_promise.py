@@ -12,7 +12,7 @@ from papers.integrators import tolerances
 from .. import known
 from .judge import PROMISED, TOLERANCES, Judged, is_false_alarm, is_kept, judged
 from .machines import KINDS, drawn
-from .truth import truth
+from .truth import RTOL, orbit, truth
 
 QUICK = (0, 3, 7, 23)  # of which CVODE makes an end soon
 METHODS = {"default": {}, "radau5": {"method": "radau5"}}
@@ -42,6 +42,13 @@ def test_a_machine_keeps_what_a_tolerance_promises(seed, method):
         run = judged(case, exact, choose(**method, tolerance=tolerance))
         assert is_kept(run, tolerance, exact.condition), (case.name, run, exact.condition)
         assert not is_false_alarm(run, tolerance, exact.condition), (case.name, run.status)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [*QUICK, *BROKEN])
+def test_the_truth_has_converged(seed):
+    exact = orbit(drawn(seed), RTOL)
+    assert np.abs(orbit(drawn(seed), RTOL / 10) - exact).max() < 1e-6 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("tolerance", TOLERANCES)
