@@ -73,6 +73,7 @@ EXAMPLES = [
         ("from_ross", "rubbing.toml"),
         ("jeffcott_rub", "jeffcott.toml"),
         ("magnetic_bearing", "compressor.toml"),
+        ("newkirk", "rotor.toml"),
         ("paper_rig", "rig.toml"),
         ("studies", "whip.toml"),
     )

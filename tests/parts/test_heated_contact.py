@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -88,12 +89,13 @@ def _bow(sim):
 
 
 def _rate(text, speed, lasting, **settings):
-    """The rate of growth and spiral of a bow [1/s]: b(t) = c (exp(rate t) - 1), from 0 on."""
+    """The rate of growth and spiral of a bow [1/s], c exp(rate t) + rest, at three even times."""
     sim = Simulation(parse_rotor(text), choose(**settings), speed=speed, warn=lambda _: None)
-    sim.advance(lasting, speed)
-    first = _bow(sim)
-    sim.advance(2.0 * lasting, speed)
-    return cmath.log(_bow(sim) / first - 1.0) / lasting
+    bows = []
+    for i in range(3):
+        sim.advance((i + 1) * lasting, speed)
+        bows.append(_bow(sim))
+    return cmath.log((bows[2] - bows[1]) / (bows[1] - bows[0])) / lasting
 
 
 # Reference B5: growth and spiral over q, of p/q = 0.5 and a damping of 0.02
@@ -110,16 +112,81 @@ def test_a_bow_grows_and_turns_as_kellenbergers_closed_form(s, expected):
     """A = 1 / (1 - s^2 + 2 i z s), rate = q (A / 2 - 1), for a bow that is slow."""
     q = _SLOW / abs(expected)
     text, speed = _jeffcott(s, q)
-    rate = _rate(text, speed, 1.0 / _SLOW) / q
+    rate = _rate(text, speed, 0.5 / _SLOW) / q
     assert rate.real == pytest.approx(expected.real, rel=1e-2)
     assert rate.imag == pytest.approx(expected.imag, rel=1e-2)
+
+
+_DAMPED = "cxx = 2e3\ncyy = 2e3\n"
+_SEAT = f"[[linear_bearing]]\nnode = {{}}\nkxx = 3e6\nkyy = 3e6\n{_DAMPED}"
+_FLEXIBLE = f"""
+gravity = 0.0
+[material]
+young = 2.1e11
+density = 7850.0
+[shaft]
+nodes = [0.0, 0.1, 0.3, 0.45, 0.6]
+diameters = [0.03, 0.04, 0.03, 0.025]
+eta_v = 1e-5
+rotating_damping = true
+[[disc]]
+node = 3
+diameter = 0.25
+width = 0.03
+e = 1e-7
+{_SEAT.format(1)}
+{_SEAT.format(5)}
+[[heated_contact]]
+node = 4
+journal_radius = 0.05
+clearance = 1e-11
+mu = 0.2
+k = 1e4
+c = 0.0
+bow_per_heat = 2e-6
+bow_decay = 0.1
+"""
+
+
+def _eigenvalue(text, speed):
+    """The slow root [1/s] of shaft and bow together, seen from the shaft, by dense matrices."""
+    s = assemble(parse_rotor(text))
+    n = len(s.M)
+    M, C, K, G, K_shaft = (
+        to_dense(band).astype(complex) for band in (s.M, s.C, s.K, s.G, s.K_shaft)
+    )
+    K += -1j * 1e-5 * speed * K_shaft
+    for end in (0, n - 2):
+        K[end, end] += 3e6
+        C[end, end] += 2e3
+    ring = 6
+    K[ring, ring] += 1e4 * (1.0 + 0.2j)
+    D = C - 1j * speed * G
+    A = np.zeros((2 * n + 1, 2 * n + 1), complex)
+    A[:n, n : 2 * n] = np.eye(n)
+    A[n : 2 * n, :n] = -np.linalg.solve(M, K + 1j * speed * D - speed**2 * M)
+    A[n : 2 * n, n : 2 * n] = -np.linalg.solve(M, D + 2j * speed * M)
+    A[n : 2 * n, -1] = np.linalg.solve(M, s.bow_forces[0])
+    A[-1, ring], A[-1, -1] = 2e-6 * 0.2 * 1e4 * 0.05 * speed, -0.1
+    roots = np.linalg.eigvals(A)
+    return roots[np.argmin(abs(roots))]
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_flexible_shaft_grows_it_as_the_eigenvalues_of_shaft_and_bow_say(share):
+    """Masses, gyroscopics, bearings, damping that turns and the ring's own friction included."""
+    speed = share * abs(_natural(_FLEXIBLE))
+    expected = _eigenvalue(_FLEXIBLE, speed)
+    assert (expected.real > 0.0) == (share < 1.0)
+    rate = _rate(_FLEXIBLE, speed, 0.7 / abs(expected), tolerance=1e-4)
+    assert rate == pytest.approx(expected, rel=5e-3)
 
 
 def test_a_step_in_stages_grows_it_alike():
     expected = SPIRALS[0.95]
     q = _SLOW / abs(expected)
     text, speed = _jeffcott(0.95, q)
-    rate = _rate(text, speed, 1.0 / _SLOW, method="radau5") / q
+    rate = _rate(text, speed, 0.5 / _SLOW, method="radau5") / q
     assert rate == pytest.approx(expected, rel=1e-2)
 
 
