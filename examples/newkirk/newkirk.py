@@ -7,9 +7,10 @@ import cmath
 import math
 import sys
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
+from matplotlib.projections.polar import PolarAxes
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -79,12 +80,12 @@ def expected(machine: Rotor, speed: np.ndarray) -> np.ndarray:
 def draw_spirals(path: Path, machine: Rotor) -> None:
     """The disc's vibration, seen from the shaft, below the critical speed and above."""
     figure, _ = new_panels(7.0, 3.9, 1)
-    figure.clear()
+    figure.clear()  # its axes are not polar
     root = abs(critical(machine))
     for i, (s, seconds, color) in enumerate(((BELOW, 304.0, ORANGE), (ABOVE, 304.0, BLUE)), 1):
         speed = s * root
         history = run(machine, speed, seconds, 4.0)
-        axes = figure.add_subplot(1, 2, i, projection="polar")
+        axes = cast(PolarAxes, figure.add_subplot(1, 2, i, projection="polar"))
         z = history.vibration
         axes.plot(np.angle(z), 1e6 * np.abs(z), color=color, lw=1.2)
         minutes = np.flatnonzero(np.isclose((history.t - SETTLES) % 60.0, 0.0))
