@@ -36,7 +36,8 @@ _SHARE, _LEAST = 1e-7, 1e-10
 @jit
 def _kinematics(stages, i, j):
     """Return the `Kinematics` of an interface at a stage."""
-    return Kinematics(stages.d[i, j], stages.v_relative[i, j], stages.omega[i], stages.omega[i])
+    speed, angle = stages.omega[i], stages.theta[i]
+    return Kinematics(stages.d[i, j], stages.v_relative[i, j], speed, speed, angle)
 
 
 @jit
@@ -141,7 +142,7 @@ def _take_tangent(structure, h, old, stages, i, j):
             change = abs(states[s]) + h * abs(stages.law_rate[i, first + s])
             step = _SHARE * change + _LEAST
             spare[s] += step
-        beside = Kinematics(d, v, moving.speed, moving.sliding_speed)
+        beside = Kinematics(d, v, moving.speed, moving.sliding_speed, moving.angle)
         rates = stages.trial_rate
         law_rates(structure.laws, interface, beside, spare, rates)
         for s in range(count):

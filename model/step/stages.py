@@ -20,6 +20,7 @@ from ..kernels.functions import inverse
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..schemes.radau import A_SQUARED, END_SLOPE, LAMBDA, SHARES, STAGES, T_INVERSE, A, C, T
+from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
 from .laws import MOST_STATES, first_broken, relative
 from .stage_problem import solve_stages
@@ -242,6 +243,7 @@ def _free_response(structure, spin, h, old, stages):
             right[i] = at_start[i] + ahead * by_time[i]
         at = spin_of_stage(stages, k)
         add_applied(structure, at, stages.loads[k], right)
+        add_bows(structure, at, ahead, old, right)
         _add_differences(structure, spin, at, ahead, old, scratch, right)
         for s in range(STAGES):
             share = T_INVERSE[s, k]
