@@ -36,7 +36,16 @@ Native = Annotated[
     bool,
     typer.Option("--native", help="Build the FMU that needs no Python, RotorBearingNative.fmu."),
 ]
-Fmi = Annotated[int, typer.Option("--fmi", help="Version of FMI: 2, or, with --native, 3.")]
+Source = Annotated[
+    bool,
+    typer.Option(
+        "--source",
+        help="Build the FMU of C source, RotorBearingSource.fmu, which its host compiles.",
+    ),
+]
+Fmi = Annotated[
+    int, typer.Option("--fmi", help="Version of FMI: 2, or, with --native or --source, 3.")
+]
 Reduction = Annotated[
     int,
     typer.Option(
@@ -52,6 +61,7 @@ def build(
     rotor: RotorFile = None,
     is_free: Free = False,
     is_native: Native = False,
+    is_source: Source = False,
     fmi: Fmi = 2,
     platforms: Carried = None,
     reduction: Reduction = 0,
@@ -67,13 +77,19 @@ def build(
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
         raise InputError(f"--fmi {fmi}: must be 2 or 3")
-    if fmi == 3 and not is_native:
-        raise InputError("--fmi 3: only with --native")
+    if fmi == 3 and not (is_native or is_source):
+        raise InputError("--fmi 3: only with --native or --source")
+    if is_source and (is_native or platforms):
+        raise InputError("--source: an FMU without libraries; leave out --native and --platform")
     names = _known(platforms, tuple(PLATFORMS) if is_native else SYSTEMS)
     folder, result = writable_folder(out), machine_warnings(machine)
     for warning in result:
         typer.echo(f"warning: {warning}", err=True)
-    if is_native:
+    if is_source:
+        from ..fmi.packing.source_fmu import build_source
+
+        fmu = build_source(folder, toml, is_free, fmi, reduction)
+    elif is_native:
         fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction)
     else:
         fmu = build_python(folder, toml, is_free, reduction, names or None)

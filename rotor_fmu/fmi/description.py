@@ -46,7 +46,7 @@ class Described:
 
     rotor: the machine; identifier: the model identifier, which the FMU's libraries are named after;
     guid: see `guid`; tool: what generated it; needs_python: whether it runs in the Python of its
-    host.
+    host; sources: the files that a host compiles, where there are no libraries.
     """
 
     rotor: Rotor
@@ -54,6 +54,7 @@ class Described:
     guid: str = ""
     tool: str = f"rotor-fmu {__version__}"
     needs_python: bool = False
+    sources: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -213,7 +214,11 @@ def _fmi2(of: Described, table: Sequence[Variable]) -> Element:
         canGetAndSetFMUstate=True,
         canSerializeFMUstate=True,
     )
-    SubElement(root, "CoSimulation", abilities)
+    simulated = SubElement(root, "CoSimulation", abilities)
+    if of.sources:
+        files = SubElement(simulated, "SourceFiles")
+        for name in of.sources:
+            SubElement(files, "File", name=name)
     _common(root, of.rotor)
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):

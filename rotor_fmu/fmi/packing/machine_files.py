@@ -18,6 +18,7 @@ from .archive import DESCRIPTION, xml_bytes
 from .documents import documents
 
 ROTOR_FILE = "resources/rotor.toml"
+NATIVE, SOURCE = "Native", "Source"
 _LONGEST = 48  # identifier: some file systems and hosts take no more with what follows it
 
 
@@ -31,18 +32,19 @@ class Machine:
     table: Sequence[Variable]
     is_free: bool
 
-    def identifier(self, is_native: bool = False) -> str:
+    def identifier(self, kind: str = "") -> str:
         """Return the FMU's identifier, after which its file is named too."""
-        return fmu_identifier(self.rotor, self.is_free, is_native)
+        return fmu_identifier(self.rotor, self.is_free, kind)
 
 
-def fmu_identifier(rotor: Rotor, is_free: bool = False, is_native: bool = False) -> str:
+def fmu_identifier(rotor: Rotor, is_free: bool = False, kind: str = "") -> str:
     """Return what a machine's FMU is called: what its file says, else its name in one word; `Free`
-    behind it where a torque drives it, `Native` where it needs no Python."""
+    behind it where a torque drives it, and its kind, `NATIVE` or `SOURCE`, where it needs no
+    Python."""
     words = re.findall(r"[A-Za-z0-9]+", rotor.name)
     name = "".join(word[0].upper() + word[1:] for word in words)[:_LONGEST]
     name = rotor.identifier or (name if name and not name[0].isdecimal() else f"Rotor{name}")
-    return f"{name}{'Free' * is_free}{'Native' * is_native}"
+    return f"{name}{'Free' * is_free}{kind}"
 
 
 def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:

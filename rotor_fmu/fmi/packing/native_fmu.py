@@ -10,7 +10,7 @@ from ...library.platforms import PLATFORMS, Platform
 from ...library.universal import universal
 from ..description import Described
 from .archive import write_archive
-from .machine_files import machine_files, machine_of
+from .machine_files import NATIVE, machine_files, machine_of
 
 
 def build_native(
@@ -30,7 +30,7 @@ def build_native(
     library is missing and cannot be made, and `OSError` if `out` cannot be written.
     """
     machine = machine_of(rotor_toml, is_free, reduction)
-    name = machine.identifier(is_native=True)
+    name = machine.identifier(NATIVE)
     contents = machine_files(machine, Described(machine.rotor, name), fmi)
     contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)
     out.mkdir(parents=True, exist_ok=True)
