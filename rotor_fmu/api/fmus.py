@@ -27,6 +27,7 @@ def build_fmu(
     fmi: int = 2,
     platforms: Sequence[str] | None = None,
     reduction: int = 0,
+    step: float | None = None,
 ) -> Path:
     """Build a machine's FMU in a folder and return its path.
 
@@ -49,6 +50,8 @@ def build_fmu(
         of linux64 and win64 that are there.
     reduction : int
         Component modes to keep of the shaft; 0 keeps the whole shaft.
+    step : float, optional
+        Fixed step length of an FMU for real time [s], which needs no Python.
 
     Returns
     -------
@@ -79,6 +82,8 @@ def build_fmu(
         raise InputError("fmi = 3: only with is_native or is_source")
     if is_source and (is_native or platforms):
         raise InputError("is_source: an FMU without libraries; leave out is_native and platforms")
+    if step is not None and not (is_native or is_source):
+        raise InputError(f"step = {step:g} s: only with is_native or is_source")
     allowed = tuple(PLATFORMS) if is_native else SYSTEMS
     for name in platforms or ():
         if name not in allowed:
@@ -86,10 +91,10 @@ def build_fmu(
     if is_source:
         from ..fmi.packing.source_fmu import build_source
 
-        return build_source(Path(folder), machine.toml, is_free, fmi, reduction)
+        return build_source(Path(folder), machine.toml, is_free, fmi, reduction, step)
     if is_native:
         names = platforms or allowed
-        return build_native(Path(folder), machine.toml, is_free, fmi, names, reduction)
+        return build_native(Path(folder), machine.toml, is_free, fmi, names, reduction, step)
     return build(Path(folder), machine.toml, is_free, reduction, platforms)
 
 

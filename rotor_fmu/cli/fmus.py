@@ -12,7 +12,9 @@ from ..fmi.packing.python_fmu import SYSTEMS
 from ..library.build import library
 from ..library.platforms import LIBRARIES, PLATFORMS, WASM
 from ..model.kernels.library import here
+from ..model.settings.table import BY_NAME, Number
 from ..output_options import with_output_options
+from ..units import in_si
 from .shared import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
@@ -54,6 +56,14 @@ Reduction = Annotated[
         help="Component modes of the shaft (solver.reduction, fixed in the FMU); 0: no reduction.",
     ),
 ]
+RealTime = Annotated[
+    str | None,
+    typer.Option(
+        "--realtime",
+        help="With --native or --source: an FMU for real time with this fixed step, such as 0.05ms "
+        "(preset realtime, solver.h); a number without unit is in s.",
+    ),
+]
 
 
 @with_output_options
@@ -65,6 +75,7 @@ def build(
     fmi: Fmi = 2,
     platforms: Carried = None,
     reduction: Reduction = 0,
+    realtime: RealTime = None,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
@@ -81,6 +92,9 @@ def build(
         raise InputError("--fmi 3: only with --native or --source")
     if is_source and (is_native or platforms):
         raise InputError("--source: an FMU without libraries; leave out --native and --platform")
+    if realtime is not None and not (is_native or is_source):
+        raise InputError(f"--realtime {realtime}: only with --native or --source")
+    step = None if realtime is None else _step(realtime)
     names = _known(platforms, tuple(PLATFORMS) if is_native else SYSTEMS)
     folder, result = writable_folder(out), machine_warnings(machine)
     for warning in result:
@@ -88,9 +102,9 @@ def build(
     if is_source:
         from ..fmi.packing.source_fmu import build_source
 
-        fmu = build_source(folder, toml, is_free, fmi, reduction)
+        fmu = build_source(folder, toml, is_free, fmi, reduction, step)
     elif is_native:
-        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction)
+        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction, step)
     else:
         fmu = build_python(folder, toml, is_free, reduction, names or None)
     typer.echo(fmu)
@@ -108,6 +122,15 @@ def core(platforms: Platforms = None) -> dict[str, Any]:
     for library_file in made.values():
         typer.echo(library_file)
     return made
+
+
+def _step(text: str) -> float:
+    step, setting = in_si("--realtime", text, "s"), BY_NAME["h"]
+    assert isinstance(setting, Number)
+    allowed = setting.range
+    if not allowed.low < step <= allowed.high:
+        raise InputError(f"--realtime {text}: {allowed.words(' s')}")
+    return step
 
 
 def _known(platforms: list[str] | None, allowed: tuple[str, ...]) -> list[str]:

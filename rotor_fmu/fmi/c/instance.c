@@ -174,7 +174,7 @@ Status leave_initialization(Instance *m)
     if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m))
         return ERROR;
     m->state->phase = STEPPING;
-    return OK;
+    return m->is_whole ? take_state(m, &m->before) : OK; /* steps then need no memory */
 }
 
 Status terminate(Instance *m)

@@ -17,16 +17,18 @@ def build_source(
     is_free: bool = False,
     fmi: int = 2,
     reduction: int = 0,
+    step: float | None = None,
 ) -> Path:
     """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
     `out` and return its path, which `machine_files.fmu_identifier` names. A host compiles it.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
-    standard; reduction: component modes kept of the shaft, 0 for all of it. Raises `QuantityError`
-    for an impossible rotor, `InputError` where a tool that makes C of the kernels is missing,
+    standard; reduction: component modes kept of the shaft, 0 for all of it; step: fixed step length
+    of an FMU for real time [s]. Raises `QuantityError` for an impossible rotor, `SettingsError` for
+    an impossible step, `InputError` where a tool that makes C of the kernels is missing,
     `CoreError` where it fails, and `OSError` if `out` cannot be written.
     """
-    machine = machine_of(rotor_toml, is_free, reduction)
+    machine = machine_of(rotor_toml, is_free, reduction, step)
     name = machine.identifier(SOURCE)
     sources = source_files()
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))
