@@ -19,6 +19,7 @@ from .machines import DISCS, balanced, overhung
 from .whip import overhung_machine
 
 next_length = interpreted(error_control.next_length)
+next_stage_length = interpreted(error_control.next_stage_length)
 repeated_length = interpreted(error_control.repeated_length)
 
 
@@ -194,6 +195,17 @@ def test_the_controller_keeps_to_its_limits():
     assert next_length(1e-3, 1e-3, 1e6, 1.0) == pytest.approx(SHRINKAGE * 1e-3)
     # a growing error
     assert next_length(1e-3, 1e-3, 0.5, 0.1) < next_length(1e-3, 1e-3, 0.5, 0.5)
+
+
+@pytest.mark.parametrize(
+    ("propose", "error_gain", "trend_gain"),
+    [(next_length, 0.35, 0.2), (next_stage_length, 0.175, 0.1)],
+    ids=["generalized-alpha", "radau5"],
+)
+@pytest.mark.parametrize(("error", "before"), [(0.5, 0.6), (0.5, 0.3), (0.9, 0.9), (0.3, 0.1)])
+def test_the_controller_has_the_gains_of_its_order(propose, error_gain, trend_gain, error, before):
+    factor = 0.8 * error**-error_gain * (before / error) ** trend_gain
+    assert propose(1e-3, 1e-3, error, before) == pytest.approx(factor * 1e-3, rel=1e-12)
 
 
 def test_a_step_cut_short_neither_shortens_nor_hinders_the_next():
