@@ -12,7 +12,7 @@ from ..step.excitation import at_place
 from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
 from ..warnings import COARSEST_IN_CONTACT, SLOW
-from .control import CONTROLLED
+from .control import CONTROLLED, REALTIME
 from .energy import total_energy
 from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
 
@@ -183,9 +183,9 @@ def monitor_losses(structure, control, motion, memory, work):
     touched with that of the machine's dampers.
 
     Not of error control: its steps resolve every growth that the survey has seen, and their other
-    errors are within the tolerance.
+    errors are within the tolerance. Nor in real time, where every step takes as long as another.
     """
-    if control.mode == CONTROLLED:
+    if control.mode == CONTROLLED or control.mode == REALTIME:
         return
     r = memory.record[0]
     if math.isnan(r.touched_at):
