@@ -1,6 +1,5 @@
 """No run that says nothing is far from what CVODE finds: machines drawn at random, the examples."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -44,7 +43,7 @@ def test_a_machine_keeps_what_a_tolerance_promises(seed, method):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [*QUICK, *BROKEN])
+@pytest.mark.parametrize("seed", [*QUICK, *PRESSED])
 def test_the_truth_has_converged(seed):
     exact = orbit(drawn(seed), RTOL)
     assert np.abs(orbit(drawn(seed), RTOL / 10) - exact).max() < 1e-6 * np.abs(exact).max()
@@ -59,11 +58,7 @@ def test_the_rows_of_the_page_keep_the_promise_and_hold_few_false_alarms(toleran
         if (row.group, row.tolerance) == ("drawn", tolerance)
     }
     assert len(runs) >= 200
-    off = {name for name, run in runs.items() if not is_kept(*run)}
-    assert off <= {drawn(seed).name for seed in BROKEN}
-    for name in off:  # in its orbit, not in its largest displacement
-        run, *given = runs[name]
-        assert is_kept(replace(run, orbit=0.0), *given)
+    assert [name for name, run in runs.items() if not is_kept(*run)] == []
     assert sum(is_false_alarm(*run) for run in runs.values()) < 0.01 * len(runs)
 
 
