@@ -10,6 +10,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.heated_contact import HeatedContact
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing
@@ -162,6 +163,7 @@ NEAR = {**WALL, "clearance": 1e-5}
 AWAY = {**WALL, "clearance": 0.1}
 STILL = {"race_inertia": 1e9}
 FILM = {"length": 0.02, "journal_radius": 0.02, "clearance": 1e-4, "short": True}
+HEAT = {"bow_per_heat": 1e-9, "bow_decay": 0.1}
 BALLS = {"count": 8, "pitch_diameter": 0.05, "element_diameter": 0.01, "k": 1e9}
 TOUCHES = ("compression", "contact_loss", "friction_loss")
 # A part with a law and its entries of the ledger; such a part, and what acts as it does: another
@@ -186,6 +188,11 @@ KINDS = {
         ClearanceContact(node=2, **WALL, k_t=1e6),
         TOUCHES,
         (ClearanceContact(node=2, **AWAY, k_t=1e6),),
+    ),
+    "heated_contact": (
+        HeatedContact(node=2, **WALL, **HEAT),
+        TOUCHES,
+        (HeatedContact(node=2, **AWAY, **HEAT),),
     ),
     "bearing": (
         Bearing(node=2, **NEAR, mass=1.0, kx=1e6, ky=1e6, cx=500.0, cy=500.0),
