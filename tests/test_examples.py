@@ -165,3 +165,21 @@ def test_a_rotor_in_oil_films_whirls_past_its_threshold_and_stays_at_its_natural
     assert whirl == pytest.approx(lowest, rel=0.08)
     assert np.abs(history["journal"][-500:]).max() > 0.9 * example["CLEARANCE"]
     assert abs(history["residual"][0]) < 1e-4 * history["lost"][0]
+
+
+# --- squeeze film ---
+
+
+def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
+    """A little beyond each fold, since the speed does not wait there; on either side the orbit is
+    the closed form's."""
+    example = script("squeeze_film", "squeeze_film.py")
+    rising, falling = example["closed_form"](np.array(example["folds"]()))[0][1]
+    up = example["sweep"](1.2, 1.7, seconds=30.0)[60:]
+    down = example["sweep"](1.7, 1.2, seconds=30.0)[60:]
+    for swept, fold, beyond, flanks in ((up, rising, 1, (0, 1)), (down, falling, -1, (1, 0))):
+        jump = swept[np.argmax(np.abs(np.diff(swept[:, 1]))), 0]
+        assert 0.0 <= beyond * (jump - fold) < 0.03 * fold
+        for (speed, orbit), flank in zip((swept[0], swept[-1]), flanks, strict=True):
+            expected = example["closed_form"](np.array([orbit]))[0][flank, 0]
+            assert speed == pytest.approx(expected, rel=5e-3)

@@ -9,7 +9,7 @@ their names, and of the node's `Kinematics` relative to the housing:
     dissipate(part, tables, kinematics, own, out)               -> torque
     rates(part, tables, kinematics, own, out)
     observe(part, tables, kinematics, own, out)
-    opening(part, displacement)                                 -> distance
+    gap(part, displacement)                                     -> distance
     length(part)                                                -> scale
     breaks(part, tables, displacement)                          -> whether it does
 
@@ -109,7 +109,7 @@ class Law:
         Energies that it stores [J], in the order in which `energy` returns them.
     losses : tuple of Output
         Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
-    opening, length, rates, breaks : callable
+    gap, length, rates, breaks : callable
         Compiled functions of a law with a wall, with a length of its own, with states, with
         displacements that it does not allow.
     states : tuple of float

@@ -39,7 +39,8 @@ class Stages(NamedTuple):
     the interfaces without their forces, d, v_relative: with them; by_d, by_v: what forces at all
     stages do to these. acts: which interfaces do, law_force, law_state, law_rate: what the laws
     say; tangent: of forces and rates by displacement, velocity, and states. jacobian, solution,
-    pivots, unknowns: of Newton's method. housing: accelerations by forces on the housings, in x and
+    pivots: of Newton's method; unknowns: places of the unknowns, of a force with its stage,
+    interface and axis. housing: accelerations by forces on the housings, in x and
     in y; housing_d, housing_v: displacements and velocities. scratch, trial_state, trial_rate:
     scratch of single calls.
     """
@@ -87,7 +88,7 @@ class Stages(NamedTuple):
     ]
     solution: Annotated[np.ndarray, float, "6 * interfaces + 3 * internal_states"]
     pivots: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
-    unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
+    unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states", "4"]
     trial_state: Annotated[np.ndarray, float, f"{MOST_STATES}"]
     trial_rate: Annotated[np.ndarray, float, f"{MOST_STATES}"]
 

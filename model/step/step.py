@@ -269,9 +269,9 @@ def add_interface_force(structure, work, j, force, a):
 
 
 @jit
-def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
+def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, limit):
     """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
-    `fit` what the scheme is fitted with.
+    `fit` what the scheme is fitted with, `limit` as `solve_interfaces` takes it.
 
     Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
     or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
@@ -295,7 +295,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         problem.internal_state[i] = problem.free[i]
     _expect(problem, interfaces, old, weights_of_laws.displacement)
     is_converged, iterations = solve_interfaces(
-        problem, structure.laws, interfaces, spin, weights_of_laws
+        problem, structure.laws, interfaces, spin, weights_of_laws, limit
     )
     if not is_converged:
         return NOT_CONVERGED, iterations
