@@ -23,6 +23,7 @@ _HOW_TO = (
         "rolling_bearings",
         "check_by_api_617",
         "native",
+        "real_time",
         "page",
         "couple_an_fmu",
     ),
