@@ -40,7 +40,7 @@ class CMaster:
         self.library = next((unpacked / "binaries" / platform).iterdir())
         self.idle = folder / "idle"
         self._program = folder / "master"
-        _compile(_HERE / "master.c", self._program, "-ldl", "-lm")
+        compile_c(_HERE / "master.c", self._program, "-ldl", "-lm")
         block = folder / "block"
         simulation = Simulation(rig(), choose(), speed=SPEED)
         block.write_bytes(simulation._block.tobytes())
@@ -63,11 +63,11 @@ class CMaster:
         """A folder with the same FMU, whose library computes nothing."""
         shutil.copytree(self.library.parents[2], self.idle, dirs_exist_ok=True)
         target = self.idle / "binaries" / self.library.parent.name / self.library.name
-        _compile(_HERE / "idle.c", target, "-shared", "-fPIC")
+        compile_c(_HERE / "idle.c", target, "-shared", "-fPIC")
         return self.idle
 
 
-def _compile(source: Path, target: Path, *options: str) -> None:
+def compile_c(source: Path, target: Path, *options: str) -> None:
     subprocess.run(["cc", "-O2", "-o", str(target), str(source), *options], check=True)
 
 

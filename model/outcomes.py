@@ -18,7 +18,7 @@ from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import first_broken
 from .step.status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
 from .time_loop import early_return, equilibrium
-from .time_loop.control import CONTROLLED, FIXED
+from .time_loop.control import CONTROLLED, varies
 
 _TWO_PI = 2 * math.pi
 _ROUNDING = 1e-9  # of a root: an imaginary part below it is what a processor rounds to
@@ -144,7 +144,7 @@ def hidden(run, arguments):
     survey, numbers = run.survey, run.method.numbers[0]
     if numbers.mode == CONTROLLED or not is_stable(numbers):
         return messages.GOOD
-    h = run.memory.record[0].h if numbers.mode == FIXED else numbers.h_max
+    h = run.memory.record[0].h if not varies(numbers.mode) else numbers.h_max
     longest = math.inf
     for i in range(survey.counted[0]):
         whirl = survey.whirls[i]

@@ -14,7 +14,7 @@ DIGESTS = """
 import sys
 from rotor_fmu.model.kernels import digest
 from rotor_fmu.library import build
-print(digest.kernels_digest(), build._emitted(), build.core_digest())
+print(digest.kernels_digest(), build.emitted_digest(), build.core_digest())
 """
 SIMULATION = ("model", "simulation.py")  # runs the kernels, and is none
 

@@ -133,6 +133,25 @@ def test_a_damaged_race_shows_at_the_frequency_at_which_balls_pass():
         assert damaged[at - 1 : at + 2].max() > 5.0 * sound[at - 1 : at + 2].max()
 
 
+# --- heat of a rub ---
+
+
+def test_a_hot_spot_spirals_outwards_below_the_critical_speed_and_inwards_above():
+    example = script("newkirk", "newkirk.py")
+    machine = example["rotor"]()
+    root = abs(example["critical"](machine))
+    for s, is_growing in ((0.8, False), (0.97, True), (1.05, False)):
+        history = example["run"](machine, s * root, 34.0, 5.0)
+        seen = example["rate"](history)
+        closed = example["expected"](machine, np.array([s * root]))[0]
+        assert (seen.real > 0.0) == is_growing
+        # the ring is beside the disc and damps, which the closed form of one mass leaves out
+        assert seen == pytest.approx(closed, rel=0.3)
+        assert seen.imag < 0.0
+    grown = example["run"](machine, 0.97 * root, 124.0, 60.0).vibration
+    assert abs(grown[-1]) > 1.5 * abs(grown[0])
+
+
 # --- oil film ---
 
 

@@ -85,6 +85,32 @@ def out_of_balance(problem, omega, b_d, b_v):
     return b_d * np.abs(rest).max() / CLEARANCE, np.abs(forces - problem.force).max()
 
 
+@pytest.mark.parametrize("limit", [1, 2, 4, 20])
+def test_within_a_limit_the_residual_is_what_the_forces_lack_of_their_laws(limit):
+    """The accelerations follow from the forces whatever they are."""
+    h, omega, scheme = 0.001, 180.0, chung_hulbert(0.2)
+    rng = np.random.default_rng(7)
+    problem = new_problem()
+    b_d, b_v = scheme.beta * h * h, scheme.gamma * h
+    problem.flexibility[:] = step_flexibility(scheme, h, omega)
+    weights, s = Weights(b_d, b_v, 0.0), STRUCTURE
+    residuals = []
+    for _ in range(15):
+        draw(rng, problem, omega, b_d)
+        spin = spin_of(omega, 0.0, 0.0)
+        is_solved, iterations = INTERPRETED(problem, s.laws, s.interfaces, spin, weights, limit)
+        assert is_solved
+        assert 1 <= iterations <= limit
+        _, forces_differ = out_of_balance(problem, omega, b_d, b_v)
+        largest = np.abs(problem.force).max()
+        assert problem.residual[0] == pytest.approx(forces_differ, rel=1e-9, abs=1e-12 * largest)
+        rest = problem.w - problem.w_free
+        moved = as_pairs(rest) - problem.flexibility @ as_pairs(problem.force)
+        assert np.abs(moved).max() <= 1e-9 * max(np.abs(rest).max(), 1.0)
+        residuals.append(problem.residual[0] / (1.0 + largest))
+    assert (np.median(residuals) < 1e-6) == (limit == 20)
+
+
 @pytest.mark.parametrize(
     ("solve", "draws"),
     [(INTERPRETED, 15), pytest.param(solve_interfaces, 300, marks=pytest.mark.slow)],

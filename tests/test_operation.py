@@ -11,7 +11,7 @@ from rotor_fmu.model.quantities import QuantityError
 
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.fmi.packing.machine_files import fmu_identifier
+from rotor_fmu.fmi.packing.machine_files import NATIVE, fmu_identifier
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.operation import operating_speeds
 from rotor_fmu.runs.ramp import RampGiven
@@ -131,7 +131,7 @@ def test_an_operation_that_cannot_be_is_one_line(text, expected):
 def test_an_fmu_is_called_after_its_machine(name, identifier, expected):
     rotor = parse_rotor(operated("", name, identifier))
     assert fmu_identifier(rotor) == expected
-    assert fmu_identifier(rotor, is_free=True, is_native=True) == f"{expected}FreeNative"
+    assert fmu_identifier(rotor, is_free=True, kind=NATIVE) == f"{expected}FreeNative"
 
 
 def test_an_identifier_that_is_none_is_refused():

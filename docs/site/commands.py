@@ -19,7 +19,8 @@ Ctrl-C stopped; neither leaves anything unfinished.
 
 Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to the
 motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4 ms),
-`paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms). `--set
+`paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms),
+`realtime` (0.2, 0.05 ms, at most 4 iterations). `--set
 solver.tolerance=1e-4`, or `--preset robust --set solver.h=1e-4`, and the like change a preset;
 `solver.reduction=4` keeps four component modes of the shaft, which pays where it has many elements.
 A warning names the modes that too few of them would move.

@@ -165,8 +165,20 @@ def _power_of_two(n):
 
 
 @jit
-def root(x, n):
-    """Return the n-th root of x >= 0, n = 3 or 5, within 2 ulp, by Newton's method."""
+def cube_root(x):
+    """Return the cube root of x >= 0 within 2 ulp."""
+    return _root(x, 3)
+
+
+@jit
+def fifth_root(x):
+    """Return the fifth root of x >= 0 within 2 ulp."""
+    return _root(x, 5)
+
+
+@jit
+def _root(x, n):
+    """Return the n-th root of x >= 0, n = 3 or 5, by Newton's method."""
     if not 0.0 < x < math.inf:
         return x
     factor = _power_of_two(n)

@@ -53,10 +53,11 @@ class Settings:
     """Integrator and step control.
 
     method: one of `METHODS`, with the parameters that it takes of alpha_f, alpha_m, rho [1];
-    mode: `fixed`, `adaptive` (paper A's) or `controlled`; h: step length, where it varies the first
-    [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max, limits of the
-    relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`, the latter
-    with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1].
+    mode: `fixed`, `adaptive` (paper A's), `controlled` or `realtime`; h: step length, where it
+    varies the first [s]; h_min, h_max: where it varies [s]. Of the adaptive mode: eps_min, eps_max,
+    limits of the relative error [1]; indicator, one of `INDICATORS`; norm, `increment` or `mixed`,
+    the latter with atol [m] and rtol [1]. Of the controlled mode: tolerance, relative [1]. Of the
+    realtime mode: newton_limit, the most iterations of the interfaces' problem in a step.
     max_iterations: of the interfaces' problem in one call of `Simulation.advance`.
     fitted: whether the method is fitted to the characteristic frequency of the motion (`fitting`).
     reduction: component modes to keep of the shaft (`reduction`); 0: the whole shaft.
@@ -81,6 +82,7 @@ class Settings:
     tolerance: float = DEFAULTS["tolerance"]
     fitted: bool = DEFAULTS["fitted"]
     max_iterations: int = DEFAULTS["max_iterations"]
+    newton_limit: int = DEFAULTS["newton_limit"]
     reduction: int = 0
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ from ..kernels.jit import jit
 from ..schemes.family import alphas, second_order
 from ..schemes.radau import ERROR_CONSTANT, STAGES
 from ..stability.resolution import is_stable
-from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED
+from ..time_loop.control import ADAPTIVE, CONTROLLED, REALTIME, varies
 from . import messages
 from .table import (
     BY_NAME,
@@ -36,9 +36,12 @@ _METHOD, _SHAPE, _MODE, _FITTED, _TOLERANCE, _H, _H_MIN, _H_MAX = (
     NAMES.index(name)
     for name in ("method", SHAPES[0], "mode", "fitted", "tolerance", "h", "h_min", "h_max")
 )
-_EPS_MIN, _EPS_MAX, _INDICATOR, _NORM, _ATOL, _RTOL, _MAX_ITERATIONS = (
+_EPS_MIN, _EPS_MAX, _INDICATOR, _NORM, _ATOL, _RTOL, _MAX_ITERATIONS, _NEWTON_LIMIT = (
     NAMES.index(name)
-    for name in ("eps_min", "eps_max", "indicator", "norm", "atol", "rtol", "max_iterations")
+    for name in (
+        *("eps_min", "eps_max", "indicator", "norm", "atol", "rtol"),
+        *("max_iterations", "newton_limit"),
+    )
 )
 _SHAPES = len(SHAPES)
 _NEWMARK, _HHT, _WBZ, _CHUNG_HULBERT = (
@@ -104,7 +107,7 @@ def resolve(given, numbers, arguments):
             return messages.OUT_OF_RANGE + slot
     mode = int(_MODES[int(given[1 + _MODE])])
     h, h_min, h_max = given[1 + _H], given[1 + _H_MIN], given[1 + _H_MAX]
-    if mode != FIXED and not (h_min <= h <= h_max):
+    if varies(mode) and not (h_min <= h <= h_max):
         arguments[0], arguments[1], arguments[2] = h, h_min, h_max
         return messages.STEP_OUTSIDE
     if mode == ADAPTIVE and not given[1 + _EPS_MIN] < given[1 + _EPS_MAX]:
@@ -159,6 +162,7 @@ def _fill(numbers, given, mode, scheme):
     numbers.error_constant = scheme.beta + shift - 1 / 6
     numbers.is_fitted = int(given[1 + _FITTED])
     numbers.stages = 0
+    numbers.newton_limit = int(given[1 + _NEWTON_LIMIT]) if mode == REALTIME else 0
 
 
 @jit

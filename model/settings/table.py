@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..schemes.family import ALPHA, RHO, Range
-from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED
+from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED, REALTIME
 from ..time_loop.paper_control import INCREMENT_NORM, LI_ZENG_WIBERG, MIXED_NORM, ZIENKIEWICZ_XIE
 
 # The parameters that each method takes.
@@ -24,7 +24,7 @@ METHODS = {
     "radau5": (),
 }
 IN_STAGES = "radau5"  # the method that is no member of the family
-MODES = {"fixed": FIXED, "adaptive": ADAPTIVE, "controlled": CONTROLLED}
+MODES = {"fixed": FIXED, "adaptive": ADAPTIVE, "controlled": CONTROLLED, "realtime": REALTIME}
 # name: (indicator, whether with the constant that is right for generalized-alpha)
 INDICATORS = {
     "zienkiewicz-xie": (ZIENKIEWICZ_XIE, False),
@@ -150,6 +150,16 @@ SETTINGS: tuple[Choice | Number, ...] = (
         "ends early; each step counts at least one",
         is_whole=True,
     ),
+    Number(
+        "newton_limit",
+        "1",
+        Range(1, 1000),
+        4,
+        0,
+        "realtime mode: largest number of iterations of the interface problem in a step, which "
+        "then takes what they have reached",
+        is_whole=True,
+    ),
 )
 NAMES = tuple(setting.name for setting in SETTINGS)
 BY_NAME = dict(zip(NAMES, SETTINGS, strict=True))
@@ -163,6 +173,7 @@ _OF_MODE = {
     "fixed": (),
     "adaptive": ("h_min", "h_max", "eps_min", "eps_max", "indicator", "norm"),
     "controlled": ("h_min", "h_max", "tolerance"),
+    "realtime": ("newton_limit",),
 }
 _OF_MIXED = ("atol", "rtol")
 
@@ -203,5 +214,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "h_max": 5e-3,
         "fitted": True,
     },
+    # A controller at 20 kHz in the loop.
+    "realtime": {"method": "chung-hulbert", "rho": 0.2, "mode": "realtime", "h": 5e-5},
 }
 DEFAULT_PRESET = "controlled"

@@ -15,7 +15,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.functions import modulus
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_inlined, jit_not_inlined
 from ..parts.law import Kinematics
 from .laws import law_gap, law_tangent
 
@@ -38,7 +38,8 @@ TOLERANCE = 1e-8
 class InterfaceProblem(NamedTuple):
     """Arrays of the problem for m interfaces: d0 [m], d0_dot [m/s], w_free, w [m/s2], force [N],
     its tangent dF = p dw + q conj(dw) [kg], each complex of shape (m,); free, internal_state:
-    states of the laws, predicted and solved; flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
+    states of the laws, predicted and solved; residual: what the forces lack of their laws' where
+    the iterations are limited [N], shape (1,); flexibility W [1/kg], shape (2 m, 2 m), of (x, y)
     pairs; of Newton's matrix the columns that are not the identity's, and their places; scratch."""
 
     d0: Annotated[np.ndarray, complex, "interfaces"]
@@ -51,6 +52,7 @@ class InterfaceProblem(NamedTuple):
     q: Annotated[np.ndarray, complex, "interfaces"]
     free: Annotated[np.ndarray, float, "internal_states"]
     internal_state: Annotated[np.ndarray, float, "internal_states"]
+    residual: Annotated[np.ndarray, float, "1"]
     flexibility: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     jacobian: Annotated[np.ndarray, float, "2 * interfaces", "2 * interfaces"]
     correction: Annotated[np.ndarray, float, "2 * interfaces"]
@@ -115,7 +117,7 @@ def _linearize(problem, laws, interfaces, spin, weights):
         if interface.states == 0 and not law_gap(laws, interface, d) < 0.0:
             continue
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
-        kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding)
+        kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding, spin.theta)
         free, internal_state = (
             problem.free[interface.internal_state :],
             problem.internal_state[interface.internal_state :],
@@ -158,14 +160,80 @@ def _start(problem, laws, interfaces, place, b_d):
         problem.w[j] = w
 
 
+@jit_inlined
+def _correct(problem, interfaces, relax, b_d):
+    """Take a share of Newton's correction; returns whether it was the last."""
+    is_converged = True
+    for j in range(len(interfaces)):
+        change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
+        problem.w[j] += relax * change
+        problem.force[j] += relax * (problem.p[j] * change + problem.q[j] * change.conjugate())
+        if not b_d * modulus(change) <= TOLERANCE * interfaces[j].length:
+            is_converged = False
+    return is_converged
+
+
 @jit
-def solve_interfaces(problem, laws, interfaces, spin, weights):
+def _residual(problem, laws, interfaces, spin, weights):
+    """Return the largest difference between an interface's force and its law's [N]."""
+    largest = 0.0
+    for j in range(len(interfaces)):
+        interface, at = interfaces[j], interfaces[j].internal_state
+        d = problem.d0[j] + weights.displacement * problem.w[j]
+        d_dot = problem.d0_dot[j] + weights.velocity * problem.w[j]
+        force = problem.force[j]
+        if interface.states > 0 or law_gap(laws, interface, d) < 0.0:
+            moving = Kinematics(d, d_dot, spin.omega, spin.sliding)
+            free, internal_state = problem.free[at:], problem.internal_state[at:]
+            force -= law_tangent(laws, interface, moving, weights, free, internal_state)[0]
+        largest = max(largest, modulus(force))
+    return largest
+
+
+@jit_not_inlined
+def _solve_within(problem, laws, interfaces, spin, weights, limit):
+    """Take at most `limit` of Newton's iterations from where the nodes are expected, and go on with
+    the forces reached; fills problem.residual and returns the iterations."""
+    b_d = weights.displacement
+    _start(problem, laws, interfaces, EXPECTED, b_d)
+    iterations = 0
+    is_converged = False
+    while iterations < limit and not is_converged:
+        iterations += 1
+        if not _linearize(problem, laws, interfaces, spin, weights):
+            _follow_forces(problem)
+            break
+        is_converged = _correct(problem, interfaces, 1.0, b_d)
+    problem.residual[0] = _residual(problem, laws, interfaces, spin, weights)
+    return iterations
+
+
+@jit
+def _follow_forces(problem):
+    """Make problem.w what the forces make of it."""
+    for i in range(len(problem.w)):
+        w = problem.w_free[i]
+        for j in range(len(problem.w)):
+            force = problem.force[j]
+            x = problem.flexibility[2 * i, 2 * j : 2 * j + 2]
+            y = problem.flexibility[2 * i + 1, 2 * j : 2 * j + 2]
+            w += complex(
+                x[0] * force.real + x[1] * force.imag, y[0] * force.real + y[1] * force.imag
+            )
+        problem.w[i] = w
+
+
+@jit
+def solve_interfaces(problem, laws, interfaces, spin, weights, limit=0):
     """Solve for problem.w, problem.force and problem.own; returns (converged, iterations).
 
-    interfaces: records, shape (m,); weights: b_d, b_v and b_own.
+    interfaces: records, shape (m,); weights: b_d, b_v and b_own; limit: of the iterations, whose
+    result is then taken as it is; 0 for none.
     Plain Newton from where it slid before cycles between open and closed in some coarse steps;
     `ATTEMPTS` lists what is then done. `iterations` counts those of all attempts.
     """
+    if limit > 0:
+        return True, _solve_within(problem, laws, interfaces, spin, weights, limit)
     iterations, b_d = 0, weights.displacement
     for place, relax, limit in ATTEMPTS:
         _start(problem, laws, interfaces, place, b_d)
@@ -173,15 +241,6 @@ def solve_interfaces(problem, laws, interfaces, spin, weights):
             iterations += 1
             if not _linearize(problem, laws, interfaces, spin, weights):
                 break
-            is_converged = True
-            for j in range(len(interfaces)):
-                change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
-                problem.w[j] += relax * change
-                problem.force[j] += relax * (
-                    problem.p[j] * change + problem.q[j] * change.conjugate()
-                )
-                if not b_d * modulus(change) <= TOLERANCE * interfaces[j].length:
-                    is_converged = False
-            if is_converged:
+            if _correct(problem, interfaces, relax, b_d):
                 return True, iterations
     return False, iterations

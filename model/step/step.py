@@ -17,6 +17,7 @@ from ..kernels.functions import modulus
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..parts.law import Weights
+from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
 from .laws import first_broken, kinematics, law_force, law_rates, relative
@@ -104,6 +105,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     for i in range(n):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
+    add_bows(structure, spin, 0.0, motion, f)
     add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
@@ -203,6 +205,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
         free[i] = 0.0
         scratch[i] = 0.0
     add_applied(structure, spin, loads, free)
+    add_bows(structure, spin, h, old, free)
     for i in range(n):
         free[i] *= share
         scratch[i] = af * old.v_dot[i] - am * old.a[i]
@@ -266,9 +269,9 @@ def add_interface_force(structure, work, j, force, a):
 
 
 @jit
-def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
+def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, limit):
     """Take one step of length h [s] from `old` to `new`; `spin` and `loads` are those at its end,
-    `fit` what the scheme is fitted with.
+    `fit` what the scheme is fitted with, `limit` as `solve_interfaces` takes it.
 
     Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
     or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
@@ -292,7 +295,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem):
         problem.internal_state[i] = problem.free[i]
     _expect(problem, interfaces, old, weights_of_laws.displacement)
     is_converged, iterations = solve_interfaces(
-        problem, structure.laws, interfaces, spin, weights_of_laws
+        problem, structure.laws, interfaces, spin, weights_of_laws, limit
     )
     if not is_converged:
         return NOT_CONVERGED, iterations

@@ -22,7 +22,7 @@ from .control import Control
 from .memory import Memory
 from .recorder import Recorder
 
-_INTEGERS = ("mode", "indicator", "norm", "is_fitted", "stages")
+_INTEGERS = ("mode", "indicator", "norm", "is_fitted", "stages", "newton_limit")
 # What is found out during a run stands in its memory instead.
 _CHOSEN = tuple(n for n in Control._fields if n not in Control._field_defaults)
 METHOD = np.dtype(
@@ -81,6 +81,7 @@ _SIZES = (
         "releases",
         "unbalances",
         "springs",
+        "bows",
     ),
     *(
         "interfaces",

@@ -1,4 +1,4 @@
-"""Step-length control: the numbers of the three modes, and the switch between them."""
+"""Step-length control: the numbers of the modes, and the switch between them."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from ..kernels.jit import jit
 from .error_control import next_length, next_stage_length, repeated_length, whirl_error
 from .paper_control import error_indicator, next_step, shorter_step
 
-FIXED, ADAPTIVE, CONTROLLED = 1, 2, 3
+FIXED, ADAPTIVE, CONTROLLED, REALTIME = 1, 2, 3, 4
 
 
 class Control(NamedTuple):
     """How the step length is chosen.
 
-    mode: FIXED, ADAPTIVE (`paper_control`) or CONTROLLED (`error_control`); h_min, h_max [s];
+    mode: FIXED, ADAPTIVE (`paper_control`), CONTROLLED (`error_control`) or REALTIME, as FIXED but
+    of at most newton_limit iterations a step, 0 for no limit; h_min, h_max [s];
     eps_min, eps_max: limits of the relative error [1]; indicator: ZIENKIEWICZ_XIE or
     LI_ZENG_WIBERG, with beta_error in the place of beta; norm: INCREMENT_NORM, |q1 - q0|, or
     MIXED_NORM, atol + rtol |q1|, with atol [m] and rtol [1]; tolerance [1]; error_constant: of h^2
@@ -40,9 +41,16 @@ class Control(NamedTuple):
     error_constant: float
     is_fitted: bool
     stages: int
+    newton_limit: int
     h_in_contact: float = math.inf
     h_in_the_open: float = math.inf
     overdamping: float = 1.0
+
+
+@jit
+def varies(mode):
+    """Return whether the step length varies in a mode."""
+    return mode in (ADAPTIVE, CONTROLLED)
 
 
 @jit

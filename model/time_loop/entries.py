@@ -12,7 +12,7 @@ from ..step.tangent import Tangents
 from ..structure.parameters import prepare
 from . import derivatives, recorder, time_loop
 from .block import LAYOUT
-from .control import Control
+from .control import REALTIME, Control
 from .early_return import IN_STAGES, LIMITED, rests_past_limit
 from .energy import FLOW, total_energy
 from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
@@ -47,6 +47,7 @@ def _control(numbers, r):
         numbers.error_constant,
         numbers.is_fitted != 0,
         numbers.stages,
+        numbers.newton_limit,
         r.h_in_contact,
         r.h_in_the_open,
         r.overdamping,
@@ -124,8 +125,14 @@ def _observe(run, tangents):
 @jit
 def survey(block, speed, is_start):
     """Look for the whirls that grow up to a speed of rotation [rad/s] and, at the start, for what
-    grows at rest; see `stability.whirls`."""
-    find_growing_whirls(_view(block), speed, is_start)
+    grows at rest; see `stability.whirls`. In real time there is no time for it but at the start."""
+    run = _view(block)
+    in_real_time = run.method.numbers[0].mode == REALTIME
+    if is_start != 0 or not in_real_time:
+        find_growing_whirls(run, speed, is_start)
+    if in_real_time:
+        r = run.memory.record[0]
+        r.surveyed_from, r.surveyed_to = 0.0, math.inf
 
 
 @jit

@@ -74,9 +74,10 @@ def _take(motion, trial):
 def _step(structure, spin, tau, loads, motion, trial, work, problem):
     """Take a step of length tau [s] without velocity, to `trial`; returns its status."""
     scheme = Scheme(0.0, 0.0, 1.0, 0.0)
-    return try_step(structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem)[
-        0
-    ]
+    status, _ = try_step(
+        structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem, 0
+    )
+    return status
 
 
 @jit

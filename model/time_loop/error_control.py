@@ -10,13 +10,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.functions import root
+from ..kernels.functions import fifth_root
 from ..kernels.jit import jit
 from ..step.laws import law_gap, relative
 
 # Of the motion's size and the tolerance, the error of a radian; revolutions over which the size is
 # remembered; what motion counts as none, of the clearance or of a small length of the machine.
 SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
+FIRST = 0.1  # radians at the start over which its accelerations are taken as lasting
 SAFETY = 0.8
 # Of one step length to the next, at most; growing slowly costs little and calms the next impact.
 GROWTH, SHRINKAGE = 1.25, 0.2
@@ -109,14 +110,20 @@ def update_size(structure, omega, h, new, memory):
 
 @jit
 def first_size(structure, omega, motion, memory):
-    """Size of the motion that begins: that of a swing with the speed of rotation, or the slowest
-    motion's, that has the accelerations of the start."""
+    """Size of the motion that begins: how far the accelerations of the start carry it in `FIRST`
+    radians of the speed of rotation, or of the slowest motion.
+
+    A swing of that frequency with these accelerations is larger, and is measured soon; a journal
+    pressed on its wall starts with as large ones into a far smaller motion, and too large a size
+    is remembered for turns.
+    """
     fastest = max(structure.numbers[0].slowest, abs(omega))
     for i in range(len(memory.center)):
         memory.center[i] = motion.q[i]
     # the start taken as both ends of a step
     start = measure(structure.weights, 1.0 + 0.0j, motion, motion)
-    memory.record[0].motion_size = math.sqrt(start.acceleration) / (fastest * fastest)
+    time = FIRST / fastest
+    memory.record[0].motion_size = math.sqrt(start.acceleration) * time * time
     update_size(structure, omega, 0.0, motion, memory)
 
 
@@ -167,9 +174,9 @@ def next_length(proposed, h, error, error_before):
     """
     error = max(error, SMALLEST)
     trend = max(error_before, SMALLEST) / error
-    fifth = root(error, 5)
+    fifth = fifth_root(error)
     twentieth = math.sqrt(math.sqrt(fifth))
-    factor = SAFETY * root(trend, 5) / (fifth * twentieth * twentieth * twentieth)
+    factor = SAFETY * fifth_root(trend) / (fifth * twentieth * twentieth * twentieth)
     shortest = SHRINKAGE * h if h > CUT * proposed else proposed
     return min(GROWTH * proposed, max(shortest, factor * h))
 
@@ -180,7 +187,9 @@ def next_stage_length(proposed, h, error, error_before):
     for an error per unit of time of order 4."""
     error = max(error, SMALLEST)
     trend = max(error_before, SMALLEST) / error
-    factor = SAFETY * root(trend, 10) * root(error, 40) / root(error, 5)
+    fifth = fifth_root(error)
+    fortieth = math.sqrt(math.sqrt(math.sqrt(fifth)))
+    factor = SAFETY * math.sqrt(fifth_root(trend)) * fortieth / fifth
     shortest = SHRINKAGE * h if h > CUT * proposed else proposed
     return min(STAGE_GROWTH * proposed, max(shortest, factor * h))
 

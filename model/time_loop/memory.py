@@ -69,6 +69,7 @@ RECORD = np.dtype(
             "drive_impedance",  # of the line that drives a free rotor [N.m.s/rad]
             "limit_displacement",  # of a probe from the axis [m] and of an interface's force [N] at
             "limit_force",  # which an advance ends early, 0 for none; see `early_return`
+            "residual",  # largest of a step with a limited number of iterations [N]
         )
     ]
     + [

@@ -119,6 +119,13 @@ SOLVER = remembered(
         "-1: never",
         nominal=1.0,
     ),
+    Output(
+        "residual",
+        "N",
+        "largest difference in a step between the force of an interface and that of its law, where "
+        "the mode limits the iterations",
+        nominal=1.0,
+    ),
 )
 (_RESIDUAL,) = remembered(
     Output(
@@ -216,6 +223,7 @@ def _observe_solver(r, out):
     out[_SOLVER.trapped] = r.trapped
     out[_SOLVER.trapped_at] = -1.0 if math.isnan(r.trapped_at) else r.trapped_at
     out[_SOLVER.overdamped_at] = -1.0 if math.isnan(r.overdamped_at) else r.overdamped_at
+    out[_SOLVER.residual] = r.residual
 
 
 @jit

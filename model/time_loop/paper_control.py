@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.functions import root
+from ..kernels.functions import cube_root
 from ..kernels.jit import jit
 
 ZIENKIEWICZ_XIE, LI_ZENG_WIBERG = 1, 2
@@ -51,7 +51,7 @@ def shorter_step(control, h, error):
     Times 0.9: with the error taken relative to the increment, itself O(h), a rejected step would
     otherwise creep towards eps_max and never pass.
     """
-    return max(control.h_min, SAFETY * h * root(control.eps_max / error, 3))
+    return max(control.h_min, SAFETY * h * cube_root(control.eps_max / error))
 
 
 @jit
@@ -62,5 +62,5 @@ def next_step(control, proposed, h, error):
         return proposed
     if error == 0.0:
         return control.h_max
-    longer = h * root(control.eps_min / error, 3)
+    longer = h * cube_root(control.eps_min / error)
     return max(proposed, min(control.h_max, longer))

@@ -44,7 +44,8 @@ def turn(structure, scheme, control, t, h, motion, trial, memory, work, problem)
         if control.is_fitted and control.h_in_the_open == math.inf:
             fit = fitted(scheme, math.sqrt(r.characteristic_frequency_squared) * h)
         status, iterations = try_step(
-            structure, scheme, fit, spin, h, loads, motion, trial, work, problem
+            *(structure, scheme, fit, spin, h, loads),
+            *(motion, trial, work, problem, control.newton_limit),
         )
         total += iterations
         if status != DONE:

@@ -13,7 +13,7 @@ from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, unfitted
 from ..step.status import DONE, ENDED_EARLY, UNFINISHED
-from .control import CONTROLLED, FIXED, propose_step, retry_step, step_error
+from .control import CONTROLLED, propose_step, retry_step, step_error, varies
 from .early_return import CLOSED, GOES_ON, is_watched, what_ends
 from .energy import has_power, port_power
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
@@ -140,7 +140,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
     structure, motion, trial, memory = run.structure, run.motion, run.trial, run.memory
     r = memory.record[0]
     memory.peaks[PEAK.since_communication, :, :] = 0.0
-    varies = control.mode != FIXED
+    is_varied = varies(control.mode)
     shortest = control.h_min * (1.0 + 1e-5)
     # of a machine that is unstable with its contacts open
     is_steady = control.mode == CONTROLLED and control.h_in_the_open < math.inf
@@ -154,7 +154,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
         was_rejected = False
         h_before = r.h_carried
         while True:
-            if varies:
+            if is_varied:
                 monitor_work(structure, memory)
             if taken >= r.max_iterations:
                 r.failed_at = r.t
@@ -169,13 +169,13 @@ def _time_loop(run, scheme, control, tangents, t_end):
             r.newton += iterations
             taken += max(1, iterations)
             if status == DONE:
-                if not varies or error <= control.eps_max:
+                if not is_varied or error <= control.eps_max:
                     break
                 if h <= shortest:
                     if control.mode == CONTROLLED and math.isnan(r.coarse_at):
                         r.coarse_at = r.t
                     break
-            elif not varies or h <= shortest:
+            elif not is_varied or h <= shortest:
                 r.failed_at = r.t
                 r.failed_h = h
                 return status
@@ -207,6 +207,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
         else:
             r.h = propose_step(control, proposed, h, error, r.error, was_rejected)
         r.error = error
+        r.residual = max(r.residual, run.problem.residual[0])
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
         r.h_largest = max(r.h_largest, proposed)
         _commit(run, control, h, spin, torque)
@@ -215,7 +216,7 @@ def _time_loop(run, scheme, control, tangents, t_end):
         if ends >= CLOSED and parts >= 1.0:
             r.failed_at = r.t
             return ENDED_EARLY + ends
-        if varies and parts >= 1.0:
+        if is_varied and parts >= 1.0:
             parts = _parts(r, t_end, r.h)
     return DONE
 

@@ -23,9 +23,11 @@ def build_fmu(
     *,
     is_free: bool = False,
     is_native: bool = False,
+    is_source: bool = False,
     fmi: int = 2,
     platforms: Sequence[str] | None = None,
     reduction: int = 0,
+    step: float | None = None,
 ) -> Path:
     """Build a machine's FMU in a folder and return its path.
 
@@ -39,13 +41,17 @@ def build_fmu(
         Whether a torque drives the rotor [N.m] instead of its speed [rad/s].
     is_native : bool
         Whether to build the FMU that needs no Python.
+    is_source : bool
+        Whether to build the FMU of C source, which its host compiles.
     fmi : int
-        Version of FMI: 2, or, of the native FMU, 3.
+        Version of FMI: 2, or, of an FMU that needs no Python, 3.
     platforms : sequence of str, optional
         Platforms whose libraries the FMU carries. By default all, or, of the FMU in Python, those
         of linux64 and win64 that are there.
     reduction : int
         Component modes to keep of the shaft; 0 keeps the whole shaft.
+    step : float, optional
+        Fixed step length of an FMU for real time [s], which needs no Python.
 
     Returns
     -------
@@ -55,7 +61,7 @@ def build_fmu(
     Raises
     ------
     InputError
-        If an argument is not among those allowed.
+        If an argument is not among those allowed, or a tool that makes C source is missing.
     CoreError
         If a library is missing and cannot be made (`pip install "rotor-fmu[build]"`).
 
@@ -72,15 +78,23 @@ def build_fmu(
 
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi}: must be 2 or 3")
-    if fmi == 3 and not is_native:
-        raise InputError("fmi = 3: only with is_native")
+    if fmi == 3 and not (is_native or is_source):
+        raise InputError("fmi = 3: only with is_native or is_source")
+    if is_source and (is_native or platforms):
+        raise InputError("is_source: an FMU without libraries; leave out is_native and platforms")
+    if step is not None and not (is_native or is_source):
+        raise InputError(f"step = {step:g} s: only with is_native or is_source")
     allowed = tuple(PLATFORMS) if is_native else SYSTEMS
     for name in platforms or ():
         if name not in allowed:
             raise InputError(f"platforms: {name!r}: must be one of {', '.join(allowed)}")
+    if is_source:
+        from ..fmi.packing.source_fmu import build_source
+
+        return build_source(Path(folder), machine.toml, is_free, fmi, reduction, step)
     if is_native:
         names = platforms or allowed
-        return build_native(Path(folder), machine.toml, is_free, fmi, names, reduction)
+        return build_native(Path(folder), machine.toml, is_free, fmi, names, reduction, step)
     return build(Path(folder), machine.toml, is_free, reduction, platforms)
 
 

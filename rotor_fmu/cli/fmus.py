@@ -12,7 +12,9 @@ from ..fmi.packing.python_fmu import SYSTEMS
 from ..library.build import library
 from ..library.platforms import LIBRARIES, PLATFORMS, WASM
 from ..model.kernels.library import here
+from ..model.settings.table import BY_NAME, Number
 from ..output_options import with_output_options
+from ..units import in_si
 from .shared import Free, RotorFile
 
 _ONE_OF = f"One of {', '.join(PLATFORMS)}, or here: this machine's"
@@ -36,13 +38,30 @@ Native = Annotated[
     bool,
     typer.Option("--native", help="Build the FMU that needs no Python, RotorBearingNative.fmu."),
 ]
-Fmi = Annotated[int, typer.Option("--fmi", help="Version of FMI: 2, or, with --native, 3.")]
+Source = Annotated[
+    bool,
+    typer.Option(
+        "--source",
+        help="Build the FMU of C source, RotorBearingSource.fmu, which its host compiles.",
+    ),
+]
+Fmi = Annotated[
+    int, typer.Option("--fmi", help="Version of FMI: 2, or, with --native or --source, 3.")
+]
 Reduction = Annotated[
     int,
     typer.Option(
         "--reduction",
         min=0,
         help="Component modes of the shaft (solver.reduction, fixed in the FMU); 0: no reduction.",
+    ),
+]
+RealTime = Annotated[
+    str | None,
+    typer.Option(
+        "--realtime",
+        help="With --native or --source: an FMU for real time with this fixed step, such as 0.05ms "
+        "(preset realtime, solver.h); a number without unit is in s.",
     ),
 ]
 
@@ -52,9 +71,11 @@ def build(
     rotor: RotorFile = None,
     is_free: Free = False,
     is_native: Native = False,
+    is_source: Source = False,
     fmi: Fmi = 2,
     platforms: Carried = None,
     reduction: Reduction = 0,
+    realtime: RealTime = None,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
@@ -67,14 +88,23 @@ def build(
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
         raise InputError(f"--fmi {fmi}: must be 2 or 3")
-    if fmi == 3 and not is_native:
-        raise InputError("--fmi 3: only with --native")
+    if fmi == 3 and not (is_native or is_source):
+        raise InputError("--fmi 3: only with --native or --source")
+    if is_source and (is_native or platforms):
+        raise InputError("--source: an FMU without libraries; leave out --native and --platform")
+    if realtime is not None and not (is_native or is_source):
+        raise InputError(f"--realtime {realtime}: only with --native or --source")
+    step = None if realtime is None else _step(realtime)
     names = _known(platforms, tuple(PLATFORMS) if is_native else SYSTEMS)
     folder, result = writable_folder(out), machine_warnings(machine)
     for warning in result:
         typer.echo(f"warning: {warning}", err=True)
-    if is_native:
-        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction)
+    if is_source:
+        from ..fmi.packing.source_fmu import build_source
+
+        fmu = build_source(folder, toml, is_free, fmi, reduction, step)
+    elif is_native:
+        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction, step)
     else:
         fmu = build_python(folder, toml, is_free, reduction, names or None)
     typer.echo(fmu)
@@ -92,6 +122,15 @@ def core(platforms: Platforms = None) -> dict[str, Any]:
     for library_file in made.values():
         typer.echo(library_file)
     return made
+
+
+def _step(text: str) -> float:
+    step, setting = in_si("--realtime", text, "s"), BY_NAME["h"]
+    assert isinstance(setting, Number)
+    allowed = setting.range
+    if not allowed.low < step <= allowed.high:
+        raise InputError(f"--realtime {text}: {allowed.words(' s')}")
+    return step
 
 
 def _known(platforms: list[str] | None, allowed: tuple[str, ...]) -> list[str]:

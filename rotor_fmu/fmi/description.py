@@ -46,7 +46,8 @@ class Described:
 
     rotor: the machine; identifier: the model identifier, which the FMU's libraries are named after;
     guid: see `guid`; tool: what generated it; needs_python: whether it runs in the Python of its
-    host.
+    host; sources: the files that a host compiles, where there are no libraries; step: the fixed
+    step length of an FMU for real time [s].
     """
 
     rotor: Rotor
@@ -54,6 +55,8 @@ class Described:
     guid: str = ""
     tool: str = f"rotor-fmu {__version__}"
     needs_python: bool = False
+    sources: tuple[str, ...] = ()
+    step: float | None = None
 
 
 @dataclass(frozen=True)
@@ -142,17 +145,17 @@ def _abilities(of: Described, **others: bool) -> dict[str, str]:
     return named if of.needs_python else named | {"maxOutputDerivativeOrder": "2"}
 
 
-def _common(root: Element, rotor: Rotor) -> None:
+def _common(root: Element, of: Described) -> None:
     categories = SubElement(root, "LogCategories")
     for name, text in CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
-    experiment = default_experiment(rotor)
+    experiment = default_experiment(of.rotor)
     SubElement(
         root,
         "DefaultExperiment",
         startTime="0.0",
         stopTime=repr(experiment.stop),
-        stepSize=repr(experiment.step),
+        stepSize=repr(of.step or experiment.step),
         tolerance=repr(Settings.tolerance),
     )
 
@@ -213,8 +216,12 @@ def _fmi2(of: Described, table: Sequence[Variable]) -> Element:
         canGetAndSetFMUstate=True,
         canSerializeFMUstate=True,
     )
-    SubElement(root, "CoSimulation", abilities)
-    _common(root, of.rotor)
+    simulated = SubElement(root, "CoSimulation", abilities)
+    if of.sources:
+        files = SubElement(simulated, "SourceFiles")
+        for name in of.sources:
+            SubElement(files, "File", name=name)
+    _common(root, of)
     variables = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(table):
         element = SubElement(variables, "ScalarVariable", _attributes(variable, reference))
@@ -293,9 +300,11 @@ def _fmi3(of: Described, table: Sequence[Variable]) -> Element:
         canSerializeFMUState=True,
         hasEventMode=False,
     )
+    if of.step is not None:
+        abilities["fixedInternalStepSize"] = repr(of.step)
     SubElement(root, "CoSimulation", abilities)
     root.append(unit_definitions(table))
-    _common(root, of.rotor)
+    _common(root, of)
     variables = SubElement(root, "ModelVariables")
     structure = Element("ModelStructure")
     for reference, variable in enumerate((*table, TIME)):

@@ -7,12 +7,13 @@ run means "as the preset".
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from ..model.settings import DEFAULT_PRESET, PRESETS, Settings, SettingsError, settings_of_given
-from ..model.settings.table import MOST_MODES, SETTINGS, Choice, Number
+from ..model.settings.table import BY_NAME, MOST_MODES, NAMES, SETTINGS, Choice, Number
 from ..model.spelling import Message
 from .variables import Variable
 
@@ -70,11 +71,30 @@ def _variable(setting: Choice | Number) -> Variable:
 
 # In the order in which the resolver takes them, the preset first (`settings.resolver.resolve`).
 GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
+_H = GIVEN[1 + NAMES.index("h")]
+_TEXTS = {_H.name: BY_NAME["h"].text}  # where no value leaves it to the preset
+REALTIME = "realtime"
 
 
 def solver_parameters() -> list[Variable]:
     """Return the FMU's variables that choose the integration."""
     return [*GIVEN, REDUCTION]
+
+
+def chosen_at_build(
+    table: Sequence[Variable], reduction: int, step: float | None
+) -> tuple[Variable, ...]:
+    """Return an FMU's variables with what is chosen when it is built: the modes kept of the shaft,
+    and the step length [s] of an FMU for real time, which begins with the preset `realtime`."""
+    starts: dict[str, float] = {REDUCTION.name: reduction}
+    if step is not None:
+        starts |= {_PRESET.name: list(PRESETS).index(REALTIME), _H.name: step}
+    return tuple(
+        replace(v, start=starts[v.name], is_unset_at_start=False, text=_TEXTS.get(v.name, v.text))
+        if v.name in starts
+        else v
+        for v in table
+    )
 
 
 def meaning(variable: Variable) -> tuple[float, float]:

@@ -15,6 +15,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.util import find_spec
+from itertools import chain
 from pathlib import Path
 
 from ..errors import RunFailed
@@ -49,12 +50,10 @@ _GLIBC = (2, 17)
 # C23 would take functions of a newer C library in the place of the old ones (strtol).
 _FLAGS = ("-std=c17", "-O2", "-s", "-fvisibility=hidden", "-ffp-contract=off")
 _SHARED = ("-fPIC", "-shared")
-# A module without a `main`, whose caller reserves memory for what it hands over.
-_MODULE = (
-    "-mexec-model=reactor",
-    *(f"-Wl,--export={name}" for name in ("malloc", "free")),
-    *("-Wl,--export-dynamic", "-Wl,-z,stack-size=1048576"),
-)
+# A module without a `main`.
+_MODULE = ("-mexec-model=reactor", "-Wl,-z,stack-size=1048576")
+# Of a page, which reserves memory for what it hands over.
+_EXPORTS = ("-Wl,--export-dynamic", "-Wl,--export=malloc", "-Wl,--export=free")
 
 
 class CoreError(RunFailed):
@@ -65,7 +64,7 @@ class CoreError(RunFailed):
 _TOOLS = {"kernels": "numba", "build": "ziglang"}
 
 
-def _emitted() -> str:
+def emitted_digest() -> str:
     """Return the digest, sixteen characters, of the sources of the kernels' IR and of the
     compilers."""
     from importlib.metadata import version  # which takes as long as a first step
@@ -162,12 +161,12 @@ def _put(folder: Path, platform: Platform, content: bytes) -> Path:
 def kernels() -> Path:
     """Return the folder with the kernels' LLVM IR, which no platform is in yet."""
     versions = made_here()
-    folder = versions / f"kernels-{_emitted()}"
+    folder = versions / f"kernels-{emitted_digest()}"
     if folder.is_dir():
         os.utime(folder)
     else:
-        _forget_old(versions)
-        with _unfinished(folder) as work:
+        forget_old(versions, "kernels-*")
+        with unfinished_folder(folder) as work:
             emit = [sys.executable, "-m", f"{__package__}.emit"]
             files = (str(work / f"{names[0]}.ll") for names in _EMITTED_TOGETHER)
             commands = zip(files, _EMITTED_TOGETHER, strict=True)
@@ -175,7 +174,7 @@ def kernels() -> Path:
     return folder
 
 
-class _unfinished:
+class unfinished_folder:
     """A folder that is moved to its place when all in it is done."""
 
     def __init__(self, target: Path) -> None:
@@ -196,10 +195,11 @@ class _unfinished:
         shutil.rmtree(self._work, ignore_errors=True)
 
 
-def _forget_old(versions: Path) -> None:
+def forget_old(versions: Path, pattern: str) -> None:
+    """Take away the oldest of the folders of a kind, so that few are left with the next."""
     if not versions.is_dir():
         return
-    finished = list(versions.glob("kernels-*"))
+    finished = list(versions.glob(pattern))
     by_age = sorted(finished, key=lambda p: p.stat().st_mtime, reverse=True)
     for old in by_age[_KEPT_VERSIONS - 1 :]:
         shutil.rmtree(old, ignore_errors=True)
@@ -233,6 +233,15 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
     _run_all([_link_command(zig, platform, parts, target)], f"the library for {platform.name}")
 
 
+def link_kernels(parts: list[Path], target: Path) -> None:
+    """Link the kernels alone, as object files for WebAssembly, into a module that asks its
+    surroundings for nothing. Raises `CoreError`."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", WASM.zig, *_FLAGS, *_MODULE]
+    names = chain.from_iterable(_EMITTED_TOGETHER)
+    command += [f"-Wl,--export={name}_kernel" for name in names]
+    _run_all([[*command, "-o", str(target), *map(str, parts)]], "the kernels as a module")
+
+
 def _has_cc() -> bool:
     """Return whether this machine is a Linux with a C compiler; a Mac has a `cc` that asks to
     install one."""
@@ -249,7 +258,7 @@ def runs_on_old_linux(library: bytes) -> bool:
 def _link_command(
     compiler: list[str], platform: Platform, parts: list[Path], target: Path
 ) -> list[str]:
-    command = [*compiler, *_FLAGS, *(_MODULE if platform is WASM else _SHARED)]
+    command = [*compiler, *_FLAGS, *((*_MODULE, *_EXPORTS) if platform is WASM else _SHARED)]
     command += [f'-DCORE="{core_digest()}"', "-o", str(target)]
     if platform.suffix == ".dylib":
         command.append(f"-Wl,-install_name,@rpath/{target.name}")

@@ -1,12 +1,8 @@
 """The library for every platform: what the kernels ask of a system, and what the files hold."""
 
 import re
-import shutil
 import struct
-import subprocess
-import sys
 import zipfile
-from pathlib import Path
 
 import fmpy
 import pytest
@@ -14,6 +10,8 @@ import pytest
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.library.build import kernels, library
 from rotor_fmu.library.platforms import PLATFORMS
+
+from .emulated import QEMU, bits_of, need
 
 # Of a system's library, what is exact everywhere; what LLVM makes of an intrinsic is exact too.
 EXACT = {"sqrt", "ceil", "memset", "memcpy"}
@@ -31,7 +29,6 @@ INTRINSICS = {
 }
 INTEGERS = {"smin", "smax", "umin", "umax", "uadd", "sadd", "usub", "umul", "smul", "abs", "ctpop"}
 ENDINGS = {"assume", "lifetime", "experimental", "vector"}
-BITS = Path(__file__).with_name("bits.c")
 EXPORTS = (
     "fmi2Instantiate",
     "fmi2DoStep",
@@ -127,32 +124,21 @@ def test_all_five_platforms_fit_into_three_megabytes_and_equal_sources_give_equa
         assert list(load_commands(universal[at : at + size]))
 
 
-ARM = "/usr/aarch64-linux-gnu"  # the C library of Debian's libc6-arm64-cross
-EMULATORS = {"win64": ["wine"], "aarch64-linux": ["qemu-aarch64-static", "-L", ARM]}
+EMULATORS = {"win64": ["wine"], "aarch64-linux": QEMU}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EMULATORS)
 def test_another_system_or_processor_computes_the_same_bits(libraries, tmp_path, name):
     """The outputs of a run, where every contact angle is among them, as the processor has them."""
-    if shutil.which(EMULATORS[name][0]) is None:
-        pytest.skip(f"{EMULATORS[name][0]} is not installed")
-    if name == "aarch64-linux" and not Path(ARM).is_dir():
-        pytest.skip("libc6-arm64-cross is not installed")
+    need(EMULATORS[name])
     fmu = build_native(tmp_path, platforms=["linux64", name])
     folder = fmpy.extract(str(fmu), str(tmp_path / "fmu"))
-    description = fmpy.read_model_description(folder)
-    computed = [v.valueReference for v in description.modelVariables if v.causality != "parameter"]
-    first = str(next(r for r in computed if r > 20))
-    last = str(max(computed) + 1)
-    printed = []
-    for of, emulator in (("linux64", []), (name, EMULATORS[name])):
-        program = tmp_path / f"bits-{of}.exe"
-        command = [sys.executable, "-m", "ziglang", "cc", "-target", PLATFORMS[of].zig, "-O1"]
-        subprocess.run([*command, "-o", program, BITS], check=True)
-        library_file = f"{folder}/binaries/{of}/RotorBearingNative{PLATFORMS[of].suffix}"
-        arguments = [library_file, f"file://{folder}/resources", description.guid, first, last]
-        done = subprocess.run([*emulator, program, *arguments], capture_output=True, check=True)
-        printed.append(done.stdout.replace(b"\r", b"").decode())
-    assert len(printed[0].splitlines()) == 150
-    assert printed[0] == printed[1]
+    here, there = (
+        bits_of(
+            f"{folder}/binaries/{of}/RotorBearingNative{PLATFORMS[of].suffix}", folder, of, emulator
+        )
+        for of, emulator in (("linux64", []), (name, EMULATORS[name]))
+    )
+    assert len(here.splitlines()) == 150
+    assert here == there

@@ -14,10 +14,10 @@ SETTERS = {"Real": "fmi2SetReal", "Integer": "fmi2SetInteger", "Boolean": "fmi2S
 
 
 class Native:
-    """This machine's library."""
+    """This machine's library, or another for this machine."""
 
-    def __init__(self, table):
-        self._library = ctypes.CDLL(str(find("linux64", core_digest())))
+    def __init__(self, table, file=None):
+        self._library = ctypes.CDLL(str(file or find("linux64", core_digest())))
         self._rooms = []
         receive = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p)
         self._receive = receive(lambda environment, status, message: None)

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ALIGNMENT = 64 };
 static const char RECOVER[] = "reset the FMU, or set a state from before";
 
 void begin_anew(Instance *m)
@@ -50,12 +49,11 @@ static Instance *named(const char *name, int is_logging, const Skin *skin, void 
 static Instance *furnished(Instance *m)
 {
     m->state = calloc(1, head_size(m));
-    m->memory = malloc((size_t)m->table->block + ALIGNMENT);
-    if (!m->state || !m->memory)
+    m->block = new_block((size_t)m->table->block, &m->memory);
+    if (!m->state || !m->block)
         return refused(m, "out of memory");
     m->values = (double *)(m->state + 1);
     m->slopes = m->values + m->table->observed_at;
-    m->block = (uint8_t *)(((uintptr_t)m->memory + ALIGNMENT - 1) & ~(uintptr_t)(ALIGNMENT - 1));
     begin_anew(m);
     return m;
 }
@@ -97,7 +95,7 @@ void destroy(Instance *m)
         return;
     free(m->state);
     free(m->before);
-    free(m->memory);
+    free_block(m->memory);
     free(m->file);
     free(m->name);
     free(m);
@@ -176,7 +174,7 @@ Status leave_initialization(Instance *m)
     if (allow(m, "exitInitializationMode", 1u << INITIALIZING) || build(m))
         return ERROR;
     m->state->phase = STEPPING;
-    return OK;
+    return m->is_whole ? take_state(m, &m->before) : OK; /* steps then need no memory */
 }
 
 Status terminate(Instance *m)

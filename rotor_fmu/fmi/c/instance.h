@@ -12,6 +12,11 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
+/* Other libraries of a process have functions of the same names. */
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden)
+#endif
+
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status; /* FMI's numbers */
 /* Of a variable, or what a host asks for: of no kind there are no variables. */
 typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, NO_KIND, ANY_KIND } Kind;
@@ -147,4 +152,7 @@ Status take_state(Instance *, void **state);
 Status give_state(Instance *, const void *state);
 Status write_state(Instance *, const void *state, void *bytes, size_t size);
 Status read_state(Instance *, const void *bytes, size_t size, void **state);
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 #endif

@@ -3,9 +3,17 @@
 #define ROTOR_INTERNAL_H
 #include "instance.h"
 
+#ifdef __GNUC__
+#pragma GCC visibility push(hidden)
+#endif
+
 #define TABLE_FILE "machine.table"
 enum { LONGEST = 704, TOLD = 16 }; /* characters of a message, numbers of a sentence */
 enum { MOST_SETTINGS = 64 };       /* that the solver takes */
+
+/* Room for a run, and what is to be freed, NULL for none; NULL where memory is out. */
+uint8_t *new_block(size_t size, void **memory);
+void free_block(void *memory);
 
 /* The table in the folder of an FMU's resources, to be freed; NULL with the reason in `why`. */
 Table *read_table(const char *resources, char *why, size_t room);
@@ -65,4 +73,7 @@ void warn(Instance *, int code, const double *numbers);
 Status allow(Instance *, const char *call, unsigned phases);
 /* The run from the values that are set now, if there is none. */
 Status build(Instance *);
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 #endif

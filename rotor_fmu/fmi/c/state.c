@@ -44,7 +44,9 @@ Status take_state(Instance *m, void **state)
     size_t head = head_size(m), run = run_size(m);
     if (!state)
         return refuse(m, "getFMUstate: NULL given");
-    uint8_t *room = realloc(*state, head + run); /* what is given may be of another instance */
+    uint8_t *room = *state;
+    if (!room || state_size(room) != head + run) /* what is given may be of another instance */
+        room = realloc(room, head + run);
     if (!room)
         return refuse(m, "getFMUstate: out of memory");
     *state = room;

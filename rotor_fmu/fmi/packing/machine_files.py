@@ -9,52 +9,58 @@ from dataclasses import dataclass, replace
 from ...library.build import core_digest
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import parse_rotor, rig_toml
+from ...model.settings import choose
 from ..description import TIME, Described, description, guid
 from ..interface import interface
 from ..machine_table import FILE, FmuInterface, table_bytes
-from ..solver_parameters import REDUCTION
+from ..solver_parameters import REALTIME, chosen_at_build
 from ..variables import Variable
 from .archive import DESCRIPTION, xml_bytes
 from .documents import documents
 
 ROTOR_FILE = "resources/rotor.toml"
+NATIVE, SOURCE = "Native", "Source"
 _LONGEST = 48  # identifier: some file systems and hosts take no more with what follows it
 
 
 @dataclass(frozen=True)
 class Machine:
     """A machine to be built into an FMU: its TOML text, the rotor, its variables, and whether a
-    torque drives it."""
+    torque drives it; step: the fixed step length of an FMU for real time [s]."""
 
     toml: str
     rotor: Rotor
     table: Sequence[Variable]
     is_free: bool
+    step: float | None = None
 
-    def identifier(self, is_native: bool = False) -> str:
+    def identifier(self, kind: str = "") -> str:
         """Return the FMU's identifier, after which its file is named too."""
-        return fmu_identifier(self.rotor, self.is_free, is_native)
+        return fmu_identifier(self.rotor, self.is_free, kind)
 
 
-def fmu_identifier(rotor: Rotor, is_free: bool = False, is_native: bool = False) -> str:
+def fmu_identifier(rotor: Rotor, is_free: bool = False, kind: str = "") -> str:
     """Return what a machine's FMU is called: what its file says, else its name in one word; `Free`
-    behind it where a torque drives it, `Native` where it needs no Python."""
+    behind it where a torque drives it, and its kind, `NATIVE` or `SOURCE`, where it needs no
+    Python."""
     words = re.findall(r"[A-Za-z0-9]+", rotor.name)
     name = "".join(word[0].upper() + word[1:] for word in words)[:_LONGEST]
     name = rotor.identifier or (name if name and not name[0].isdecimal() else f"Rotor{name}")
-    return f"{name}{'Free' * is_free}{'Native' * is_native}"
+    return f"{name}{'Free' * is_free}{kind}"
 
 
-def machine_of(toml: str | None, is_free: bool, reduction: int) -> Machine:
+def machine_of(
+    toml: str | None, is_free: bool, reduction: int, step: float | None = None
+) -> Machine:
     """Return the machine of a TOML text, by default the paper's rig; reduction: component modes
-    kept of the shaft, 0 for all of it. Raises `QuantityError` for an impossible rotor."""
+    kept of the shaft, 0 for all of it; step: of an FMU for real time [s]. Raises `QuantityError`
+    for an impossible rotor and `SettingsError` for an impossible step."""
+    if step is not None:
+        choose(REALTIME, h=step)
     toml = rig_toml() if toml is None else toml
     rotor = parse_rotor(toml)
-    table = tuple(
-        replace(variable, start=reduction) if variable.name == REDUCTION.name else variable
-        for variable in interface(rotor, is_free)
-    )
-    return Machine(toml, rotor, table, is_free)
+    table = chosen_at_build(interface(rotor, is_free), reduction, step)
+    return Machine(toml, rotor, table, is_free, step)
 
 
 def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]:
@@ -62,7 +68,7 @@ def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]
     in."""
     core = core_digest()
     content = f"{of.identifier} {fmi} {core} {machine.toml}"
-    of = replace(of, guid=guid(machine.table, content))
+    of = replace(of, guid=guid(machine.table, content), step=machine.step)
     known = machine.table if fmi == 2 else (*machine.table, TIME)
     fmu_interface = FmuInterface(machine.rotor, known, machine.is_free)
     return {

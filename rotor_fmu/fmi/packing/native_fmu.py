@@ -10,7 +10,7 @@ from ...library.platforms import PLATFORMS, Platform
 from ...library.universal import universal
 from ..description import Described
 from .archive import write_archive
-from .machine_files import machine_files, machine_of
+from .machine_files import NATIVE, machine_files, machine_of
 
 
 def build_native(
@@ -20,17 +20,19 @@ def build_native(
     fmi: int = 2,
     platforms: Sequence[str] = tuple(PLATFORMS),
     reduction: int = 0,
+    step: float | None = None,
 ) -> Path:
     """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
     `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
     standard; platforms: of `library.platforms.PLATFORMS`; reduction: component modes kept of the
-    shaft, 0 for all of it. Raises `QuantityError` for an impossible rotor, `CoreError` where a
-    library is missing and cannot be made, and `OSError` if `out` cannot be written.
+    shaft, 0 for all of it; step: fixed step length of an FMU for real time [s]. Raises
+    `QuantityError` for an impossible rotor, `SettingsError` for an impossible step, `CoreError`
+    where a library is missing and cannot be made, and `OSError` if `out` cannot be written.
     """
-    machine = machine_of(rotor_toml, is_free, reduction)
-    name = machine.identifier(is_native=True)
+    machine = machine_of(rotor_toml, is_free, reduction, step)
+    name = machine.identifier(NATIVE)
     contents = machine_files(machine, Described(machine.rotor, name), fmi)
     contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)
     out.mkdir(parents=True, exist_ok=True)
