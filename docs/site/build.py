@@ -24,6 +24,7 @@ _HOW_TO = (
         "heat_of_a_rub",
         "check_by_api_617",
         "native",
+        "real_time",
         "page",
         "couple_an_fmu",
     ),

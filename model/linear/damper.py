@@ -9,9 +9,10 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
-from .bearing import BearingAlone
-from .law_alone import cleared, loads_on
-from .machine import LinearError
+from .bearing_alone import BearingAlone
+from .law_alone import cleared
+from .linearized import LinearError
+from .static import loads_on
 
 _ORBITS = np.linspace(0.05, 0.95, 19)
 

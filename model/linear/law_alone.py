@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ..kernels.jit import interpreted
-from ..machine.rotor import Rotor
 from ..parts.base import Interface, Part
 from ..parts.law import Kinematics, Weights
 from ..quantities import quantities
-from .machine import LinearMachine
 
 _ROUNDING = 1e-12  # of the largest
 _BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
@@ -62,13 +58,6 @@ class LawAlone:
         """Return K [N/m] and C [N.s/m] of the node at rest at a displacement, each of shape
         (2, 2)."""
         return -self.tangent(d, 0j, _BY_D), -self.tangent(d, 0j, _BY_V)
-
-
-def loads_on(rotor: Rotor, name: str, speeds: Sequence[float] | np.ndarray) -> list[complex]:
-    """Return the load on an interface at each speed [rad/s], as the machine rests [N]."""
-    machine = LinearMachine(rotor)
-    place = machine.supports.interfaces.index(name)
-    return [-complex(machine.loaded(float(s)).laws.force[place]) for s in speeds]
 
 
 def cleared(values: np.ndarray) -> np.ndarray:

@@ -14,8 +14,9 @@ from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.law import Weights
 from ..parts.rolling_bearing import RollingBearing, cage_ratio
-from .law_alone import LawAlone, cleared, loads_on
-from .machine import LinearError
+from .law_alone import LawAlone, cleared
+from .linearized import LinearError
+from .static import loads_on
 
 _BY_D = Weights(1.0, 0.0, 0.0)
 _ITERATIONS, _LEFT, _OPEN = 1000, 1e-10, 1e-6  # forces over the load

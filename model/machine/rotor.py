@@ -173,9 +173,10 @@ class Rotor:
             raise QuantityError(f"{where}.node = {node!r}: must be an integer from 1 to {highest}")
 
     def _check_bow(self, where: str, element: Element) -> None:
+        if not isinstance(element, Interface) or element.law.bow is None:
+            return
         highest = len(self.sections) + 1
-        is_bowed = isinstance(element, Interface) and element.law.bow is not None
-        if is_bowed and not 1 < element.node < highest:
+        if not 1 < element.node < highest:
             raise QuantityError(
                 f"{where}.node = {element.node}: must be between nodes 1 and {highest}, the ends "
                 "of the shaft, where it cannot bow"

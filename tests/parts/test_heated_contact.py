@@ -179,7 +179,7 @@ def test_a_flexible_shaft_grows_it_as_the_eigenvalues_of_shaft_and_bow_say(share
     expected = _eigenvalue(_FLEXIBLE, speed)
     assert (expected.real > 0.0) == (share < 1.0)
     rate = _rate(_FLEXIBLE, speed, 0.7 / abs(expected), tolerance=1e-4)
-    assert rate == pytest.approx(expected, rel=5e-3)
+    assert rate == pytest.approx(expected, rel=1e-3)
 
 
 def test_a_step_in_stages_grows_it_alike():
