@@ -183,7 +183,7 @@ def _residual(problem, laws, interfaces, spin, weights):
         d_dot = problem.d0_dot[j] + weights.velocity * problem.w[j]
         force = problem.force[j]
         if interface.states > 0 or law_gap(laws, interface, d) < 0.0:
-            moving = Kinematics(d, d_dot, spin.omega, spin.sliding)
+            moving = Kinematics(d, d_dot, spin.omega, spin.sliding, spin.theta)
             free, internal_state = problem.free[at:], problem.internal_state[at:]
             force -= law_tangent(laws, interface, moving, weights, free, internal_state)[0]
         largest = max(largest, modulus(force))
