@@ -13,7 +13,7 @@ import numpy as np
 from .settings import messages as settings
 from .spelling import choice
 from .stability import sentences as whirls
-from .warnings import RUN_WARNINGS, UNFINISHED
+from .warnings import FINER, RUN_WARNINGS, UNFINISHED
 
 GOOD = settings.GOOD
 _WHERE = "t = {.6g} s, speed {.4g} rad/s, step {.3g} s: "
@@ -61,7 +61,7 @@ _SENTENCES = {
     "bearing a contact stiffness k: then the surfaces touch",
     "NOT_CONVERGED": f"{_WHERE}the contact forces did not converge; try a smaller solver.h, or the "
     "preset robust",
-    "DIVERGED": f"{_DIVERGED}try a smaller solver.h; if it diverges at every step length, the "
+    "DIVERGED": f"{_DIVERGED}try {FINER}; if it diverges at every step length, the "
     "machine cannot stand its loads or its speed",
     "DIVERGED_UNSTABLE": f"{_DIVERGED}the scheme is unstable (spectral radius {{.4g}} > 1): take "
     "alpha_m <= alpha_f <= 0.5",

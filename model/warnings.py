@@ -7,6 +7,9 @@ from typing import NamedTuple
 # Iterations in a cycle of the rotation or of the lowest mode, whichever is faster, above which a
 # run is called slow: with steps by tolerance a cycle takes some hundreds.
 SLOW = 300_000
+# Error of a step, of the motion, above which a contact that closes in it may put a run on another
+# branch of solutions without any other sign; error control with this tolerance keeps to it.
+COARSEST_IN_CONTACT = 0.1
 
 
 class RunWarning(NamedTuple):
@@ -18,6 +21,7 @@ class RunWarning(NamedTuple):
     words: str
 
 
+FINER = "a smaller solver.h or solver.tolerance"
 _FASTER = (
     "take a larger solver.tolerance or the preset robust, softer contacts (k) or less friction (mu)"
 )
@@ -27,14 +31,14 @@ RUN_WARNINGS = (
         "false-state",
         "false state since t = {:.4g} s: a journal jumps from wall to wall of its clearance every "
         "step or two, caused by the integrator; do not trust this run: take the preset "
-        "robust, or a smaller solver.h",
+        f"robust, or {FINER}",
     ),
     RunWarning(
         "overdamped_at",
         "overdamped",
         "overdamped since t = {:.4g} s: while a journal rubs the integrator dissipates more energy "
         "than the machine's own dampers, and may hide an instability; do not trust this run: take "
-        "the preset controlled, or a smaller solver.h",
+        f"the preset controlled, or {FINER}",
     ),
     RunWarning(
         "slow_at",
@@ -53,7 +57,8 @@ RUN_WARNINGS = (
         "too-coarse-in-contact",
         "too coarse in contact since t = {:.4g} s: a contact closed in a step whose local error is "
         "above a tenth of the motion, and the run may have gone over to another solution; take a "
-        "smaller solver.h or the preset controlled, and compare them with --verify",
+        "smaller solver.h, or the preset controlled with a solver.tolerance of at most "
+        f"{COARSEST_IN_CONTACT}, and compare them with --verify",
     ),
 )
 UNFINISHED = (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import shutil
 import sys
 from collections.abc import Callable
@@ -80,6 +82,8 @@ def _unreachable(error: OSError) -> str:
     """Return in one line what cannot be read or written, and why, such as a full disk."""
     if isinstance(error, shutil.Error):  # of a folder: a file each
         _, file, reason = error.args[0][0]
+        if number := re.match(r"\[Errno (\d+)\]", reason):
+            reason = os.strerror(int(number[1]))
     else:
         file, reason = error.filename, error.strerror or str(error)
     return f"{file or 'a file or the output'}: cannot be read or written: {reason}"

@@ -82,3 +82,12 @@ def test_an_overdamped_rub_is_seen_by_the_preset_controlled_and_by_a_smaller_ste
     assert "take the preset controlled, or a smaller solver.h" in overdamped
     for settings in (choose("controlled"), choose("robust", h=2e-5)):
         assert outcome(overhung_machine(), settings, 1.0) == []
+
+
+def test_error_control_is_not_advised_to_take_itself_but_a_tolerance():
+    """Its steps do not depend on `solver.h`, which is the length of the first one alone."""
+    coarse, false_state = outcome(rig(), choose(method="newmark", tolerance=0.5), 1.0)
+    assert "the preset controlled with a solver.tolerance of at most 0.1" in coarse
+    assert false_state.startswith("false state")
+    assert "a smaller solver.h or solver.tolerance" in false_state
+    assert outcome(rig(), choose(method="newmark", tolerance=0.1), 1.0) == []

@@ -1,11 +1,8 @@
 """Machine files that are wrong: one plain line, no traceback, no hang, whatever is in them."""
 
 import math
-import random
 import re
-import signal
 import sys
-import warnings
 from pathlib import Path
 
 import pytest
@@ -13,20 +10,18 @@ from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
-from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
+from rotor_fmu.model.simulation import EquilibriumError, Simulation
 
 from rotor_fmu.cli import main
-from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear.machine_warnings import machine_warnings
 from rotor_fmu.machine_file.reading import machine_text
 
+from .mutations import ending_hangs, mutated, one_line, outcome_of
 from .parts.machines import shaft
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
-REFUSALS = (QuantityError, InputError, EquilibriumError, StepFailure)
-LIMIT = 60  # a file takes some hundredths of a second [s]
 BASES = (
     rig_toml(),
     (EXAMPLES / "magnetic_bearing" / "compressor.toml").read_text(encoding="utf-8"),
@@ -117,48 +112,6 @@ x = 1e-5
 vy = 0.01
 """,
 )
-ODD = (
-    "0", "-1", "1e-300", "1e300", "-1e-12", "nan", "inf", "-inf", "1e20", "true", '"word"', "[]",
-    "{}", "[1.0, 2.0]", '""', "1979-05-27", "99999999999999999999", "0.5", "3", "1e-9", "1e9",
-)  # fmt: skip
-
-
-def mutated(seed):
-    """A machine file with one to three changes."""
-    rng = random.Random(seed)
-    lines = rng.choice(BASES).splitlines()
-    for _ in range(rng.randint(1, 3)):
-        at = rng.randrange(len(lines))
-        key, equals, value = lines[at].partition("=")
-        kind = rng.randrange(8)
-        if kind <= 2 and equals:
-            numbers = list(re.finditer(r"-?\d[\d.e+-]*", value))
-            if numbers and rng.random() < 0.7:
-                result = rng.choice(numbers)
-                value = f"{value[: result.start()]}{rng.choice(ODD)}{value[result.end() :]}"
-            else:
-                value = f" {rng.choice(ODD)}"
-            lines[at] = f"{key}={value}"
-        elif kind == 3:
-            del lines[at]
-        elif kind == 4:
-            lines.insert(rng.randrange(len(lines)), lines[at])
-        elif kind == 5 and len(lines[at]) > 1:
-            place = rng.randrange(len(lines[at]))
-            lines[at] = lines[at][:place] + rng.choice("xX.[]{}=\"'#9 ") + lines[at][place + 1 :]
-        elif kind == 6:
-            other = rng.randrange(len(lines))
-            lines[at], lines[other] = lines[other], lines[at]
-        else:
-            begins = [i for i, line in enumerate(lines) if line.startswith("[")]
-            begin = rng.choice(begins)
-            end = next((i for i in begins if i > begin), len(lines))
-            if rng.random() < 0.5:
-                del lines[begin:end]
-            else:
-                lines += lines[begin:end]
-        lines = lines or [""]
-    return "\n".join(lines)
 
 
 def used(text):
@@ -175,26 +128,9 @@ def used(text):
         simulation.advance(2e-3, 100.0)
 
 
-def one_line(message):
-    """What is said, in one line."""
-    assert str(message)
-    assert "\n" not in str(message)
-    return str(message)
-
-
 def outcome(seed):
     """The refusal of a mutated file in one line, None where it is a machine that runs."""
-    text = mutated(seed)
-    signal.alarm(LIMIT)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)
-            used(text)
-    except REFUSALS as error:
-        return one_line(error)
-    finally:
-        signal.alarm(0)
-    return None
+    return outcome_of(mutated(BASES, seed), used)
 
 
 @pytest.fixture(scope="module")
@@ -207,13 +143,8 @@ def compiled():
 @pytest.fixture
 def hangs_end(compiled):
     """A file that takes too long ends the test."""
-
-    def end(number, frame):
-        raise TimeoutError(f"a file took more than {LIMIT} s")
-
-    before = signal.signal(signal.SIGALRM, end)
-    yield
-    signal.signal(signal.SIGALRM, before)
+    with ending_hangs():
+        yield
 
 
 @pytest.mark.parametrize("base", range(len(BASES)))

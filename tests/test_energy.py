@@ -7,9 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
+from rotor_fmu.model.parts.rolling_bearing import RollingBearing
+from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.parts.touchdown_bearing import TouchdownBearing
 from rotor_fmu.model.settings import choose
@@ -154,23 +158,54 @@ def test_a_balanced_rotor_climbs_by_the_angle_of_friction(omega):
 
 
 WALL = {"journal_radius": 0.01, "clearance": 2e-5, "mu": 0.2, "k": 2e7}
+NEAR = {**WALL, "clearance": 1e-5}
+AWAY = {**WALL, "clearance": 0.1}
 STILL = {"race_inertia": 1e9}
-# A part with a law and its entries of the ledger; such a part, and what acts as it does.
+FILM = {"length": 0.02, "journal_radius": 0.02, "clearance": 1e-4, "short": True}
+BALLS = {"count": 8, "pitch_diameter": 0.05, "element_diameter": 0.01, "k": 1e9}
+TOUCHES = ("compression", "contact_loss", "friction_loss")
+# A part with a law and its entries of the ledger; such a part, and what acts as it does: another
+# kind, or nothing where the part carries nothing.
 KINDS = {
     "contact": (
         ClearanceContact(node=2, **WALL),
-        ("compression", "contact_loss", "friction_loss"),
+        TOUCHES,
         (ClearanceContact(node=2, **WALL), TouchdownBearing(node=2, **WALL, **STILL)),
     ),
     "touchdown_bearing": (
         TouchdownBearing(node=3, **WALL, race_inertia=1e-4, race_drag=0.01),
-        ("races", "drag_loss", "compression", "contact_loss", "friction_loss"),
+        ("races", "drag_loss", *TOUCHES),
         (TouchdownBearing(node=3, **WALL, **STILL), ClearanceContact(node=3, **WALL)),
     ),
     "linear_bearing": (
         LinearBearing(node=3, kxx=1e5, kxy=2e4, kyy=1e5, cxx=50.0, cyy=50.0),
         ("bearings", "bearings_loss", "circulation_loss"),
         (LinearBearing(node=3, kxx=1e5, kyy=1e5, cxx=50.0, cyy=50.0), Support(3, 1e5, 50.0)),
+    ),
+    "sticking contact": (
+        ClearanceContact(node=2, **WALL, k_t=1e6),
+        TOUCHES,
+        (ClearanceContact(node=2, **AWAY, k_t=1e6),),
+    ),
+    "bearing": (
+        Bearing(node=2, **NEAR, mass=1.0, kx=1e6, ky=1e6, cx=500.0, cy=500.0),
+        ("housing_loss", *TOUCHES),
+        (Bearing(node=2, **AWAY, mass=1.0, kx=1e6, ky=1e6, cx=500.0, cy=500.0),),
+    ),
+    "rolling_bearing": (
+        RollingBearing(node=3, **BALLS),
+        ("compression", "contact_loss"),
+        (RollingBearing(node=3, **BALLS, clearance=0.1),),
+    ),
+    "journal_bearing": (
+        JournalBearing(node=3, **FILM, viscosity=0.01),
+        ("film_loss",),
+        (JournalBearing(node=3, **(FILM | {"clearance": 0.1}), viscosity=1e-12),),
+    ),
+    "squeeze_film_damper": (
+        SqueezeFilmDamper(node=3, **FILM, viscosity=0.01, stiffness=1e6),
+        ("centring", "film_loss"),
+        (SqueezeFilmDamper(node=3, **(FILM | {"clearance": 0.1}), viscosity=1e-12),),
     ),
 }
 
@@ -183,8 +218,14 @@ def entries(*parts):
 @pytest.mark.parametrize(("kind", "other"), list(itertools.permutations(KINDS, 2)))
 def test_an_entry_is_its_own_whatever_stands_beside_it(kind, other):
     part, names, _ = KINDS[kind]
-    beside, alike = KINDS[other][2]
-    result, expected = entries(part, beside), entries(part, alike)
+    beside, *alike = KINDS[other][2]
+    result, expected = entries(part, beside), entries(part, *alike)
     for name in names:
         assert abs(result[name]) > 0
         assert result[name] == pytest.approx(expected[name], rel=1e-5)
+
+
+def test_every_law_stands_beside_every_other():
+    parts = [part for part, _, _ in KINDS.values()]
+    laws = {e.law for part in parts for e in part.elements("part", 7800.0) if hasattr(e, "law")}
+    assert laws == set(LAWS)

@@ -133,6 +133,25 @@ def test_a_damaged_race_shows_at_the_frequency_at_which_balls_pass():
         assert damaged[at - 1 : at + 2].max() > 5.0 * sound[at - 1 : at + 2].max()
 
 
+# --- heat of a rub ---
+
+
+def test_a_hot_spot_spirals_outwards_below_the_critical_speed_and_inwards_above():
+    example = script("newkirk", "newkirk.py")
+    machine = example["rotor"]()
+    root = abs(example["critical"](machine))
+    for s, is_growing in ((0.8, False), (0.97, True), (1.05, False)):
+        history = example["run"](machine, s * root, 34.0, 5.0)
+        seen = example["rate"](history)
+        closed = example["expected"](machine, np.array([s * root]))[0]
+        assert (seen.real > 0.0) == is_growing
+        # the ring is beside the disc and damps, which the closed form of one mass leaves out
+        assert seen == pytest.approx(closed, rel=0.3)
+        assert seen.imag < 0.0
+    grown = example["run"](machine, 0.97 * root, 124.0, 60.0).vibration
+    assert abs(grown[-1]) > 1.5 * abs(grown[0])
+
+
 # --- oil film ---
 
 
@@ -146,3 +165,21 @@ def test_a_rotor_in_oil_films_whirls_past_its_threshold_and_stays_at_its_natural
     assert whirl == pytest.approx(lowest, rel=0.08)
     assert np.abs(history["journal"][-500:]).max() > 0.9 * example["CLEARANCE"]
     assert abs(history["residual"][0]) < 1e-4 * history["lost"][0]
+
+
+# --- squeeze film ---
+
+
+def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
+    """A little beyond each fold, since the speed does not wait there; on either side the orbit is
+    the closed form's."""
+    example = script("squeeze_film", "squeeze_film.py")
+    rising, falling = example["closed_form"](np.array(example["folds"]()))[0][1]
+    up = example["sweep"](1.2, 1.7, seconds=30.0)[60:]
+    down = example["sweep"](1.7, 1.2, seconds=30.0)[60:]
+    for swept, fold, beyond, flanks in ((up, rising, 1, (0, 1)), (down, falling, -1, (1, 0))):
+        jump = swept[np.argmax(np.abs(np.diff(swept[:, 1]))), 0]
+        assert 0.0 <= beyond * (jump - fold) < 0.03 * fold
+        for (speed, orbit), flank in zip((swept[0], swept[-1]), flanks, strict=True):
+            expected = example["closed_form"](np.array([orbit]))[0][flank, 0]
+            assert speed == pytest.approx(expected, rel=5e-3)

@@ -9,6 +9,7 @@ from html import escape, unescape
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig_toml
+from scipy.integrate import cumulative_trapezoid
 from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
@@ -20,8 +21,10 @@ from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
 from rotor_fmu.report.page import runs_page, write_report
 from rotor_fmu.report.signals import extremes
 from rotor_fmu.report.study import study_page
+from rotor_fmu.runs.recording import Recording
 
 from .recordings import recorded, write_study
+from .test_turning_both_ways import swept
 
 
 def report(*arguments):
@@ -93,6 +96,24 @@ def test_the_tables_say_what_the_closed_form_has(tmp_path):
     assert float(cells["friction"][1]) == pytest.approx(80.0, rel=1e-3)
     assert float(cells["bearing 1"][0]) == pytest.approx(5.0)
     assert float(cells["bearing 1"][2]) == pytest.approx(50.0, abs=1.0)
+
+
+@pytest.mark.parametrize(("share", "is_fast"), [(0.05, False), (1.0, True)])
+def test_an_amplification_is_marked_where_the_run_passed_too_fast(tmp_path, share, is_fast):
+    """A mode of 50 Hz and an amplification of 15; slow is a fifth of the half width's square."""
+    q, frequency = 15.0, 100 * np.pi
+    speed, amplitude, t = swept(q, share * (0.5 / q) ** 2)
+    phi = cumulative_trapezoid(speed, t, initial=0.0)
+    z = 1e-5 * amplitude * np.exp(1j * phi)
+    columns = {"phi": phi, "w": frequency * speed, "disc[1].x": z.real, "disc[1].y": z.imag}
+    units = {"phi": "rad", "w": "rad/s", "disc[1].x": "m", "disc[1].y": "m"}
+    run = Recording(t / frequency, columns, units, {"machine": "a mode", "status": "ok"})
+    write_report(run, {}, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    cell = re.search(r"<td>disc 1</td>(?:<td>[^<]*</td>){2}<td>([^<]*)</td>", text)[1]
+    assert (", passed too fast" in cell) == is_fast
+    assert cell.startswith("&gt; ") == is_fast
+    assert is_fast or float(cell) == pytest.approx(q, rel=0.05)
 
 
 @pytest.mark.parametrize("nasty", ['</script><img src=x onerror="alert(1)">', "<!--<script>"])

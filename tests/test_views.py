@@ -1,6 +1,7 @@
 """Pictures of runs draw the run, not where it was sampled."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +11,11 @@ from rotor_fmu.runs import views
 from rotor_fmu.runs.job import clear, execute_recorded, prepare
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import run_recorded
+from rotor_fmu.runs.sentences import sentences
 from rotor_fmu.runs.signals import Signals
 from rotor_fmu.runs.summary import summary
+
+from .recordings import recorded
 
 TURN = 2 * math.pi
 NAMES = ("bearing[2].x", "bearing[2].y", "bearing[2].psi")
@@ -151,11 +155,27 @@ def test_the_place_that_moves_most_stands_for_a_machine():
 )
 def test_a_run_without_a_peak_says_why(stop, sets, reason):
     job = prepare(None, None, sets, None, stop, 0.01)
-    run, _ = execute_recorded(job, "")
+    run, recording = execute_recorded(job, "")
     figures = summary(run)
     assert figures["no_peak"] == reason
     assert figures["x_peak_um"] is figures["x_peak_hz"] is None
     assert (figures["x_largest_um"] is None) == (stop == 1.0)
+    said, *_ = sentences(figures, recording, Path("report.html"))
+    assert said.startswith(f"No peak, because {reason}")
+    assert ("moved by at most" in said) == (stop > 1.0)
+
+
+@pytest.mark.parametrize(
+    ("um", "said"), [(283.4, "283 um"), (12.3, "12 um"), (0.3412, "0.34 um"), (2e-4, "0.0002 um")]
+)
+def test_a_small_motion_is_not_said_to_be_none(um, said):
+    figures = {"place": "disc[2]", "no_peak": "the speed is constant"}
+    figures |= dict.fromkeys(("x_peak_um", "y_peak_um"))
+    figures |= {"x_largest_um": um, "y_largest_um": 0.5 * um, "status": "ok"}
+    first, *_ = sentences(figures, recorded(stop=1.0), Path("report.html"))
+    assert first == (
+        f"No peak, because the speed is constant; disc 2 moved by at most {said} from rest."
+    )
 
 
 def test_a_run_takes_away_its_own_earlier_files_alone(tmp_path):

@@ -1,9 +1,13 @@
 """No run is wrong in silence: a machine whose journal whips, the rig."""
 
+import math
+
 import pytest
+from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.settings import PRESETS, choose
 from rotor_fmu.model.simulation import RotorWarning, Simulation, StepFailure
 
+from .machines import overhung
 from .whip import overhung_machine, run_down
 from .windows import rig
 
@@ -51,6 +55,31 @@ def test_with_little_friction_the_machine_is_stable_and_error_control_silent():
     assert peak == pytest.approx(finer, rel=0.02)
     assert said == []
     assert sim.read("solver.overdamped_at") == -1.0
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3])
+def test_hysteretic_damping_that_turns_is_no_loss_to_the_integrator(tolerance):
+    """It feeds the whirl of a journal that rubs, which other dampers hold back."""
+    wall = ClearanceContact(node=2, journal_radius=0.01, clearance=5e-5, mu=0.05, k=1e6)
+    rotor = overhung(others=(wall,), eta_h=0.01, rotating_damping=True, gravity=0.0)
+    said, touched = [], 0.0
+    sim = Simulation(rotor, choose(tolerance=tolerance), speed=100.0, rate=40.0, warn=said.append)
+    for k in range(300):
+        sim.advance(0.01 * (k + 1), 100.0 + 0.4 * k)
+        touched += sim.read("contact[1].contact")
+    assert touched > 100
+    assert said == []
+
+
+def test_a_rub_is_overdamped_from_its_first_touch_on():
+    sim = Simulation(overhung_machine(), choose("robust"), speed=400.0, warn=lambda message: None)
+    first = math.inf
+    for k in range(1000):
+        sim.advance(1e-3 * (k + 1), 400.0)
+        if sim.read("bearing[1].contact"):
+            first = min(first, sim.time)
+    assert first - 1e-3 <= sim.read("solver.overdamped_at") <= first
+    assert first > 0.01
 
 
 RIGHT = {

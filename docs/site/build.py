@@ -21,6 +21,7 @@ _HOW_TO = (
         "studies",
         "oil_films",
         "rolling_bearings",
+        "heat_of_a_rub",
         "check_by_api_617",
         "native",
         "real_time",

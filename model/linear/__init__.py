@@ -1,12 +1,14 @@
 """Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection, and the
 checks of API 617 and 684."""
 
-from .bearing import BearingCurves, bearing_curves
+from .bearing import BearingCurves, bearing_curves, bearings
 from .campbell import Campbell, CriticalSpeed, campbell
 from .critical_map import CriticalMap, critical_map, mean_stiffness
+from .damper import DamperCurves, damper_curves
 from .machine import CONTACTS, LinearError, LinearMachine
 from .modes import Modes, modes
 from .placement import placed_unbalances
+from .rolling import RollingCurves, rolling_curves
 from .stability_levels import StabilityLevel1, StabilityLevel2, Stage, level_1, level_2
 from .static import Static, static
 from .unbalance import UnbalanceResponse, unbalance_response
@@ -18,9 +20,11 @@ __all__ = [
     "Campbell",
     "CriticalMap",
     "CriticalSpeed",
+    "DamperCurves",
     "LinearError",
     "LinearMachine",
     "Modes",
+    "RollingCurves",
     "StabilityLevel1",
     "StabilityLevel2",
     "Stage",
@@ -28,14 +32,17 @@ __all__ = [
     "UnbalanceCheck",
     "UnbalanceResponse",
     "bearing_curves",
+    "bearings",
     "campbell",
     "critical_map",
     "critical_peaks",
+    "damper_curves",
     "level_1",
     "level_2",
     "mean_stiffness",
     "modes",
     "placed_unbalances",
+    "rolling_curves",
     "static",
     "unbalance_check",
     "unbalance_response",

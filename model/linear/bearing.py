@@ -1,178 +1,42 @@
-"""A bearing alone: where its journal rests under a load, its eight coefficients there, and the mass
-that they carry without whirling."""
+"""A bearing alone over speed or load: where its journal rests, its eight coefficients there, and
+the mass that they carry without whirling."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 
-from ..contact.film import pad_count, pad_of
-from ..contact.film_zone import solve_zone, vectors, zone_bound
-from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
-from ..parts.base import Interface
 from ..parts.journal_bearing import JournalBearing
-from ..parts.law import Kinematics, Weights
-from ..quantities import quantities
+from ..parts.rolling_bearing import RollingBearing
+from ..parts.squeeze_film_damper import SqueezeFilmDamper
+from .bearing_alone import BearingAlone, critical_mass
 from .film_in_plane import film_in_plane
-from .machine import LinearError, LinearMachine
+from .linearized import LinearError
+from .static import loads_on
 
-_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
-_ITERATIONS, _CHANGE = 200, 1e-12
-_SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
+AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing
 _HALVINGS = 30
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
 
-class BearingAlone:
-    """A journal bearing whose journal is moved by hand at a speed [rad/s].
-
-    part: the bearing; where: its name, for messages.
-    """
-
-    def __init__(self, part: JournalBearing, speed: float, where: str = "journal_bearing") -> None:
-        element = next(e for e in part.elements(where, 0.0) if isinstance(e, Interface))
-        self.part, self.speed, self.where, self._law = part, float(speed), where, element.law
-        assert self._law.table is not None
-        self._tables = self._law.table(part).ravel()
-        numbers = [float(getattr(part, name)) for name in quantities(self._law.kind)]
-        row = (*numbers, 0, len(self._tables))
-        self._record = np.array([row], self._law.dtype).view(np.recarray)[0]
-        self._none = np.zeros(0)
-
-    def _moving(self, d: complex, v: complex) -> Kinematics:
-        return Kinematics(complex(d), complex(v), self.speed, self.speed)
-
-    def force(self, d: complex, v: complex = 0j) -> complex:
-        """Return the force on the journal [N] at a displacement [m] and a velocity [m/s]."""
-        force = interpreted(self._law.force)
-        return complex(force(self._record, self._tables, self._moving(d, v), self._none))
-
-    def tangent(self, d: complex, v: complex, weights: Weights) -> np.ndarray:
-        """Return the force's derivative for `Weights`, shape (2, 2)."""
-        tangent = interpreted(self._law.tangent)
-        moving, none = self._moving(d, v), self._none
-        _, p, q = tangent(self._record, self._tables, moving, weights, none, none)
-        return np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-
-    def outputs(self, d: complex, v: complex = 0j) -> dict[str, float]:
-        """Return the outputs of the part by their names."""
-        out = np.zeros(len(self._law.outputs))
-        observe = interpreted(self._law.observe)
-        observe(self._record, self._tables, self._moving(d, v), self._none, out)
-        return {o.name: float(value) for o, value in zip(self._law.outputs, out, strict=True)}
-
-    def pressure(self, d: complex, angles: np.ndarray) -> np.ndarray:
-        """Return the pressure in the middle of the length at angles from 0 to 2 pi, with the
-        journal at rest at a displacement [Pa]."""
-        record, tables = self._record, self._tables
-        moving, result = self._moving(d, 0j), np.zeros_like(angles)
-        for i in range(interpreted(pad_count)(record, tables)):
-            pad, work = interpreted(pad_of)(record, tables, moving, i)
-            if pad.film.S == 0.0:
-                continue
-            for turn in (-1, 0, 1, 2):
-                acts, bound = interpreted(zone_bound)(pad.film, np.angle(pad.film.S), turn)
-                if not acts:
-                    continue
-                if self.part.short:
-                    theta = np.linspace(bound.low[1], bound.high[0], 101)
-                    share = (self.part.length / self.part.journal_radius) ** 2 / 8
-                    turned = np.exp(-1j * theta)
-                    h = np.maximum(1.0 - (turned * pad.film.D).real, pad.film.floor)
-                    P = share * (turned * pad.film.S).real / h**3
-                else:
-                    zone = interpreted(solve_zone)(pad.film, bound, work)
-                    P = interpreted(vectors)(pad.film, work).P
-                    theta = np.linspace(zone.first, zone.last, len(P))
-                for whole in (-2 * math.pi, 0.0, 2 * math.pi):
-                    at = np.interp(angles + whole, theta, P, left=0.0, right=0.0)
-                    result += pad.pressure * at
-        return result
-
-    def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
-        """Return K [N/m] and C [N.s/m] of the journal at rest at a displacement, each of shape
-        (2, 2)."""
-        return -self.tangent(d, 0j, _BY_D), -self.tangent(d, 0j, _BY_V)
-
-    def rest(self, load: complex, start: complex | None = None) -> complex:
-        """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
-        `LinearError` with the load and what the film carries."""
-        d = self._rest(load, start)
-        if d is None or self._is_broken(d):
-            raise LinearError(
-                f"{self.where}: no equilibrium at {self.speed:g} rad/s: its load is "
-                f"{abs(load):.4g} N, and its film carries {self._capacity(load):.4g} N in that "
-                f"direction when it is as thin as its roughness, {self.part.roughness:g} m"
-            )
-        return d
-
-    def _rest(self, load: complex, start: complex | None = None) -> complex | None:
-        c = self.part.clearance
-        if self.speed == 0.0 and self.part.k == 0.0:
-            return None
-        turned = -1j if self.speed > 0 else 1j if self.speed < 0 else 0.0
-        ahead = load / abs(load) if load != 0.0 else 0j
-        d = 0.3 * c * ahead * (1.0 - turned) if start is None else start
-        for _ in range(_ITERATIONS):
-            left = self.force(d) + load
-            try:
-                change = np.linalg.solve(self.tangent(d, 0j, _BY_D), [-left.real, -left.imag])
-            except np.linalg.LinAlgError:
-                return None
-            step = complex(*change)
-            size = abs(step)
-            if not math.isfinite(size):
-                return None
-            step *= min(1.0, _SHARE * c / size) if size > 0.0 else 1.0
-            d += step
-            if size <= _CHANGE * c:
-                return d
-        return None
-
-    def _is_broken(self, d: complex) -> bool:
-        breaks = interpreted(self._law.breaks)
-        return bool(breaks(self._record, self._tables, complex(d)))
-
-    def _capacity(self, load: complex) -> float:
-        """Return the largest share of a load that the film carries [N]."""
-        low, high = 0.0, 1.0
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            d = self._rest(middle * load)
-            low, high = (low, middle) if d is None or self._is_broken(d) else (middle, high)
-        return low * abs(load)
-
-
-def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
-    """Return the mass above which a rigid rotor on a bearing whirls [kg], infinite if none does,
-    and at what frequency [rad/s]; K [N/m], C [N.s/m] of shape (2, 2).
-
-    Lund and Thomsen (1978); the mass hangs on one bearing.
-    """
-    of_both = K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]
-    stiffness = of_both / np.trace(C)
-    square = (stiffness - K[0, 0]) * (stiffness - K[1, 1]) - K[0, 1] * K[1, 0]
-    square /= np.linalg.det(C)
-    if square <= 0.0:
-        return math.inf, 0.0
-    return float(stiffness / square), math.sqrt(square)
-
-
 @dataclass(frozen=True)
 class BearingCurves:
-    """A journal bearing over n speeds [rad/s].
+    """A journal bearing over n speeds [rad/s], or loads.
 
     bearing: its name; clearance [m]; load: on the journal, to the right and upwards, shape (n, 2)
     [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa], torque [N.m], power
     [W], flow [m3/s], shape (n,); around: pressure in the middle of the length every 3 degrees from
     the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape (n, 2, 2); mass: that
-    the load weighs [kg]; critical_mass [kg], whirl: frequency at that mass [rad/s]; threshold:
-    speed above which `mass` whirls [rad/s], None if it does at none; plane_error: of the load,
-    against a two-dimensional solution [1].
+    the first load weighs [kg]; critical_mass [kg], whirl: frequency at that mass [rad/s];
+    threshold: speed above which `mass` whirls [rad/s], None if it does at none or the loads vary;
+    threshold_load: on either side of it a mass that weighs the load whirls, or does not [N], None
+    if the speeds vary or there is none; plane_error: of the load, against a two-dimensional
+    solution [1].
     """
 
     bearing: str
@@ -195,7 +59,15 @@ class BearingCurves:
     critical_mass: np.ndarray
     whirl: np.ndarray
     threshold: float | None
+    threshold_load: float | None
     plane_error: np.ndarray
+
+
+def bearings(rotor: Rotor) -> dict[str, AnyBearing]:
+    """Return journal bearings, then squeeze film dampers, then rolling bearings of a machine by
+    their names."""
+    kinds = get_args(AnyBearing)
+    return {name: p for kind in kinds for name, p in rotor.named_parts() if isinstance(p, kind)}
 
 
 def journal_bearings(rotor: Rotor) -> dict[str, JournalBearing]:
@@ -208,12 +80,14 @@ def bearing_curves(
     speeds: Sequence[float] | np.ndarray,
     *,
     bearing: str | None = None,
-    load: float | None = None,
+    load: float | Sequence[float] | np.ndarray | None = None,
 ) -> BearingCurves:
-    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s].
+    """Return a journal bearing's equilibrium and coefficients at each speed [rad/s], or under each
+    load at one.
 
-    bearing: its name, the first by default; load: downwards [N], by default what the machine's
-    weight puts on it. Raises `LinearError` if there is no such bearing or no equilibrium.
+    bearing: its name, the first by default; load: downwards [N], one or several, by default what
+    the machine's weight puts on it. Raises `LinearError` if there is no such bearing or no
+    equilibrium, or if there are several of both.
     """
     known = journal_bearings(rotor)
     if not known:
@@ -221,24 +95,38 @@ def bearing_curves(
     name = bearing or next(iter(known))
     if name not in known:
         raise LinearError(f"bearing = {name}: must be one of {', '.join(known)}")
-    loads = _loads(rotor, name, speeds) if load is None else [complex(0.0, -load)] * len(speeds)
+    loads: Sequence[complex]
+    if load is None:
+        loads = loads_on(rotor, name, speeds)
+    else:
+        loads = [complex(0.0, -each) for each in np.atleast_1d(load)]
+        if len(loads) > 1 < len(speeds):
+            raise LinearError(f"{len(speeds)} speeds and {len(loads)} loads: one of both may vary")
+        loads = loads * len(speeds) if len(loads) == 1 else loads
+    is_over_load = len(loads) > len(speeds)
+    speeds = np.broadcast_to(np.asarray(speeds, dtype=float), len(loads))
     rows = []
     start = None
     for speed, on in zip(speeds, loads, strict=True):
         alone = BearingAlone(known[name], speed, name)
         start = alone.rest(on, None if on == 0.0 else start)
-        rows.append(_row(alone, start, on))
+        rows.append(_row(alone, known[name], start))
     columns = {key: np.array([row[key] for row in rows]) for key in rows[0]}
-    mass = float(abs(loads[0])) / (rotor.gravity or 9.81)
-    masses = columns["critical_mass"]
-    above = np.flatnonzero((masses[1:] < mass) & (masses[:-1] >= mass))
-    threshold = None
-    if masses[0] < mass:
+    gravity = rotor.gravity or 9.81
+    mass = float(abs(loads[0])) / gravity
+    masses = np.abs(loads) / gravity if is_over_load else np.full(len(loads), mass)
+    stable = columns["critical_mass"] >= masses
+    threshold = threshold_load = None
+    turns = np.flatnonzero(stable[1:] != stable[:-1])
+    if not is_over_load and not stable[0]:
         threshold = float(speeds[0])
-    elif len(above):
-        i = int(above[0])
-        ends = (float(speeds[i]), float(speeds[i + 1]))
-        threshold = _threshold(known[name], name, ends, (loads[i], loads[i + 1]), mass)
+    elif len(turns):
+        ends = slice(int(turns[0]), int(turns[0]) + 2)
+        of_ends = (speeds[ends], loads[ends], masses[ends], stable[ends])
+        if is_over_load:
+            threshold_load = _threshold(known[name], name, np.abs(loads[ends]), *of_ends)
+        else:
+            threshold = _threshold(known[name], name, of_ends[0], *of_ends)
     return BearingCurves(
         bearing=name,
         clearance=known[name].clearance,
@@ -246,23 +134,17 @@ def bearing_curves(
         load=np.array([[on.real, on.imag] for on in loads]),
         mass=mass,
         threshold=threshold,
+        threshold_load=threshold_load,
         **columns,
     )
 
 
-def _loads(rotor: Rotor, name: str, speeds: Sequence[float] | np.ndarray) -> list[complex]:
-    """Return the load on a bearing at each speed, as the machine rests [N]."""
-    machine = LinearMachine(rotor)
-    place = machine.supports.interfaces.index(name)
-    return [-complex(machine.loaded(float(s)).laws.force[place]) for s in speeds]
-
-
-def _row(alone: BearingAlone, d: complex, load: complex) -> dict[str, object]:
+def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, object]:
     K, C = alone.coefficients(d)
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
-    in_plane = film_in_plane(alone.part, alone.speed, d)
+    in_plane = film_in_plane(part, alone.speed, d)
     error = abs(alone.force(d) - in_plane) / abs(in_plane) if in_plane != 0.0 else math.nan
     return {name: known[name] for name in names} | {
         "x": d.real,
@@ -279,17 +161,24 @@ def _row(alone: BearingAlone, d: complex, load: complex) -> dict[str, object]:
 def _threshold(
     part: JournalBearing,
     name: str,
-    speeds: tuple[float, float],
-    loads: tuple[complex, complex],
-    mass: float,
+    varied: np.ndarray,
+    speeds: np.ndarray,
+    loads: Sequence[complex],
+    masses: np.ndarray,
+    stable: np.ndarray,
 ) -> float:
-    """Return the speed between two at which a mass begins to whirl [rad/s]."""
-    (low, high), (first, last) = speeds, loads
+    """Return the value of what varies, the speed [rad/s] or the load [N], at which the mass that
+    goes with it begins, or ends, to whirl; all arguments of both ends, between which they are
+    linear."""
+    low, high = (float(end) for end in varied)
     begin, span = low, high - low
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        load = first + (middle - begin) / span * (last - first)
-        alone = BearingAlone(part, middle, name)
+        share = (middle - begin) / span
+        speed = middle if varied is speeds else float(speeds[0])
+        load = loads[0] + share * (loads[1] - loads[0])
+        alone = BearingAlone(part, speed, name)
+        mass = masses[0] + share * (masses[1] - masses[0])
         is_stable = critical_mass(*alone.coefficients(alone.rest(load)))[0] >= mass
-        low, high = (middle, high) if is_stable else (low, middle)
+        low, high = (middle, high) if is_stable == stable[0] else (low, middle)
     return 0.5 * (low + high)

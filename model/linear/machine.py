@@ -25,6 +25,7 @@ from ..parts.linear_bearing import LINEAR_BEARING
 from ..structure.assembly import assemble
 from ..structure.elastic import factorized
 from ..structure.parameters import elastic_share, lengths_of
+from .bearing_alone import check_films
 from .linearized import Linear, LinearError, Strain
 from .matrices import TURN, differences, expansion, in_plane, matrices_of, to_complex
 from .tangents import Tangents, tangents
@@ -133,6 +134,8 @@ class LinearMachine:
             change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
             rest = result
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
+                at = to_complex(self._across @ rest)
+                check_films(self.rotor, self.supports.interfaces, speed, at, linear.laws.force)
                 return linear._replace(rest=rest, pull=pull)
             before = change
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")

@@ -80,6 +80,13 @@ def static(
     )
 
 
+def loads_on(rotor: Rotor, name: str, speeds: Sequence[float] | np.ndarray) -> list[complex]:
+    """Return the load on an interface at each speed [rad/s], as the machine rests [N]."""
+    machine = LinearMachine(rotor)
+    place = machine.supports.interfaces.index(name)
+    return [-complex(machine.loaded(float(s)).laws.force[place]) for s in speeds]
+
+
 def check_node(machine: LinearMachine, node: int) -> int:
     """Return the node if the machine has it; raises `LinearError` otherwise."""
     highest = len(machine.nodes)

@@ -143,6 +143,7 @@ class Rotor:
                     housings.add(element.name)
                 elif not isinstance(element, Release) and not _is_base(element):
                     self._check_node(where, element.node)
+                    self._check_bow(where, element)
         self._check_singles()
         self._check_labels()
         self._check_housings(housings)
@@ -170,6 +171,16 @@ class Rotor:
         highest = len(self.sections) + 1
         if isinstance(node, bool) or not isinstance(node, int) or not 1 <= node <= highest:
             raise QuantityError(f"{where}.node = {node!r}: must be an integer from 1 to {highest}")
+
+    def _check_bow(self, where: str, element: Element) -> None:
+        if not isinstance(element, Interface) or element.law.bow is None:
+            return
+        highest = len(self.sections) + 1
+        if not 1 < element.node < highest:
+            raise QuantityError(
+                f"{where}.node = {element.node}: must be between nodes 1 and {highest}, the ends "
+                "of the shaft, where it cannot bow"
+            )
 
     def _check_singles(self) -> None:
         for kind in {type(part) for part in self.parts if part.IS_SINGLE}:

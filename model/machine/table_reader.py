@@ -61,6 +61,9 @@ def make(kind: type, where: str, value: Any) -> Any:
     for field in fields(kind):
         if not _is_optional(field) and field.name not in table:
             raise QuantityError(f"{where}.{field.name} is missing")
+        given = table.get(field.name, "")
+        if field.type == "str" and not isinstance(given, str):
+            raise QuantityError(f"{where}.{field.name} = {given!r}: must be a string")
     numbers = quantities(kind)
     return kind(
         **{

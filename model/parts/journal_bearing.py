@@ -124,7 +124,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    return (wall_energy(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0)),)
+    return (wall_energy(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)),)
 
 
 @jit
@@ -171,7 +171,7 @@ def _observe(part, tables, kinematics, internal_state, out):
 @jit
 def film_breaks(part, tables, displacement):
     """Implement this function of a law; see `parts.law`."""
-    return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0))
+    return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0))
 
 
 @jit

@@ -9,7 +9,7 @@ their names, and of the node's `Kinematics` relative to the housing:
     dissipate(part, tables, kinematics, own, out)               -> torque
     rates(part, tables, kinematics, own, out)
     observe(part, tables, kinematics, own, out)
-    opening(part, displacement)                                 -> distance
+    gap(part, displacement)                                     -> distance
     length(part)                                                -> scale
     breaks(part, tables, displacement)                          -> whether it does
 
@@ -27,7 +27,8 @@ with a `table` say where theirs begin, `part.table`, and how many rows they have
 
 A law may have internal states, `internal_state`, shape (len(Law.states),): rates fills in their
 rates. Over a step they are implicit, internal_state = free + weights.rate * rate: `tangent` finds
-them, fills `internal_state`, and lets them take part in p and q.
+them, fills `internal_state`, and lets them take part in p and q. Two of them, from the place
+`Law.bow` on, may be a bow that the law gives the shaft at its node (`structure.bow`).
 """
 
 from __future__ import annotations
@@ -48,12 +49,13 @@ class Kinematics(NamedTuple):
     """How a node moves relative to its housing or to ground: displacement u + i v [m] and velocity
     [m/s]; speed: of the machine [rad/s], on which coefficients may depend; sliding_speed: at which
     the journal's surface turns past what it rubs on [rad/s], 0 where equilibrium is sought, which
-    has no friction."""
+    has no friction; angle: of the rotor [rad]."""
 
     displacement: complex
     velocity: complex
     speed: float
     sliding_speed: float
+    angle: float = 0.0
 
 
 class Weights(NamedTuple):
@@ -107,11 +109,14 @@ class Law:
         Energies that it stores [J], in the order in which `energy` returns them.
     losses : tuple of Output
         Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
-    opening, length, rates, breaks : callable
+    gap, length, rates, breaks : callable
         Compiled functions of a law with a wall, with a length of its own, with states, with
         displacements that it does not allow.
     states : tuple of float
         Values of its states at the start.
+    bow : int, optional
+        Place among its states of the bow of the shaft at its node [m], in x and y of a frame that
+        turns with the rotor.
     has_wall : bool
         Whether the force begins at a wall, the circle of radius `length` about the housing.
     turns : bool
@@ -140,6 +145,7 @@ class Law:
     rates: Callable[..., Any] = no_rates
     breaks: Callable[..., Any] = never_breaks
     states: tuple[float, ...] = ()
+    bow: int | None = None
     has_wall: bool = False
     turns: bool = False
     table: Callable[[Any], np.ndarray] | None = None

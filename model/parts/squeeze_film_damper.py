@@ -57,7 +57,7 @@ _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 @jit
 def _resting(kinematics):
     """Return the kinematics of a ring that does not turn with the rotor."""
-    return Kinematics(kinematics.displacement, kinematics.velocity, 0.0, 0.0)
+    return Kinematics(kinematics.displacement, kinematics.velocity, 0.0, 0.0, 0.0)
 
 
 @jit_not_inlined
@@ -83,7 +83,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law (see `parts.law`): contact, spring."""
     square = displacement.real * displacement.real + displacement.imag * displacement.imag
-    moving = Kinematics(displacement, 0.0j, 0.0, 0.0)
+    moving = Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)
     return wall_energy(bearing_of(part), tables, moving), 0.5 * part.stiffness * square
 
 

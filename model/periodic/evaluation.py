@@ -11,15 +11,22 @@ from .folds import FoldCurve, fold_curve
 from .seeds import Stay, stay
 from .task import SPEED, Machines, PeriodicError, Response, machines_of
 
+_ROUNDING = 1e-9  # of the range
+
 
 def at(result: Response, value: float) -> list[Solution]:
     """All motions of the branches at a value of the parameter, by Newton's method from their
     neighbours."""
     outcome = []
+    near = _ROUNDING * (result.task.high - result.task.low)
     for branch in result.branches:
+        ends = branch.points[:1] + branch.points[-1:]
         for a, b in zip(branch.points, branch.points[1:], strict=False):
             low, high = sorted((a.value, b.value))
-            if not low <= value < high and not (value == high and b is branch.points[-1]):
+            is_at_end = any(
+                p is end for p in (a, b) for end in ends if abs(end.value - value) <= near
+            )
+            if not is_at_end and (not low <= value <= high or value == b.value):
                 continue
             solved = _between(result, a, b, value)
             if solved is not None:

@@ -53,13 +53,13 @@ def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
                 result = law_tangent(
                     laws,
                     interface,
-                    Kinematics(d[j, t], v[j, t], speed, speed),
+                    Kinematics(d[j, t], v[j, t], speed, speed, 0.0),
                     Weights(1.0 - i, 1.0 * i, 0.0),
                     own[t, at:],
                     scratch[t, at:],
                 )
                 force[j, t], p[i, j, t], q[i, j, t] = result
-            motion = Kinematics(d[j, t], v[j, t], speed, speed)
+            motion = Kinematics(d[j, t], v[j, t], speed, speed, 0.0)
             law_rates(laws, interface, motion, own[t, at:], rates[t, at:])
 
 

@@ -52,7 +52,7 @@ def take_tangents(structure, survey, motion, trial, omega):
             _force, p, q = law_tangent(
                 structure.laws,
                 interface,
-                Kinematics(d, 0.0j, omega, sliding),
+                Kinematics(d, 0.0j, omega, sliding, 0.0),
                 Weights(by_d, 1.0 - by_d, 0.0),
                 motion.internal_state[interface.internal_state :],
                 trial[interface.internal_state :],

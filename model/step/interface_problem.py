@@ -117,7 +117,7 @@ def _linearize(problem, laws, interfaces, spin, weights):
         if interface.states == 0 and not law_gap(laws, interface, d) < 0.0:
             continue
         d_dot = problem.d0_dot[j] + b_v * problem.w[j]
-        kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding)
+        kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding, spin.theta)
         free, internal_state = (
             problem.free[interface.internal_state :],
             problem.internal_state[interface.internal_state :],

@@ -18,12 +18,13 @@ _SHARE = 1e-6
 
 
 class Change(NamedTuple):
-    """A derivative of a law's kinematics: of its displacement, of its velocity, and of the speed
-    and the sliding speed alike; omega: what a velocity is compared by [rad/s]."""
+    """A derivative of a law's kinematics: of its displacement, of its velocity, of the speed and
+    the sliding speed alike, and of the angle; omega: what a velocity is compared by [rad/s]."""
 
     displacement: complex
     velocity: complex
     speed: float
+    angle: float
     omega: float
 
 
@@ -36,6 +37,7 @@ def _shift(moving, change, by):
         moving.velocity + by * change.velocity,
         moving.speed + turned,
         moving.sliding_speed + turned,
+        moving.angle + by * change.angle,
     )
 
 
@@ -52,10 +54,10 @@ def _step_along(interface, moving, change, state, d_state):
 
 
 @jit_not_inlined
-def force_by_rest(laws, interface, moving, d_omega, rate, state, d_state, work):
-    """Return the derivative of a law's force by the speed and by its internal states; the other
-    arguments as in `states_along`."""
-    change = Change(0j, 0j, d_omega, 1.0)
+def force_by_rest(laws, interface, moving, d_spin, rate, state, d_state, work):
+    """Return the derivative of a law's force by the rotation, d_spin, and by its internal states;
+    the other arguments as in `states_along`."""
+    change = Change(0j, 0j, d_spin[0], d_spin[2], 1.0)
     by = _step_along(interface, moving, change, state, d_state)
     if by == 0.0:
         return 0.0j
@@ -99,9 +101,11 @@ def states_along(laws, interface, moving, change, rate, state, d_state, are_rate
 
 
 @jit
-def change_of(interface, motion, d_omega, omega):
-    """Return the `Change` of an interface by a derivative of the motion; see there."""
-    return Change(relative(interface, motion.q), relative(interface, motion.v), d_omega, omega)
+def change_of(interface, motion, d_spin, omega):
+    """Return the `Change` of an interface by a derivative of the motion and of the rotation; see
+    there."""
+    d, v = relative(interface, motion.q), relative(interface, motion.v)
+    return Change(d, v, d_spin[0], d_spin[2], omega)
 
 
 @jit

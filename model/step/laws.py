@@ -70,10 +70,12 @@ def first_broken(structure, q):
 @jit
 def kinematics(interface, spin, q, v):
     """Return the `Kinematics` of an interface, q, v of shape (size,)."""
-    return Kinematics(relative(interface, q), relative(interface, v), spin.omega, spin.sliding)
+    return Kinematics(
+        relative(interface, q), relative(interface, v), spin.omega, spin.sliding, spin.theta
+    )
 
 
 @jit
 def at_rest(displacement, speed):
     """Return the `Kinematics` of an interface whose node rests and whose surfaces do not slide."""
-    return Kinematics(displacement, 0.0j, speed, 0.0)
+    return Kinematics(displacement, 0.0j, speed, 0.0, 0.0)

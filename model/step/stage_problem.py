@@ -22,7 +22,7 @@ SLIDING, FREE = 0, 1
 # Where Newton starts, one after another: sliding on at the same depth, or without forces. A step in
 # which none arrives is repeated with half its length.
 ATTEMPTS = (SLIDING, FREE)
-ITERATIONS = 16
+ITERATIONS = 10
 # Of the accuracy asked for, what a correction by an old matrix may leave; of its last correction,
 # what one may be without being slow, and without the iteration being damped: it would cycle where
 # sliding turns back.
@@ -36,7 +36,8 @@ _SHARE, _LEAST = 1e-7, 1e-10
 @jit
 def _kinematics(stages, i, j):
     """Return the `Kinematics` of an interface at a stage."""
-    return Kinematics(stages.d[i, j], stages.v_relative[i, j], stages.omega[i], stages.omega[i])
+    speed, angle = stages.omega[i], stages.theta[i]
+    return Kinematics(stages.d[i, j], stages.v_relative[i, j], speed, speed, angle)
 
 
 @jit
@@ -141,7 +142,7 @@ def _take_tangent(structure, h, old, stages, i, j):
             change = abs(states[s]) + h * abs(stages.law_rate[i, first + s])
             step = _SHARE * change + _LEAST
             spare[s] += step
-        beside = Kinematics(d, v, moving.speed, moving.sliding_speed)
+        beside = Kinematics(d, v, moving.speed, moving.sliding_speed, moving.angle)
         rates = stages.trial_rate
         law_rates(structure.laws, interface, beside, spare, rates)
         for s in range(count):
@@ -162,12 +163,14 @@ def _list_unknowns(structure, stages):
         for j in range(m):
             if stages.acts[i, j] == 1:
                 for axis in range(2):
-                    stages.unknowns[count] = 2 * (i * m + j) + axis
+                    unknown = stages.unknowns[count]
+                    unknown[0] = 2 * (i * m + j) + axis
+                    unknown[1], unknown[2], unknown[3] = i, j, axis
                     count += 1
     forces = count
     for i in range(STAGES):
         for s in range(size):
-            stages.unknowns[count] = 6 * m + i * size + s
+            stages.unknowns[count, 0] = 6 * m + i * size + s
             count += 1
     return forces, count
 
@@ -215,7 +218,7 @@ def _fill_row(structure, h, stages, row, i, j, output, forces, count):
     d_x, d_y = stages.by_d[at], stages.by_d[at + 1]
     v_x, v_y = stages.by_v[at], stages.by_v[at + 1]
     for k in range(forces):
-        u = stages.unknowns[k]
+        u = stages.unknowns[k, 0]
         matrix_row[k] = -(
             tangent[0] * d_x[u] + tangent[1] * d_y[u] + tangent[2] * v_x[u] + tangent[3] * v_y[u]
         )
@@ -295,10 +298,9 @@ def _improve(structure, h, accuracy, relax, old, stages, forces, count):
     largest correction of a displacement or a state, over what it may be [1]."""
     m, size = len(structure.interfaces), len(stages.law_rate[0])
     solution, unknowns = stages.solution, stages.unknowns
-    for row in range(count):
-        u = unknowns[row]
-        if u < 6 * m:
-            solution[row] = _known(structure, old, stages, u // (2 * m), u // 2 % m, u % 2)
+    for row in range(forces):
+        i, j, axis = unknowns[row, 1], unknowns[row, 2], unknowns[row, 3]
+        solution[row] = _known(structure, old, stages, i, j, axis)
     for j in range(m):
         first = structure.interfaces[j].internal_state
         for s in range(structure.interfaces[j].states):
@@ -313,7 +315,7 @@ def _improve(structure, h, accuracy, relax, old, stages, forces, count):
             row = 2 * (i * m + j)
             d_x = d_y = v_x = v_y = 0.0
             for k in range(forces):
-                u, force = unknowns[k], solution[k]
+                u, force = unknowns[k, 0], solution[k]
                 d_x += stages.by_d[row, u] * force
                 d_y += stages.by_d[row + 1, u] * force
                 v_x += stages.by_v[row, u] * force
@@ -343,9 +345,8 @@ def _improve(structure, h, accuracy, relax, old, stages, forces, count):
                 )
                 stages.internal_rate[i, first + s] = solution[forces + i * size + first + s]
     for k in range(forces):
-        u, force = unknowns[k], solution[k]
-        i, j = u // (2 * m), u // 2 % m
-        stages.force[i, j] += complex(force, 0.0) if u % 2 == 0 else complex(0.0, force)
+        i, j, force = unknowns[k, 1], unknowns[k, 2], solution[k]
+        stages.force[i, j] += complex(force, 0.0) if unknowns[k, 3] == 0 else complex(0.0, force)
     return largest
 
 

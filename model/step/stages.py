@@ -20,6 +20,7 @@ from ..kernels.functions import inverse
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..schemes.radau import A_SQUARED, END_SLOPE, LAMBDA, SHARES, STAGES, T_INVERSE, A, C, T
+from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
 from .laws import MOST_STATES, first_broken, relative
 from .stage_problem import solve_stages
@@ -38,7 +39,8 @@ class Stages(NamedTuple):
     the interfaces without their forces, d, v_relative: with them; by_d, by_v: what forces at all
     stages do to these. acts: which interfaces do, law_force, law_state, law_rate: what the laws
     say; tangent: of forces and rates by displacement, velocity, and states. jacobian, solution,
-    pivots, unknowns: of Newton's method. housing: accelerations by forces on the housings, in x and
+    pivots: of Newton's method; unknowns: places of the unknowns, of a force with its stage,
+    interface and axis. housing: accelerations by forces on the housings, in x and
     in y; housing_d, housing_v: displacements and velocities. scratch, trial_state, trial_rate:
     scratch of single calls.
     """
@@ -86,7 +88,7 @@ class Stages(NamedTuple):
     ]
     solution: Annotated[np.ndarray, float, "6 * interfaces + 3 * internal_states"]
     pivots: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
-    unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
+    unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states", "4"]
     trial_state: Annotated[np.ndarray, float, f"{MOST_STATES}"]
     trial_rate: Annotated[np.ndarray, float, f"{MOST_STATES}"]
 
@@ -241,6 +243,7 @@ def _free_response(structure, spin, h, old, stages):
             right[i] = at_start[i] + ahead * by_time[i]
         at = spin_of_stage(stages, k)
         add_applied(structure, at, stages.loads[k], right)
+        add_bows(structure, at, ahead, old, right)
         _add_differences(structure, spin, at, ahead, old, scratch, right)
         for s in range(STAGES):
             share = T_INVERSE[s, k]

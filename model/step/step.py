@@ -17,6 +17,7 @@ from ..kernels.functions import modulus
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..parts.law import Weights
+from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
 from .laws import first_broken, kinematics, law_force, law_rates, relative
@@ -104,6 +105,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
     for i in range(n):
         f[i] = 0.0
     add_applied(structure, spin, loads, f)
+    add_bows(structure, spin, 0.0, motion, f)
     add_internal(structure, spin, -1.0, damping, motion.q, motion.v, work.scratch, f)
     g = free_fall_acceleration(structure, loads)
     for j in range(len(structure.housings)):
@@ -203,6 +205,7 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
         free[i] = 0.0
         scratch[i] = 0.0
     add_applied(structure, spin, loads, free)
+    add_bows(structure, spin, h, old, free)
     for i in range(n):
         free[i] *= share
         scratch[i] = af * old.v_dot[i] - am * old.a[i]

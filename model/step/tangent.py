@@ -18,6 +18,7 @@ import numpy as np
 from ..kernels.band import add_product, solve
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
+from .bows import add_bows_along
 from .excitation import add_load
 from .interface_problem import solve_columns
 from .law_tangents import change_of, force_by_rest, linearize_laws, states_along
@@ -162,6 +163,7 @@ def step_row(structure, scheme, fit, spin, h, row, old, out, d_spin, new, step, 
     add_product(structure.M, scratch, free)
     add_internal(structure, spin, -share, fit.damping, out.q, out.v, scratch, free)
     _add_by_spin(structure, spin, d_spin, share, fit.damping, new.q, new.v, scratch, free)
+    add_bows_along(structure, spin, d_spin[2], share, h, old, new, free)
     solve(step.factors, free)
     d_base = _loads_on_base(structure, row)
     for j in range(len(structure.housings)):
@@ -208,7 +210,7 @@ def _fill_states_along(structure, spin, d_spin, rate, motion, state, out, d_stat
             first = interface.internal_state
             states_along(
                 *(structure.laws, interface, kinematics(interface, spin, motion.q, motion.v)),
-                *(change_of(interface, out, d_spin[0], omega), rate),
+                *(change_of(interface, out, d_spin, omega), rate),
                 *(state[first:], d_state[first:], are_rates, work, into),
             )
 
@@ -232,7 +234,7 @@ def _solve_row(structure, scheme, spin, h, rate, out, d_spin, new, problem, work
             structure.laws,
             interface,
             kinematics(interface, spin, new.q, new.v),
-            d_spin[0],
+            d_spin,
             rate,
             problem.free[first:],
             work.d_free[first:],
@@ -274,6 +276,7 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
         if load != 0.0:
             add_load(structure, i, load, f)
     _add_by_spin(structure, spin, d_spin, 1.0, 1.0, motion.q, motion.v, step.scratch, f)
+    add_bows_along(structure, spin, d_spin[2], 1.0, 0.0, out, motion, f)
     d_base = _loads_on_base(structure, row)
     for j in range(len(structure.housings)):
         out.v_dot[n + j] = -housing_forces(structure.housings[j], -d_base, 0j, 0j)
@@ -286,7 +289,7 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
             structure.laws,
             interface,
             kinematics(interface, spin, motion.q, motion.v),
-            d_spin[0],
+            d_spin,
             0.0,
             motion.internal_state[first:],
             work.d_free[first:],

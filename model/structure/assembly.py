@@ -42,6 +42,7 @@ from ..parts.base import (
 from ..parts.housing import HousingQuantities
 from ..quantities import QuantityError, quantities
 from .beam import shaft_element
+from .bow import bows_of
 from .ledger import law_entries
 from .long_shafts import LONG, lowest_square_free, lowest_square_held, sparse
 from .parameters import prepare
@@ -89,6 +90,7 @@ def assemble(rotor: Rotor) -> Structure:
     interpreted(factorize)(M_factors)
     outputs = _places(elements)
     housings, interfaces, laws = _mechanism(n, elements, outputs)
+    bows, bow_forces, bow_stiffness = bows_of(rotor, elements, K_shaft)
     stores, losses = law_entries(rotor)
     numbers = np.zeros(1, NUMBERS).view(np.recarray)
     numbers[0].rotating_damping = rotor.rotating_damping
@@ -133,6 +135,9 @@ def assemble(rotor: Rotor) -> Structure:
         unbalances=_rows(UNBALANCE, [(_dof(u), _slope(u), *u[1:]) for u in unbalances]),
         unbalance=np.zeros(len(unbalances), dtype=complex),
         springs=springs,
+        bows=bows,
+        bow_forces=bow_forces,
+        bow_stiffness=bow_stiffness,
         housings=housings,
         interfaces=interfaces,
         laws=laws,

@@ -43,8 +43,15 @@ MACHINE_LOSSES = (
     Output("housing", "J", "dissipated in the housings' dampers", nominal=1.0),
 )
 MACHINE_FLOWS = (*INFLOWS, *MACHINE_LOSSES)
+# a law cannot know it: it takes the motion of the whole shaft
+BOW = Output(
+    "bow",
+    "J",
+    "work that the bowed shaft does against the heat that bows it; negative where the heat does it",
+    nominal=1e-6,
+)
 LAW_STORES = _each_once([store for law in LAWS for store in law.stores])
-LAW_LOSSES = _each_once([loss for law in LAWS for loss in law.losses])
+LAW_LOSSES = _each_once([*(loss for law in LAWS for loss in law.losses), BOW])
 STORES = tuple(entry.name for entry in (*MACHINE_STORES, *LAW_STORES))
 FLOWS = tuple(entry.name for entry in (*MACHINE_FLOWS, *LAW_LOSSES))
 
@@ -59,6 +66,7 @@ def law_entries(rotor: Rotor) -> tuple[list[int], list[int]]:
     ]
     stores = {store.name for law in laws for store in law.stores}
     losses = {loss.name for law in laws for loss in law.losses}
+    losses |= {BOW.name for law in laws if law.bow is not None}
     return (
         [i for i, store in enumerate(LAW_STORES) if store.name in stores],
         [i for i, loss in enumerate(LAW_LOSSES) if loss.name in losses],

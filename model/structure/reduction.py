@@ -102,6 +102,7 @@ def reduced(structure: Structure, modes: int) -> Structure:
         mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
         one_body=one_body,
+        bow_forces=structure.bow_forces @ T,
         deflections=deflections,
     )
 

@@ -22,6 +22,8 @@ UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
 PROBE = _record("dof slope out", "offset")
 LOAD = _record("slope out", "offset impedance")
 RELEASE = _record("", " ".join(Release._fields))
+# `state`: where the bow, in x and y of the rotor's frame, lies among the laws' states
+BOW = _record("state", "")
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
 # `end`: the housing's place in a motion, behind the dofs, or that of ground, the last;
 # `internal_state`: where the states of the law begin; `slips`: whether it has a wall that does not
@@ -58,6 +60,8 @@ class Structure(NamedTuple):
     load_dof: where external forces act, -1 of the base's acceleration, and load_arms: how far
     beyond; probes, velocities: where displacements and where velocities are observed.
     unbalances, and what they are: m e exp(i phase) [kg.m]. springs: to ground.
+    bows: of the shaft by heat; bow_forces: what the shaft pulls with towards a bow of 1 m
+    [N/m, N], bow_stiffness: between two of them [N/m]; see `bow`.
     housings; interfaces: between nodes and housings; laws: the records of each law, and the tables.
     stores, losses: which entries of the ledger the machine has, as places in it.
     numbers: see `NUMBERS`.
@@ -83,6 +87,9 @@ class Structure(NamedTuple):
     unbalances: Annotated[np.recarray, UNBALANCE, "unbalances"]
     unbalance: Annotated[np.ndarray, complex, "unbalances"]
     springs: Annotated[np.recarray, SPRING, "springs"]
+    bows: Annotated[np.recarray, BOW, "bows"]
+    bow_forces: Annotated[np.ndarray, float, "bows", "n"]
+    bow_stiffness: Annotated[np.ndarray, float, "bows", "bows"]
     housings: Annotated[np.recarray, HOUSING, "housings"]
     interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
     laws: Annotated[tuple[np.ndarray, ...], "one a law, tables"]
@@ -108,6 +115,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "releases": len(structure.releases),
         "unbalances": len(structure.unbalances),
         "springs": len(structure.springs),
+        "bows": len(structure.bows),
         "interfaces": interfaces,
         "internal_states": int(structure.interfaces.states.sum()),
         "stores": len(structure.stores),

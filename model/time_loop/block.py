@@ -81,6 +81,7 @@ _SIZES = (
         "releases",
         "unbalances",
         "springs",
+        "bows",
     ),
     *(
         "interfaces",

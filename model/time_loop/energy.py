@@ -11,12 +11,14 @@ from ..kernels.band import form
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..quantities import places
+from ..step.bows import bow_energy, bow_loss, bow_torque
 from ..step.excitation import at_load, at_place, circulation, drive_torque, internal_torque
 from ..step.laws import add_energy, add_losses, kinematics, relative
-from ..structure.ledger import MACHINE_FLOWS, MACHINE_STORES
+from ..structure.ledger import BOW, FLOWS, MACHINE_FLOWS, MACHINE_STORES
 
 _MACHINE_STORES, _MACHINE_FLOWS = len(MACHINE_STORES), len(MACHINE_FLOWS)
 _STORE, FLOW = places(MACHINE_STORES), places(MACHINE_FLOWS)
+_BOW = FLOWS.index(BOW.name)
 
 
 @jit
@@ -50,6 +52,9 @@ def powers(structure, spin, loads, motion, scratch, out):
         moving = kinematics(interface, spin, q, v)
         internal_state = motion.internal_state[interface.internal_state :]
         braking += add_losses(structure.laws, interface, moving, internal_state, scratch, out)
+    if len(structure.bows) > 0:
+        braking += bow_torque(structure, spin, motion)
+        out[_BOW] = bow_loss(structure, spin, motion)
     torque = drive_torque(structure, loads, q, v, motion.v_dot, spin, braking)
     out[FLOW.drive] = torque * spin.omega
     out[FLOW.external] = external
@@ -110,6 +115,8 @@ def total_energy(structure, spin, motion, out):
     kinetic += 0.5 * numbers.inertia * spin.omega * spin.omega
     kinetic -= 0.5 * spin.omega * form(structure.G, rotor_q, rotor_v).imag
     elastic = 0.5 * form(structure.K, rotor_q, rotor_q).real
+    if len(structure.bows) > 0:
+        elastic += bow_energy(structure, spin, motion)
     g = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     gravity = 0.0
     for i in range(n):

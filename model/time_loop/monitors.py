@@ -11,7 +11,7 @@ from ..kernels.jit import jit
 from ..step.excitation import at_place
 from ..step.laws import relative
 from ..structure.ledger import FLOWS, INFLOWS
-from ..warnings import SLOW
+from ..warnings import COARSEST_IN_CONTACT, SLOW
 from .control import CONTROLLED, REALTIME
 from .energy import total_energy
 from .memory import AXIS, BOUNCE, ONCE, PEAK, SENSE, spin_now
@@ -30,10 +30,9 @@ WINDOW_CYCLES = 10.0
 LEAST_LOSS = 3e-4
 MEMORY = 0.8  # of a window's sums in the next
 COARSE = 0.5
-# What error control with a tolerance of 0.1 keeps to: the error of a step, and about the root mean
-# square of all. A coarser step in which a contact closes, or a coarser revolution with a touch, may
-# put a run on another branch of solutions without any other sign.
-COARSEST, COARSEST_RMS = 0.1, 0.02
+# About the root mean square of the errors that error control with COARSEST_IN_CONTACT keeps to. A
+# coarser revolution with a touch means as much as a coarser step in which a contact closes.
+COARSEST_RMS = 0.02
 TURN = 2.0 * math.pi
 # Speed below which a shaft stands [rad/s]: a revolution takes a thousand seconds.
 STANDSTILL = TURN / 1000.0
@@ -114,8 +113,8 @@ def monitor_errors(structure, control, local, spin, old, new, memory):
         if structure.interfaces[j].has_wall == 1 and new.force[j] != 0.0:
             r.error_touched = 1
             has_closed = has_closed or old.force[j] == 0.0
-    is_bound = control.mode == CONTROLLED and control.tolerance <= COARSEST
-    is_coarse = has_closed and local * control.tolerance > COARSEST and not is_bound
+    is_bound = control.mode == CONTROLLED and control.tolerance <= COARSEST_IN_CONTACT
+    is_coarse = has_closed and local * control.tolerance > COARSEST_IN_CONTACT and not is_bound
     if r.error_swept >= TURN:
         r.error_rms = math.sqrt(r.error_square / r.error_swept)
         rms = r.error_rms * control.tolerance

@@ -1,8 +1,7 @@
-"""`rotor-fmu bearing`: a journal bearing by itself."""
+"""`rotor-fmu bearing`: an oil film, a squeeze film damper or a rolling bearing by itself."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,30 +14,39 @@ from ..output_options import with_output_options
 from ..runs.job import load_rotor
 from .answers import print_answer
 from .shared import PictureFolder
-from .speeds import speed_range
+from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:
-    from ..model.linear.bearing import BearingCurves
-    from ..model.parts.journal_bearing import JournalBearing
+    from ..linear.answers import BearingCurves, DamperCurves, RollingCurves
+    from ..model.machine.rotor import Rotor
 
 
 @with_output_options
 def bearing(
-    file: Annotated[Path, typer.Argument(help="Machine file with a journal_bearing.")],
-    speed: Annotated[
-        str,
-        typer.Option(
-            "--speed",
-            help="Speeds FROM:TO or FROM:TO:POINTS, or one, in rad/s, or with rpm or Hz added.",
+    file: Annotated[
+        Path,
+        typer.Argument(
+            help="Machine file with a journal_bearing, squeeze_film_damper or rolling_bearing."
         ),
     ],
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            "--speed",
+            help="Speeds FROM:TO or FROM:TO:POINTS, or one, in rad/s, or with rpm or Hz added; of "
+            "a damper one, the frequency of its orbits; a rolling bearing needs none.",
+        ),
+    ] = None,
     name: Annotated[
         str | None,
         typer.Option("--bearing", help="Its name, such as journal_bearing[2]; default: the first."),
     ] = None,
     load: Annotated[
-        float | None,
-        typer.Option(help="Load downwards, in N; default: what the machine's weight puts on it."),
+        str | None,
+        typer.Option(
+            help="Load downwards, FROM:TO or FROM:TO:POINTS, or one, in N or with kN added; "
+            "default: what the machine's weight puts on it."
+        ),
     ] = None,
     table: Annotated[
         Path | None,
@@ -46,42 +54,87 @@ def bearing(
     ] = None,
     out: PictureFolder = Path("out/bearing"),
 ) -> dict[str, Any]:
-    """Compute where a journal rests in its oil film, the film's eight coefficients there, and the
-    threshold of whirl.
+    """Compute where a bearing's journal, ring or shaft rests, and its coefficients there.
 
-    The last column compares the film's load with a solution of Reynolds' equation in two
-    dimensions.
+    Of an oil film also the threshold of whirl; the last column compares the film's load with a
+    solution of Reynolds' equation in two dimensions. Of a squeeze film damper the film's stiffness
+    and damping on centred circular orbits; of a rolling bearing what its elements carry, and how
+    its stiffness changes as they pass.
     """
     speeds, (_, machine) = speed_range(speed, 21), load_rotor(file)
-    if load is not None and not (math.isfinite(load) and load > 0):
-        raise InputError(f"--load {load:g}: must be > 0")
-    from ..linear import answers
-    from ..model.linear.bearing import journal_bearings
-
+    loads = None if load is None else number_range(load, 21, "--load", "N")
+    if loads is not None and len(loads) > 1:
+        if len(speeds) > 1:
+            raise InputError(f"--load {load}: must be one where --speed {speed} is a range")
+        if table is not None:
+            raise InputError(f"--load {load}: must be one, for the speeds of --table")
     if table is not None:
         writable_folder(table.parent)
-    result = answers.bearing(machine, speeds, bearing=name, load=load)
+    result = _result(machine, name, speeds, loads)
     if table is not None:
-        part = journal_bearings(machine)[result.bearing]
-        write_text(_linear_bearing(result, part, file), table)
+        write_text(_linear_bearing(result, machine, file), table)
         typer.echo(f"written to {table}")
     return print_answer(result, result.table(), result.figure(), out, "bearing")
 
 
-def _linear_bearing(result: BearingCurves, part: JournalBearing, file: Path) -> str:
+def _result(
+    machine: Rotor, name: str | None, speeds: np.ndarray, loads: np.ndarray | None
+) -> BearingCurves | DamperCurves | RollingCurves:
+    """Return the curves of the bearing of that name, by default the first."""
+    from ..linear import answers
+    from ..model.linear import bearings
+    from ..model.parts.journal_bearing import JournalBearing
+    from ..model.parts.rolling_bearing import RollingBearing
+
+    known = bearings(machine)
+    if not known:
+        raise InputError(
+            "the machine has no [[journal_bearing]], [[squeeze_film_damper]] or [[rolling_bearing]]"
+        )
+    chosen = name or next(iter(known))
+    if chosen not in known:
+        raise InputError(f"--bearing {chosen}: must be one of {', '.join(known)}")
+    is_rolling, is_film = (isinstance(known[chosen], k) for k in (RollingBearing, JournalBearing))
+    is_damper = not (is_rolling or is_film)
+    if loads is not None and not (loads >= 0.0 if is_damper else loads > 0.0).all():
+        least = "must be >= 0" if is_damper else "must be > 0"
+        raise InputError(f"--load {loads.min():g}: {least}")
+    if is_rolling:
+        given = speeds if len(speeds) else np.zeros(1)
+        return answers.rolling(machine, given, bearing=chosen, load=loads)
+    if is_film:
+        if not len(speeds):
+            raise InputError(f"--speed: must be given, on which the film of {chosen} depends")
+        return answers.bearing(machine, speeds, bearing=chosen, load=loads)
+    if len(speeds) != 1 or speeds[0] <= 0.0:
+        raise InputError(f"--speed: must be one above 0, of the orbits of {chosen}")
+    if loads is not None and len(loads) != 1:
+        raise InputError(f"--load: must be one, under which {chosen} rests")
+    load = None if loads is None else float(loads[0])
+    return answers.damper(machine, float(speeds[0]), bearing=chosen, load=load)
+
+
+def _linear_bearing(
+    result: BearingCurves | DamperCurves | RollingCurves, machine: Rotor, file: Path
+) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
+    from ..linear.answers import BearingCurves
+    from ..model.linear import bearings
     from ..model.machine.writing import toml_text
 
+    part = bearings(machine)[result.bearing]
     values: dict[str, Any] = {"node": part.node}
     if part.housing:
         values["housing"] = part.housing
-    is_table = len(result.speeds) > 1
-    if is_table:
+    is_film = isinstance(result, BearingCurves)
+    is_table = isinstance(result, BearingCurves) and len(result.speeds) > 1
+    if isinstance(result, BearingCurves) and is_table:
         values["speed"] = result.speeds.tolist()
     for letter, of in (("k", result.K), ("c", result.C)):
         for i, row in enumerate("xy"):
             for j, column in enumerate("xy"):
-                column_values = np.asarray(of[:, i, j], dtype=float).tolist()
+                column_values = np.reshape(of, (-1, 2, 2))[:, i, j].tolist()
                 values[f"{letter}{row}{column}"] = column_values if is_table else column_values[0]
-    head = f"# The film of {result.bearing} of {file.name}, linearized where its journal rests.\n"
+    what, rests = ("The film of ", "its journal rests") if is_film else ("", "it rests")
+    head = f"# {what}{result.bearing} of {file.name}, linearized where {rests}.\n"
     return f"{head}\n{toml_text({'linear_bearing': [values]})}"

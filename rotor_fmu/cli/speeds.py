@@ -15,8 +15,6 @@ from ..units import in_si, units_for
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
 
-_UNITS = {unit.lower(): factor for unit, factor in units_for("rad/s").items()}
-_UNIT = "|".join(_UNITS)
 _MOST_POINTS = 100_000
 
 One = Annotated[
@@ -53,22 +51,27 @@ def one_speed(text: str, option: str = "--speed") -> float:
     return in_si(option, text, "rad/s")
 
 
-def _without_unit(text: str, option: str) -> tuple[str, float]:
-    """The text without the unit that stands in it, and what that is in rad/s."""
-    result = {unit.lower() for unit in re.findall(_UNIT, text, re.I)}
+def _without_unit(text: str, option: str, si: str) -> tuple[str, float]:
+    """The text without the unit that stands in it, and what that is in the SI unit."""
+    units = {unit.lower(): factor for unit, factor in units_for(si).items()}
+    any_unit = "|".join(sorted(units, key=len, reverse=True))
+    result = {unit.lower() for unit in re.findall(any_unit, text, re.I)}
     if len(result) > 1:
         raise InputError(f"{option} {text}: must have one unit, not {' and '.join(sorted(result))}")
-    return re.sub(_UNIT, "", text, flags=re.I), _UNITS[result.pop() if result else "rad/s"]
+    return re.sub(any_unit, "", text, flags=re.I), units[result.pop() if result else si.lower()]
 
 
 def speed_range(text: str | None, points: int, option: str = "--speed") -> np.ndarray:
     """Speeds [rad/s] of `FROM:TO[:POINTS]`, or of a single one; none of None."""
-    if text is None:
-        return np.array([])
-    plain, factor = _without_unit(text, option)
+    return np.array([]) if text is None else number_range(text, points, option, "rad/s")
+
+
+def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:
+    """Numbers in an SI unit of `FROM:TO[:POINTS]`, or a single one."""
+    plain, factor = _without_unit(text, option, si)
     ends = plain.split(":")
     if len(ends) == 1:
-        return np.array([one_speed(text, option)])
+        return np.array([in_si(option, text, si)])
     try:
         low, high = (float(end) * factor for end in ends[:2])
         count = int(ends[2]) if len(ends) > 2 else points

@@ -27,7 +27,7 @@ from ..model.one_thread import on_one_thread
 from ..model.parts.shaft import Section
 from ..model.structure.beam import shaft_element
 from ..runs.job import load_rotor
-from . import linear_plots, linear_tables
+from . import bearing_plots, bearing_tables, linear_plots, linear_tables
 
 Machine = Rotor | Path | str
 
@@ -111,8 +111,22 @@ class Campbell(Displayed, linear.Campbell):
 class BearingCurves(Displayed, linear.BearingCurves):
     """`model.linear.BearingCurves`, shown."""
 
-    table = linear_tables.bearing_table
-    figure = linear_plots.bearing_figure
+    table = bearing_tables.bearing_table
+    figure = bearing_plots.bearing_figure
+
+
+class DamperCurves(Displayed, linear.DamperCurves):
+    """`model.linear.DamperCurves`, shown."""
+
+    table = bearing_tables.damper_table
+    figure = bearing_plots.damper_figure
+
+
+class RollingCurves(Displayed, linear.RollingCurves):
+    """`model.linear.RollingCurves`, shown."""
+
+    table = bearing_tables.rolling_table
+    figure = bearing_plots.rolling_figure
 
 
 class UnbalanceResponse(Displayed, linear.UnbalanceResponse):
@@ -209,6 +223,20 @@ def bearing(
 ) -> BearingCurves:
     """Return `model.linear.bearing_curves` of a machine."""
     return displayed(BearingCurves, linear.bearing_curves, machine, speeds, **options)
+
+
+@on_one_thread
+def damper(machine: Machine, frequency: float, **options: Any) -> DamperCurves:
+    """Return `model.linear.damper_curves` of a machine."""
+    return displayed(DamperCurves, linear.damper_curves, machine, frequency, **options)
+
+
+@on_one_thread
+def rolling(
+    machine: Machine, speeds: Sequence[float] | np.ndarray = (0.0,), **options: Any
+) -> RollingCurves:
+    """Return `model.linear.rolling_curves` of a machine."""
+    return displayed(RollingCurves, linear.rolling_curves, machine, speeds, **options)
 
 
 @on_one_thread

@@ -15,15 +15,14 @@ from scipy.interpolate import BPoly
 
 from ..display import current, frequency_unit
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
-from ..model.linear.bearing import ANGLES, BearingCurves
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
-from .linear_tables import bearing_table, turns
+from .linear_tables import turns
 
 PURPLE, RANGE = "#cc79a7", "#56b4e9"
-_COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
+COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
 _WHIRL = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN, PLANAR: GREY}
 _MOST_SHAPES = 6
 _REACH = 4.0  # of the line of the excitation: frequencies that are shown
@@ -38,10 +37,15 @@ def new_figure(
     FigureCanvasAgg(figure)
     grid = figure.subplots(rows, columns, squeeze=False, **options)
     for axes in grid.flat:
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.grid(color="#dddddd", linewidth=0.6)
-        axes.set_axisbelow(True)
+        style(axes)
     return figure, grid
+
+
+def style(axes: Axes) -> None:
+    """Give axes the common style."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
 
 
 def _curve(
@@ -122,47 +126,6 @@ def modes_figure(result: Modes, name: str = "", shear: Sequence[float] = ()) -> 
         x=0.01,
         ha="left",
     )
-    return figure
-
-
-def bearing_figure(result: BearingCurves) -> Figure:
-    """Draw the journal's locus in its clearance, the pressure around it, and stiffness and damping
-    over the speed."""
-    figure, grid = new_figure(8.4, 7.4, 2, 2)
-    locus, around, stiffness, damping = grid.ravel()
-    circle = np.exp(1j * ANGLES)
-    locus.plot(circle.real, circle.imag, color="black", lw=1.2)
-    x, y = result.x / result.clearance, result.y / result.clearance
-    locus.plot(x, y, "-", color=BLUE, lw=1.4)
-    for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
-        locus.plot(x[i], y[i], "o", color=color, label=f"{result.speeds[i]:.4g} rad/s")
-        label = f"{result.speeds[i]:.4g} rad/s"
-        around.plot(np.degrees(ANGLES), result.around[i] / 1e6, color=color, label=label)
-        if len(x) == 1:
-            break
-    locus.set_aspect("equal")
-    locus.set_xlabel("x over the clearance [1]")
-    locus.set_ylabel("y over the clearance [1]")
-    locus.set_title("Journal at rest in its clearance", loc="left", fontsize=9)
-    around.set_xlabel("Angle from the right, anticlockwise [deg]")
-    around.set_xticks(range(0, 361, 90))
-    around.set_ylabel("Pressure [MPa]")
-    around.set_title("Film in the middle of its length", loc="left", fontsize=9)
-    around.legend(frameon=False, fontsize=8)
-    mark = "o-" if len(x) < 3 else "-"
-    for axes, of, letter, unit in (
-        (stiffness, result.K, "k", "N/m"),
-        (damping, result.C, "c", "N.s/m"),
-    ):
-        for (i, j), color in zip(((0, 0), (0, 1), (1, 0), (1, 1)), _COLORS, strict=False):
-            label = f"{letter}{'xy'[i]}{'xy'[j]}"
-            axes.plot(result.speeds, of[:, i, j], mark, ms=4, color=color, lw=1.4, label=label)
-        axes.set_xlabel("Speed [rad/s]")
-        axes.set_ylabel(f"{'Stiffness' if letter == 'k' else 'Damping'} [{unit}]")
-        axes.legend(frameon=False, fontsize=8, ncols=2)
-        if result.threshold is not None:
-            axes.axvline(result.threshold, color=PURPLE, lw=1.2, ls=":")
-    figure.suptitle(bearing_table(result).title, fontsize=10, x=0.01, ha="left")
     return figure
 
 
@@ -260,7 +223,7 @@ def unbalance_figure(
     speed = result.speeds * current().speed
     shade(grid[:, 0], operating)
     mark = "o" if len(speed) < 3 else ""
-    for node, color in zip(nodes, _COLORS, strict=False):
+    for node, color in zip(nodes, COLORS, strict=False):
         at = node - 1
         above.plot(
             speed,

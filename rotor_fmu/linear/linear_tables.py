@@ -11,7 +11,6 @@ import numpy as np
 
 from ..cells import cell
 from ..display import current
-from ..model.linear.bearing import BearingCurves
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
@@ -143,33 +142,6 @@ def static_table(result: Static) -> Table:
 
 def _rounded(cell: object) -> object:
     return (0.0 if abs(cell) < 1e-9 else float(cell)) if isinstance(cell, float) else cell
-
-
-def bearing_table(result: BearingCurves) -> Table:
-    """Return a table with one row for each speed; the threshold of stability in the heading."""
-    heads = (
-        *("speed [rad/s]", "load [N]", "e/c [1]", "attitude [deg]", "film [um]", "p max [MPa]"),
-        *("kxx [N/m]", "kxy", "kyx", "kyy", "cxx [N.s/m]", "cxy", "cyx", "cyy"),
-        *("torque [N.m]", "critical mass [kg]", "whirl [1]", "off 2D [%]"),
-    )
-    rows = [
-        (
-            *(float(speed), float(np.hypot(*result.load[i])), float(result.eccentricity[i])),
-            *(math.degrees(result.attitude[i]), float(result.film[i]) * 1e6),
-            float(result.pressure[i]) / 1e6,
-            *(float(value) for of in (result.K[i], result.C[i]) for value in of.ravel()),
-            *(float(result.torque[i]), float(result.critical_mass[i])),
-            float(result.whirl[i] / speed) if speed else 0.0,
-            100 * float(result.plane_error[i]),
-        )
-        for i, speed in enumerate(result.speeds)
-    ]
-    stability = f"a mass of {result.mass:.4g} kg on it does not whirl"
-    if result.threshold is not None:
-        at = f"{result.threshold:.6g} rad/s"
-        already = "already " if result.threshold == result.speeds[0] else ""
-        stability = f"a mass of {result.mass:.4g} kg on it whirls {already}above {at}"
-    return Table(f"{result.bearing}: {stability}", heads, rows)
 
 
 def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:

@@ -38,17 +38,19 @@ def _peak(figures: Mapping[str, Any]) -> str:
     ]
     if peaks:
         return f"Peak of {spoken(place)}, 0-p from rest: {', '.join(peaks)}."
-    largest = max(figures[f"{axis}_largest_um"] or 0.0 for axis in "xy")
-    return (
-        f"No peak, because {figures['no_peak']}; {spoken(place)} moved by at most "
-        f"{_length(largest)} from rest."
+    largest = [um for axis in "xy" if (um := figures[f"{axis}_largest_um"]) is not None]
+    moved = (
+        f"; {spoken(place)} moved by at most {_length(max(largest))} from rest" if largest else ""
     )
+    return f"No peak, because {figures['no_peak']}{moved}."
 
 
 def _length(um: float) -> str:
     """Return an amplitude [um, 0-p] in the unit that is shown."""
     unit = current().small_unit
-    return f"{um:.0f} um" if unit == "µm" else f"{um * 1e-6 * current().small:.3g} {unit}"
+    if unit != "µm":
+        return f"{um * 1e-6 * current().small:.3g} {unit}"
+    return f"{um:.0f} um" if um >= 10.0 else f"{um:.2g} um"
 
 
 def touching(recording: Recording) -> dict[str, float]:

@@ -60,9 +60,20 @@ listen = hear(lambda _, status, text: said.append(text))
 library.rotor_instantiate.restype = ctypes.c_void_p
 text = ctypes.c_char_p
 library.rotor_instantiate.argtypes = text, text, ctypes.c_size_t, hear, ctypes.c_void_p
-library.fmi2FreeInstance.argtypes = (ctypes.c_void_p,)
+pointer, number, real = ctypes.c_void_p, ctypes.c_int, ctypes.c_double
+library.fmi2SetupExperiment.argtypes = pointer, number, real, real, number, real
+library.fmi2DoStep.argtypes = pointer, real, real, number
+for name in ("FreeInstance", "EnterInitializationMode", "ExitInitializationMode"):
+    getattr(library, f"fmi2{name}").argtypes = (pointer,)
+def run(made):
+    failed = library.fmi2SetupExperiment(made, 0, 0.0, 0.0, 0, 0.0) > 1
+    failed = failed or library.fmi2EnterInitializationMode(made) > 1
+    failed = failed or library.fmi2ExitInitializationMode(made) > 1
+    return failed or library.fmi2DoStep(made, 0.0, 1e-3, 1) > 1
 def instantiate(content):
     made = library.rotor_instantiate(b"a", content, len(content), listen, None)
+    if made and is_mended:
+        run(made)
     library.fmi2FreeInstance(made)
     return bool(made)
 assert instantiate(table)
@@ -84,11 +95,26 @@ print(len(head), len(body), len(taken), {text.partition(b": ")[2].decode() for t
 """
 
 
-def flips(extracted, kind):
+# A number of the head that is 8 or 4096 less.
+OTHER_BLOCK = """
+at = int(sys.argv[4])
+value, = struct.unpack_from("<q", table, at)
+for less in (0, 8, 4096):
+    changed = bytearray(table)
+    struct.pack_into("<q", changed, at, value - less)
+    struct.pack_into("<Q", changed, CHECKSUM_AT, checksum(bytes(changed), CHECKSUM_AT))
+    print(instantiate(bytes(changed)))
+"""
+
+
+def library_and_table(extracted):
     folder = extracted["native"].folder
     name = extracted["native"].description.coSimulation.modelIdentifier
-    library = folder / "binaries" / "linux64" / f"{name}.so"
-    command = [sys.executable, "-c", FLIPS, library, folder / "resources" / "machine.table", kind]
+    return folder / "binaries" / "linux64" / f"{name}.so", folder / "resources" / "machine.table"
+
+
+def flips(extracted, kind):
+    command = [sys.executable, "-c", FLIPS, *library_and_table(extracted), kind]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-1500:]
     return done.stdout
@@ -102,9 +128,22 @@ def test_a_table_with_one_bit_wrong_is_refused_wherever_it_is(extracted):
 
 @pytest.mark.slow
 def test_offsets_and_counts_are_checked_beside_the_checksum(extracted):
-    """With a checksum that is right again a wrong place is refused or harmless."""
-    head, _, taken, _ = flips(extracted, "mended").split(maxsplit=3)
+    """With a checksum that is right again a wrong place is refused, or harmless in a start and a
+    step."""
+    head, _, taken, said = flips(extracted, "mended").split(maxsplit=3)
     assert 0 < int(taken) < int(head) + 1500
+    assert "is damaged" in said
+
+
+@pytest.mark.parametrize("of", ["first_block", "block"])
+def test_a_block_that_does_not_end_the_table_is_refused(extracted, of):
+    """Another place, or fewer bytes, lie within the file all the same."""
+    script = FLIPS.partition("assert instantiate(table)")[0] + OTHER_BLOCK
+    place = str({"first_block": HEAD_SIZE - 8, "block": 8 * 22}[of])
+    command = [sys.executable, "-c", script, *library_and_table(extracted), "as it is", place]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[-1500:]
+    assert done.stdout.split() == ["True", "False", "False"]
 
 
 @pytest.mark.parametrize("kind", SKINS)

@@ -73,6 +73,7 @@ EXAMPLES = [
         ("from_ross", "rubbing.toml"),
         ("jeffcott_rub", "jeffcott.toml"),
         ("magnetic_bearing", "compressor.toml"),
+        ("newkirk", "rotor.toml"),
         ("paper_rig", "rig.toml"),
         ("studies", "whip.toml"),
     )
@@ -120,7 +121,9 @@ RADAU = {"solver.method": 1 + list(METHODS).index("radau5")}
 
 
 @pytest.mark.filterwarnings("ignore::rotor_fmu.model.simulation.RotorWarning")
-@pytest.mark.parametrize("file", [EXAMPLES[0], EXAMPLES[4]], ids=lambda file: file.name)
+@pytest.mark.parametrize(
+    "file", [EXAMPLES[0], EXAMPLES[4], EXAMPLES[5]], ids=lambda file: file.name
+)
 def test_so_it_does_in_stages(make, file):
     toml, rotor = load_rotor(file)
     machine = Machine(make(rotor_toml=toml)).start(RADAU, speed=400.0)

@@ -10,6 +10,9 @@ import math
 
 import numpy as np
 import pytest
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
 
 from .machines import bearings, rigid
 
@@ -348,3 +351,26 @@ def test_friction_turns_the_race_until_it_rolls_with_the_rotor(machine_of):
         end = omega * j_rotor / (j_rotor + j_race)
         assert run.read("w") == pytest.approx(end, rel=1e-3)
         assert run.read("touchdown_bearing[1].race") == pytest.approx(end, rel=1e-3)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_error_control_finds_the_same_and_doubts_nothing_when_race_and_rotor_roll(tolerance):
+    """All that friction dissipates ceases at one instant, and is no loss to the integrator."""
+    mu, j_rotor, j_race, gap, omega = 0.2, 1e-3, 2e-4, 1e-5, 100.0
+    lean, normal = math.atan(mu), G / math.sqrt(1 + mu**2)
+    z = -1j * cmath.exp(-1j * lean) * (gap + normal / 1e9)
+    body = f"[[body]]\nnode = 2\nmass = 1e-6\nI_d = 0.0\nI_p = {j_rotor}\n"
+    toml = dropped("touchdown_bearing", more=f"race_inertia = {j_race}", body=body, gap=gap)
+    start = f"[start]\nx = {z.real!r}\ny = {z.imag!r}\n"
+    rotor = parse_rotor(toml.replace(IN_THE_AIR, start))
+    together = omega / (mu * normal * RADIUS * (1 / j_race + 1 / j_rotor))
+    said = []
+    settings = choose(tolerance=tolerance)
+    run = Simulation(rotor, settings, speed=omega, drive_torque=0.0, warn=said.append)
+    run.advance(0.99 * together, 0.0)
+    assert run.read("touchdown_bearing[1].sliding") > 1e-3
+    run.advance(1.01 * together, 0.0)
+    assert abs(run.read("touchdown_bearing[1].sliding")) < 1e-3
+    run.advance(2.0 * together, 0.0)
+    assert run.read("w") == pytest.approx(omega * j_rotor / (j_rotor + j_race), rel=2e-4)
+    assert said == []

@@ -11,7 +11,7 @@ from rotor_fmu.model.simulation import StepFailure
 from rotor_fmu.model.spelling import Message
 
 from papers.integrators.tolerances import TAME, TOLERANCES
-from rotor_fmu.status import status_of
+from rotor_fmu.status import DOUBTFUL, status_of
 
 from .machines import Case
 from .truth import Truth
@@ -67,7 +67,14 @@ def errors(orbit: np.ndarray, exact: np.ndarray) -> tuple[float, float, float, f
 
 def is_kept(run: Judged, tolerance: float, condition: float) -> bool:
     """Whether a run that says nothing keeps the promise; any that says something does."""
-    if run.status != "ok":
-        return True
+    return run.status != "ok" or _is_right(run, tolerance, condition)
+
+
+def is_false_alarm(run: Judged, tolerance: float, condition: float) -> bool:
+    """Whether a run that is as near as is promised is called doubtful."""
+    return run.status.startswith(DOUBTFUL) and _is_right(run, tolerance, condition)
+
+
+def _is_right(run: Judged, tolerance: float, condition: float) -> bool:
     is_near = run.orbit <= PROMISED * tolerance * (1 + condition)
     return is_near and (run.peak <= PEAKS[tolerance] or condition >= TAME or math.isnan(condition))

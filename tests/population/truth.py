@@ -35,18 +35,18 @@ class Truth:
 
 def truth(case: Case, rtol: float = RTOL) -> Truth:
     """CVODE's orbit of a case and its condition."""
-    exact = _orbit(case, rtol)
+    exact = orbit(case, rtol)
     size = np.abs(exact).max()
     changed = (
-        _orbit(case, rtol, shift=SLIGHTLY * size),
-        _orbit(case, rtol, unbalance=1 + SLIGHTLY),
-        _orbit(case, rtol, faster=1 + SLIGHTLY),
+        orbit(case, rtol, shift=SLIGHTLY * size),
+        orbit(case, rtol, unbalance=1 + SLIGHTLY),
+        orbit(case, rtol, faster=1 + SLIGHTLY),
     )
     largest = max(float(np.abs(other - exact).max()) for other in changed)
     return Truth(exact, largest / (SLIGHTLY * size))
 
 
-def _orbit(
+def orbit(
     case: Case,
     rtol: float,
     *,

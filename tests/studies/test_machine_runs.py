@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.signal import lsim
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
@@ -192,6 +193,27 @@ def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
     data = studies.open(tmp_path / "out")
     assert data.status.values.tolist() == ["ok"]
     assert float(data.end.values.ravel()[-1]) == pytest.approx(end, rel=2e-2)
+
+
+def test_loads_of_a_file_are_linear_between_its_points_whatever_the_step(tmp_path):
+    """Of which the longest holds almost three periods; SciPy's exact answer of a linear system."""
+    t = np.linspace(0.0, 0.2, 201)
+    lines = [f"{a!r},10,{5 * math.sin(300 * a)!r}\n" for a in t.tolist()]
+    (tmp_path / "loads.csv").write_text("time,speed,disc.fx\n" + "".join(lines))
+    path = tmp_path / "study.toml"
+    path.write_text(
+        'machine = "studies/whip.toml"\n[run]\nkind = "signals"\nfile = "loads.csv"\nstop = 0.2\n'
+        '[set]\n"solver.tolerance" = 1e-5\n[vary]\n"run.step" = { values = [0.06, 4e-3, 5e-4] }\n'
+        '[keep]\nx = { last = "disc.x" }\npeak = { peak = "disc.x" }\n'
+    )
+    run_study(read_study(path), tmp_path / "out", here, quiet)
+    data = studies.open(tmp_path / "out")
+    assert data.status.values.tolist() == ["ok"] * 3
+    grid = np.linspace(0.0, 0.2, 20_001)
+    _, x, _ = lsim(([1.0], [1.0, 10.0, 1e4]), np.interp(grid, t, 5 * np.sin(300 * t)), grid)
+    largest = np.abs(x).max()
+    assert data.peak.values == pytest.approx([largest] * 3, rel=1e-3)
+    assert data.x.values == pytest.approx([x[-1]] * 3, abs=1e-3 * largest)
 
 
 @pytest.mark.parametrize("rate", [0.0, 200.0, -200.0])

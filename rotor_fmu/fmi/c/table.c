@@ -109,6 +109,26 @@ static int is_variable_sound(const Table *t, const Variable *v)
     return is_within(v->kind, NO_KIND) && is_within(v->role, ROLES) && is_within(v->at, count);
 }
 
+/* Whether the parts of the file follow one another behind the texts, the block up to the end. */
+static int are_parts_sound(const Table *t)
+{
+    const int64_t parts[][3] = {{t->first_variable, t->variables, sizeof(Variable)},
+                                {t->first_write, t->writes, sizeof(Write)},
+                                {t->first_need, t->needs, sizeof(Need)},
+                                {t->first_sentence, t->sentences, sizeof(int64_t)},
+                                {t->first_span, t->spans, sizeof(Span)},
+                                {t->first_block, t->block, 1}};
+    int64_t at = t->first_variable;
+    if (at <= (int64_t)sizeof *t)
+        return 0;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        if (parts[i][0] != at || !fits(at, parts[i][1], parts[i][2], t->bytes))
+            return 0;
+        at += parts[i][1] * parts[i][2];
+    }
+    return at == t->bytes;
+}
+
 /* Whether all that is counted and pointed to lies where it has to. */
 static int is_sound(const Table *t)
 {
@@ -116,16 +136,10 @@ static int is_sound(const Table *t)
     int64_t computed = t->variables - t->observed_at;
     if (!is_within(t->observed_at, t->variables) || t->inputs < 1 || t->inputs > t->observed_at
         || !is_within(t->drive_at, t->inputs) || t->settings > MOST_SETTINGS
-        || !is_within(t->tolerance_at, t->settings) || t->state_bytes > t->tangent_bytes
-        || t->tangent_bytes > t->block)
+        || !is_within(t->tolerance_at, t->settings) || t->tangent_bytes > t->block)
         return 0;
-    if (!fits(t->first_variable, t->variables, sizeof(Variable), t->bytes)
-        || t->first_variable <= (int64_t)sizeof *t || file[t->first_variable - 1]
-        || !fits(t->first_write, t->writes, sizeof(Write), t->bytes)
-        || !fits(t->first_need, t->needs, sizeof(Need), t->bytes)
-        || !fits(t->first_sentence, t->sentences, sizeof(int64_t), t->bytes)
-        || !fits(t->first_span, t->spans, sizeof(Span), t->bytes)
-        || !fits(t->first_block, t->block, 1, t->bytes) || !fits(0, t->state_bytes, 1, t->block))
+    if (!are_parts_sound(t) || file[t->first_variable - 1]
+        || !fits(0, t->state_bytes, 1, t->tangent_bytes))
         return 0;
     const int64_t places[] = {t->is_free_at,
                               t->continues_at,

@@ -1,0 +1,112 @@
+"""Bows of the shaft by heat, which turn with the rotor (`structure.bow`).
+
+A bow b [m], in the frame of the rotor, makes b e^(i theta) s, with a shape s, of the straight line
+in which the shaft is at ease. It then pulls with K_s s b e^(i theta) towards it, and with
+
+    m = s^T K_s q,    V = |b|^2 s^T K_s s / 2 - Re(conj(m) b e^(i theta))
+
+its elastic energy is V more than that of a straight one. What V gains with theta is a torque on the
+drive, what it gains with b the work of the heat.
+
+A bow changes slowly against a revolution, so that a step takes it where its rate at the beginning
+leads; the step's own end corrects it.
+"""
+
+from __future__ import annotations
+
+from ..kernels.jit import jit
+from ..structure.parameters import elastic_share
+
+
+@jit
+def _bow(structure, k, motion, ahead):
+    """Return a bow [m], in the rotor's frame, `ahead` [s] of a motion."""
+    at = structure.bows[k].state
+    x = motion.internal_state[at] + ahead * motion.internal_rate[at]
+    y = motion.internal_state[at + 1] + ahead * motion.internal_rate[at + 1]
+    return complex(x, y)
+
+
+@jit
+def _rate(structure, k, motion):
+    """Return the rate of a bow [m/s], in the rotor's frame."""
+    at = structure.bows[k].state
+    return complex(motion.internal_rate[at], motion.internal_rate[at + 1])
+
+
+@jit
+def _add_pull(structure, k, bow, f):
+    """f += what the shaft pulls with towards a bow [m], in the frame that does not turn."""
+    pull = elastic_share(structure.numbers[0].eta_h) * bow
+    for i in range(len(f)):
+        f[i] += structure.bow_forces[k, i] * pull
+
+
+@jit
+def add_bows(structure, spin, ahead, motion, f):
+    """f += what the shaft pulls with towards its bows, of the motion or `ahead` [s] of it, shape
+    (n,) [N, N.m]; spin: that then."""
+    for k in range(len(structure.bows)):
+        bow = _bow(structure, k, motion, ahead)
+        if bow != 0.0:
+            _add_pull(structure, k, bow * spin.direction, f)
+
+
+@jit
+def add_bows_along(structure, spin, d_theta, share, ahead, row, motion, f):
+    """f += share times the derivative of what `add_bows` adds, along a row of a tangent and along
+    the angle."""
+    for k in range(len(structure.bows)):
+        change = _bow(structure, k, row, ahead) + 1j * d_theta * _bow(structure, k, motion, 0.0)
+        _add_pull(structure, k, share * change * spin.direction, f)
+
+
+@jit
+def _moment(structure, k, q):
+    """Return m of a bow at displacements q, shape (n,) or longer [N]."""
+    moment = 0.0j
+    for i in range(structure.bow_forces.shape[1]):
+        moment += structure.bow_forces[k, i] * q[i]
+    return elastic_share(structure.numbers[0].eta_h) * moment
+
+
+@jit
+def _own_moment(structure, k, motion):
+    """Return m of a bow where the shaft lies in all its bows, in the rotor's frame [N]."""
+    moment = 0.0j
+    for other in range(len(structure.bows)):
+        moment += structure.bow_stiffness[k, other] * _bow(structure, other, motion, 0.0)
+    return elastic_share(structure.numbers[0].eta_h) * moment
+
+
+@jit
+def bow_torque(structure, spin, motion):
+    """Return the torque that the bows ask of the drive [N.m]."""
+    torque = 0.0
+    for k in range(len(structure.bows)):
+        bow = _bow(structure, k, motion, 0.0) * spin.direction
+        torque += (_moment(structure, k, motion.q).conjugate() * bow).imag
+    return torque
+
+
+@jit
+def bow_energy(structure, spin, motion):
+    """Return what the bows add to the elastic energy of the shaft [J]."""
+    energy = 0.0
+    for k in range(len(structure.bows)):
+        bow = _bow(structure, k, motion, 0.0)
+        moment = _moment(structure, k, motion.q) * spin.direction.conjugate()
+        moment -= 0.5 * _own_moment(structure, k, motion)
+        energy -= (moment.conjugate() * bow).real
+    return energy
+
+
+@jit
+def bow_loss(structure, spin, motion):
+    """Return the power of the shaft against the heat that bows it [W]."""
+    power = 0.0
+    for k in range(len(structure.bows)):
+        moment = _moment(structure, k, motion.q) * spin.direction.conjugate()
+        moment -= _own_moment(structure, k, motion)
+        power += (moment.conjugate() * _rate(structure, k, motion)).real
+    return power

@@ -1,0 +1,47 @@
+"""How a shaft bows that is hot on one side at a node.
+
+One side hot, an element would bend evenly, free of force (Bachschmid, Pennacchi and Vania 2007: a
+pair of moments at its ends). Here the two elements beside the node do, with the same curvature, and
+the shaft is straight before and behind. The bow is the displacement of the node from the straight
+line through the ends of the shaft.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..kernels.band import product
+from ..machine.rotor import Rotor
+from ..parts.base import Element, Interface
+from .structure import BOW
+
+
+def bow_shape(nodes: np.ndarray, node: int) -> np.ndarray:
+    """Return deflection and slope at each node for a bow of 1 at a node between the ends.
+
+    nodes: positions [m]; node: from 1.
+    """
+    lengths = np.diff(nodes)
+    bend = np.zeros(len(nodes))
+    bend[node - 1] = -lengths[node - 2]
+    bend[node:] = -lengths[node - 2] - lengths[node - 1]
+    deflection = np.append(0.0, np.cumsum(0.5 * lengths * (bend[1:] + bend[:-1])))
+    chord = deflection[-1] / (nodes[-1] - nodes[0])
+    deflection -= chord * (nodes - nodes[0])
+    return np.column_stack([deflection, bend - chord]).ravel() / deflection[node - 1]
+
+
+def bows_of(
+    rotor: Rotor, elements: list[Element], K_shaft: np.ndarray
+) -> tuple[np.recarray, np.ndarray, np.ndarray]:
+    """Return `bows`, `bow_forces` and `bow_stiffness` of a `Structure`; K_shaft: a band matrix."""
+    records, shapes, state = [], [np.zeros((0, len(K_shaft)))], 0
+    for element in elements:
+        if isinstance(element, Interface):
+            if element.law.bow is not None:
+                records.append((state + element.law.bow,))
+                shapes.append(bow_shape(np.array(rotor.nodes), element.node)[None])
+            state += len(element.law.states)
+    shape = np.concatenate(shapes)
+    forces = np.array([product(K_shaft, s) for s in shape]).reshape(shape.shape)
+    return np.array(records, dtype=BOW).view(np.recarray), forces, shape @ forces.T

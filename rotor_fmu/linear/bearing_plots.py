@@ -1,0 +1,141 @@
+"""Pictures of bearings by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from ..figure_style import BLUE, ORANGE, PlainFigure
+from ..model.linear.bearing import ANGLES, BearingCurves
+from ..model.linear.damper import DamperCurves
+from ..model.linear.rolling import RollingCurves
+from .bearing_tables import bearing_table, rolling_table
+from .linear_plots import COLORS, PURPLE, new_figure, style
+
+
+def bearing_figure(result: BearingCurves) -> Figure:
+    """Draw the journal's locus in its clearance, the pressure around it, and stiffness and damping
+    over the speed."""
+    figure, grid = new_figure(8.4, 7.4, 2, 2)
+    locus, around, stiffness, damping = grid.ravel()
+    circle = np.exp(1j * ANGLES)
+    locus.plot(circle.real, circle.imag, color="black", lw=1.2)
+    x, y = result.x / result.clearance, result.y / result.clearance
+    locus.plot(x, y, "-", color=BLUE, lw=1.4)
+    varied, unit, what = _varied(result)
+    for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
+        label = f"{varied[i]:.4g} {unit}"
+        locus.plot(x[i], y[i], "o", color=color, label=label)
+        around.plot(np.degrees(ANGLES), result.around[i] / 1e6, color=color, label=label)
+        if len(x) == 1:
+            break
+    locus.set_aspect("equal")
+    locus.set_xlabel("x over the clearance [1]")
+    locus.set_ylabel("y over the clearance [1]")
+    locus.set_title("Journal at rest in its clearance", loc="left", fontsize=9)
+    around.set_xlabel("Angle from the right, anticlockwise [deg]")
+    around.set_xticks(range(0, 361, 90))
+    around.set_ylabel("Pressure [MPa]")
+    around.set_title("Film in the middle of its length", loc="left", fontsize=9)
+    around.legend(frameon=False, fontsize=8)
+    mark = "o-" if len(x) < 3 else "-"
+    threshold = result.threshold_load if unit == "N" else result.threshold
+    _coefficients((stiffness, damping), varied, result.K, result.C, mark)
+    for axes in (stiffness, damping):
+        axes.set_xlabel(f"{what} [{unit}]")
+        if threshold is not None:
+            axes.axvline(threshold, color=PURPLE, lw=1.2, ls=":")
+    figure.suptitle(bearing_table(result).title, fontsize=10, x=0.01, ha="left")
+    return figure
+
+
+def _varied(result: BearingCurves | RollingCurves) -> tuple[np.ndarray, str, str]:
+    """Return what varies, the speed or the load, its unit and name."""
+    if len(result.speeds) > 1 and result.speeds[0] == result.speeds[-1]:
+        return np.hypot(*result.load.T), "N", "Load"
+    return result.speeds, "rad/s", "Speed"
+
+
+def _coefficients(
+    panels: Sequence[Axes], over: np.ndarray, K: np.ndarray, C: np.ndarray, mark: str
+) -> None:
+    """Draw stiffness and damping, shape (n, 2, 2)."""
+    for axes, of, letter, unit in zip(panels, (K, C), "kc", ("N/m", "N.s/m"), strict=True):
+        for (i, j), color in zip(((0, 0), (0, 1), (1, 0), (1, 1)), COLORS, strict=False):
+            label = f"{letter}{'xy'[i]}{'xy'[j]}"
+            axes.plot(over, of[:, i, j], mark, ms=4, color=color, lw=1.4, label=label)
+        axes.set_ylabel(f"{'Stiffness' if letter == 'k' else 'Damping'} [{unit}]")
+        axes.legend(frameon=False, fontsize=8, ncols=2)
+
+
+def damper_figure(result: DamperCurves) -> Figure:
+    """Draw the ring at rest in its clearance, and stiffness, damping and largest pressure over the
+    orbit."""
+    figure, grid = new_figure(8.4, 7.4, 2, 2)
+    place, pressure, stiffness, damping = grid.ravel()
+    circle = np.exp(1j * ANGLES)
+    place.plot(circle.real, circle.imag, color="black", lw=1.2)
+    place.plot(result.x / result.clearance, result.y / result.clearance, "o", color=BLUE)
+    place.set_aspect("equal")
+    place.set_xlabel("x over the clearance [1]")
+    place.set_ylabel("y over the clearance [1]")
+    place.set_title(f"Ring at rest under {np.hypot(*result.load):.4g} N", loc="left", fontsize=9)
+    for axes, values, name in (
+        (pressure, result.pressure / 1e6, "Largest pressure [MPa]"),
+        (stiffness, result.stiffness, "Stiffness [N/m]"),
+        (damping, result.damping, "Damping of the film [N.s/m]"),
+    ):
+        axes.semilogy(result.orbit, values, "-", color=BLUE, lw=1.4)
+        axes.set_xlabel("Orbit over the clearance [1]")
+        axes.set_ylabel(name)
+        axes.set_xlim(0.0, 1.0)
+        axes.yaxis.set_major_formatter("{x:g}")
+    if result.spring > 0.0:
+        stiffness.lines[0].set_label("film")
+        stiffness.axhline(result.spring, color=ORANGE, lw=1.2, ls="--", label="spring")
+        stiffness.legend(frameon=False, fontsize=8)
+    title = f"{result.bearing}: centred circular orbits at {result.frequency:.6g} rad/s"
+    figure.suptitle(title, fontsize=10, x=0.01, ha="left")
+    return figure
+
+
+def rolling_figure(result: RollingCurves) -> Figure:
+    """Draw what each element carries under the last load, the stiffness as they pass, and, of
+    several loads or speeds, stiffness and damping over them."""
+    varied, unit, what = _varied(result)
+    last = len(varied) - 1
+    rows = 2 if last else 1
+    figure = PlainFigure(figsize=(8.4, 0.3 + 3.55 * rows), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    around = figure.add_subplot(rows, 2, 1, projection="polar")
+    passing, *over = (figure.add_subplot(rows, 2, place) for place in range(2, 2 * rows + 1))
+    for axes in (passing, *over):
+        style(axes)
+    share = 1.4 * np.pi / len(result.angles)
+    around.bar(result.angles, result.elements[last], share, color=BLUE)
+    loads = np.hypot(*result.load.T)
+    title = f"Load of each element [N], under {loads[last]:.4g} N"
+    around.set_title(title, loc="left", fontsize=9)
+    around.tick_params(labelsize=8)
+    turned = np.linspace(0.0, 1.0, result.K_passing.shape[1] + 1)
+    for i, line in ((last, "-"), (0, "--"))[: 2 if last else 1]:
+        for axis, color in ((0, BLUE), (1, ORANGE)):
+            values = result.K_passing[i, :, axis, axis]
+            label = f"k{'xy'[axis]}{'xy'[axis]} under {loads[i]:.4g} N"
+            values = np.append(values, values[0])
+            passing.plot(turned, values, line, color=color, lw=1.4, label=label)
+    passing.set_title("As the elements pass", loc="left", fontsize=9)
+    passing.set_xlabel("Cage's angle over that between two elements [1]")
+    passing.set_ylabel("Stiffness [N/m]")
+    passing.margins(y=0.25)
+    passing.legend(frameon=False, fontsize=8, ncols=2, loc="upper left")
+    if over:
+        _coefficients(over, varied, result.K, result.C, "o-" if last < 3 else "-")
+    for axes in over:
+        axes.set_xlabel(f"{what} [{unit}]")
+    figure.suptitle(rolling_table(result).title, fontsize=10, x=0.01, ha="left")
+    return figure

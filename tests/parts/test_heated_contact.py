@@ -1,0 +1,471 @@
+"""Bows of the shaft by the heat of a rub: growth, spiral, ledger, what they have to be equal to."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.kernels.band import to_dense
+from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.linear import modes
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.heated_contact import HEATED_CONTACT, HeatedContact
+from rotor_fmu.model.parts.law import Kinematics, Weights
+from rotor_fmu.model.quantities import QuantityError, quantities
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import CouplingOptions, Simulation
+from rotor_fmu.model.structure.assembly import assemble
+from rotor_fmu.model.structure.bow import bow_shape
+
+import rotor_fmu as rf
+from rotor_fmu.errors import InputError
+
+_MASS, _DAMPING, _RATIO = 40.0, 0.02, 0.5
+_MU, _SOFT, _RADIUS = 0.1, 1.0, 0.05
+_SLOW = 4e-3  # rate of growth and spiral [1/s]: against some 100 rad/s
+_JEFFCOTT = f"""
+gravity = 0.0
+[material]
+young = 2.1e11
+density = 1e-3
+[shaft]
+nodes = [0.0, 0.2, 0.5, 0.75, 1.0]
+diameters = [0.03, 0.03, 0.03, 0.03]
+[[support]]
+node = 1
+stiffness = 1e9
+damping = 0.0
+[[support]]
+node = 5
+stiffness = 1e9
+damping = 0.0
+[[point_mass]]
+node = 3
+mass = {_MASS}
+[[unbalance]]
+node = 3
+amount = {_MASS * 1e-6}
+"""
+_DAMPER = """
+[[linear_bearing]]
+node = 3
+kxx = 0.0
+kyy = 0.0
+cxx = {c}
+cyy = {c}
+"""
+_BRUSH = f"""
+[[heated_contact]]
+node = 3
+journal_radius = {_RADIUS}
+clearance = 1e-10
+mu = {_MU}
+k = {_SOFT}
+c = 0.0
+bow_per_heat = {{p}}
+bow_decay = {{q}}
+"""
+
+
+def _natural(text):
+    """The lowest natural frequency of a machine [rad/s]."""
+    return float(modes(parse_rotor(text), 0.0, count=1).eigenvalues[0].imag)
+
+
+def _jeffcott(s, q, ratio=_RATIO):
+    """A Jeffcott rotor and the speed s times its natural frequency, with a brush so soft that it
+    does nothing but heat: by its deflection r times mu k R Omega."""
+    natural = abs(_natural(_JEFFCOTT))
+    speed = s * natural
+    heat = _MU * _SOFT * _RADIUS * speed
+    damper = _DAMPER.format(c=2.0 * _DAMPING * _MASS * natural)
+    return _JEFFCOTT + damper + _BRUSH.format(p=ratio * q / heat, q=q), speed
+
+
+def _bow(sim):
+    return cmath.rect(sim.read("heated_contact[1].bow"), sim.read("heated_contact[1].bow_angle"))
+
+
+def _rate(text, speed, lasting, **settings):
+    """The rate of growth and spiral of a bow [1/s], c exp(rate t) + rest, at three even times."""
+    sim = Simulation(parse_rotor(text), choose(**settings), speed=speed, warn=lambda _: None)
+    bows = []
+    for i in range(3):
+        sim.advance((i + 1) * lasting, speed)
+        bows.append(_bow(sim))
+    return cmath.log((bows[2] - bows[1]) / (bows[1] - bows[0])) / lasting
+
+
+# Reference B5: growth and spiral over q, of p/q = 0.5 and a damping of 0.02
+SPIRALS = {
+    0.8: complex(0.3780, -0.1225),
+    0.95: complex(3.4520, -1.7351),
+    1.05: complex(-5.1768, -1.7115),
+    1.2: complex(-2.1230, -0.1225),
+}
+
+
+@pytest.mark.parametrize(("s", "expected"), SPIRALS.items())
+def test_a_bow_grows_and_turns_as_kellenbergers_closed_form(s, expected):
+    """A = 1 / (1 - s^2 + 2 i z s), rate = q (A / 2 - 1), for a bow that is slow."""
+    q = _SLOW / abs(expected)
+    text, speed = _jeffcott(s, q)
+    rate = _rate(text, speed, 0.5 / _SLOW) / q
+    assert rate.real == pytest.approx(expected.real, rel=1e-2)
+    assert rate.imag == pytest.approx(expected.imag, rel=1e-2)
+
+
+_DAMPED = "cxx = 2e3\ncyy = 2e3\n"
+_SEAT = f"[[linear_bearing]]\nnode = {{}}\nkxx = 3e6\nkyy = 3e6\n{_DAMPED}"
+_FLEXIBLE = f"""
+gravity = 0.0
+[material]
+young = 2.1e11
+density = 7850.0
+[shaft]
+nodes = [0.0, 0.1, 0.3, 0.45, 0.6]
+diameters = [0.03, 0.04, 0.03, 0.025]
+eta_v = 1e-5
+rotating_damping = true
+[[disc]]
+node = 3
+diameter = 0.25
+width = 0.03
+e = 1e-7
+{_SEAT.format(1)}
+{_SEAT.format(5)}
+[[heated_contact]]
+node = 4
+journal_radius = 0.05
+clearance = 1e-11
+mu = 0.2
+k = 1e4
+c = 0.0
+bow_per_heat = 2e-6
+bow_decay = 0.1
+"""
+
+
+def _eigenvalue(text, speed):
+    """The slow root [1/s] of shaft and bow together, seen from the shaft, by dense matrices."""
+    s = assemble(parse_rotor(text))
+    n = len(s.M)
+    M, C, K, G, K_shaft = (
+        to_dense(band).astype(complex) for band in (s.M, s.C, s.K, s.G, s.K_shaft)
+    )
+    K += -1j * 1e-5 * speed * K_shaft
+    for end in (0, n - 2):
+        K[end, end] += 3e6
+        C[end, end] += 2e3
+    ring = 6
+    K[ring, ring] += 1e4 * (1.0 + 0.2j)
+    D = C - 1j * speed * G
+    A = np.zeros((2 * n + 1, 2 * n + 1), complex)
+    A[:n, n : 2 * n] = np.eye(n)
+    A[n : 2 * n, :n] = -np.linalg.solve(M, K + 1j * speed * D - speed**2 * M)
+    A[n : 2 * n, n : 2 * n] = -np.linalg.solve(M, D + 2j * speed * M)
+    A[n : 2 * n, -1] = np.linalg.solve(M, s.bow_forces[0])
+    A[-1, ring], A[-1, -1] = 2e-6 * 0.2 * 1e4 * 0.05 * speed, -0.1
+    roots = np.linalg.eigvals(A)
+    return roots[np.argmin(abs(roots))]
+
+
+@pytest.mark.parametrize("share", [0.9, 1.1])
+def test_a_flexible_shaft_grows_it_as_the_eigenvalues_of_shaft_and_bow_say(share):
+    """Masses, gyroscopics, bearings, damping that turns and the ring's own friction included."""
+    speed = share * abs(_natural(_FLEXIBLE))
+    expected = _eigenvalue(_FLEXIBLE, speed)
+    assert (expected.real > 0.0) == (share < 1.0)
+    rate = _rate(_FLEXIBLE, speed, 0.7 / abs(expected), tolerance=1e-4)
+    assert rate == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_step_in_stages_grows_it_alike():
+    expected = SPIRALS[0.95]
+    q = _SLOW / abs(expected)
+    text, speed = _jeffcott(0.95, q)
+    rate = _rate(text, speed, 0.5 / _SLOW, method="radau5") / q
+    assert rate == pytest.approx(expected, rel=1e-2)
+
+
+# A disc on a flexible shaft that rubs in a hard ring beside it, under gravity.
+_RUBBING = """
+[material]
+young = 2.1e11
+density = 7850.0
+[shaft]
+nodes = [0.0, 0.15, 0.3, 0.4, 0.6]
+diameters = [0.03, 0.03, 0.025, 0.025]
+eta_v = 1e-5
+[[disc]]
+node = 3
+diameter = 0.25
+width = 0.04
+e = 5e-5
+[[linear_bearing]]
+node = 1
+kxx = 2e7
+kyy = 1e7
+cxx = 2000.0
+cyy = 2000.0
+[[linear_bearing]]
+node = 5
+kxx = 2e7
+kyy = 1e7
+cxx = 2000.0
+cyy = 2000.0
+"""
+_RING = """
+node = 4
+journal_radius = 0.02
+clearance = 1e-4
+mu = 0.1
+k = 2e6
+c = 200.0
+"""
+_HEATED = f"[[heated_contact]]{_RING}bow_per_heat = {{p}}\nbow_decay = {{q}}\n"
+_SECOND = "[[heated_contact]]" + _RING.replace("node = 4", "node = 2") + "bow_per_heat = 2e-7\n"
+_HOT = _RUBBING + _HEATED.format(p=1e-6, q=2.0)
+_TWICE = _HOT + _SECOND + "bow_decay = 1.0\n"
+_SPEED = 120.0
+
+
+def _run(text, duration, speed=_SPEED, settings=None, **options):
+    sim = Simulation(
+        parse_rotor(text), settings or choose(), speed=speed, warn=lambda _: None, **options
+    )
+    sim.advance(duration, options.get("drive_torque", speed))
+    return sim
+
+
+@pytest.mark.parametrize("more", ["", "k_t = 1e6\n"])
+def test_without_heat_it_is_a_contact_bit_for_bit(more):
+    heated = _run(_RUBBING + _HEATED.format(p=0.0, q=0.5) + more, 0.5)
+    plain = _run(f"{_RUBBING}[[contact]]{_RING}{more}", 0.5)
+    assert plain.read("energy.friction_loss") > 0.1
+    assert (heated.motion.q == plain.motion.q).all()
+    assert (heated.motion.v == plain.motion.v).all()
+    same = [name for name in plain.names if name in heated.names]
+    assert len(same) > 40
+    assert [heated.read(n) for n in same] == [plain.read(n) for n in same]
+    assert heated.read("heated_contact[1].bow") == heated.read("energy.bow_loss") == 0.0
+
+
+def test_the_heat_is_what_friction_loses_and_bows_towards_the_point_of_contact():
+    """A journal pressed down in a ring turns a hot spot past it: one side after another; stuck to
+    the rotor, by a whirl at its speed, the same side is heated. The bow is p times the heat."""
+    p = 1e-9
+    sim = _run(_RUBBING + _HEATED.format(p=p, q=0.0), 0.3)
+    assert sim.read("energy.friction_loss") > 1.0
+    before, lost = _bow(sim), sim.read("energy.friction_loss")
+    # a thousandth of a turn, in which the contact moves on the rotor by no more than that
+    duration = 1e-3 * 2.0 * math.pi / _SPEED
+    assert sim.read("heated_contact[1].contact") == 1.0
+    seen = sim.read("heated_contact[1].psi") - sim.read("phi")
+    sim.advance(0.3 + duration, _SPEED)
+    heat = sim.read("energy.friction_loss") - lost
+    assert heat > 0.0
+    assert _bow(sim) - before == pytest.approx(cmath.rect(p * heat, seen), rel=0.02)
+    assert sim.read("heated_contact[1].heat") * duration == pytest.approx(heat, rel=0.1)
+
+
+def test_a_bow_that_is_no_longer_heated_decays_over_hours():
+    """A clearance out of reach, a decay over 10^6 revolutions: exp(-q t), not a digit of it lost in
+    all the steps."""
+    q, hours = 1e-4, 2.0
+    text, _ = _jeffcott(0.8, q)
+    sim = _run(text.replace("clearance = 1e-10", "clearance = 1.0"), 0.0, 10.0)
+    sim.motion.internal_state[1:3] = 1e-5, -2e-5
+    sim.advance(1.0, 10.0)
+    sim.advance(hours * 3600.0, 10.0)
+    expected = complex(1e-5, -2e-5) * math.exp(-q * hours * 3600.0)
+    assert sim.read("solver.steps") > 1e5
+    assert _bow(sim) == pytest.approx(expected, rel=1e-8)
+
+
+def test_a_shaft_that_turns_slowly_lies_in_its_bow():
+    """The bow is that of the node from the line through the ends, on which bearings leave them; the
+    shaft is straight on either side."""
+    sensors = "".join(f"[[sensor]]\nnode = {n}\n" for n in range(1, 6))
+    text = _RUBBING.replace("e = 5e-5", "e = 0.0").replace("diameter = 0.25", "diameter = 0.05")
+    text = "gravity = 0.0\n" + text + _HEATED.format(p=0.0, q=0.0) + sensors
+    sim = _run(text, 0.0, 0.5, choose(method="radau5"))
+    sim.motion.internal_state[1:3] = 3e-5, 4e-5
+    sim.advance(30.0, 0.5)
+    seen = [complex(*(sim.read(f"sensor[{n}].{a}") for a in "xy")) for n in range(1, 6)]
+    turned = cmath.rect(5e-5, math.atan2(4.0, 3.0) + sim.read("phi"))
+    shape = bow_shape(np.array([0.0, 0.15, 0.3, 0.4, 0.6]), 4)[::2]
+    assert shape[[0, 3, 4]] == pytest.approx([0.0, 1.0, 0.0], abs=1e-15)
+    assert shape[2] - shape[1] == pytest.approx(shape[1])
+    assert np.array(seen) == pytest.approx(turned * shape, rel=1e-4, abs=1e-9)
+
+
+def test_the_pull_towards_a_bow_is_a_pair_of_moments():
+    """The shaft's own forces of an even bend of a cylinder: E I over a radius, at its ends."""
+    structure = assemble(parse_rotor(_HOT.replace("0.025, 0.025", "0.03, 0.03")))
+    forces = structure.bow_forces[0]
+    stiffness = 2.1e11 * math.pi / 64 * 0.03**4
+    expected = np.zeros(10)
+    expected[5], expected[9] = 1.0, -1.0
+    assert forces[::2] == pytest.approx(np.zeros(5), abs=1e-6 * abs(forces).max())
+    assert forces / forces[5] == pytest.approx(expected, abs=1e-9)
+    shape = bow_shape(np.array([0.0, 0.15, 0.3, 0.4, 0.6]), 4)
+    bend = (shape[5] - shape[9]) / 0.3
+    assert forces[5] == pytest.approx(stiffness * bend, rel=1e-9)
+    assert structure.bow_stiffness[0, 0] == pytest.approx(stiffness * bend**2 * 0.3, rel=1e-9)
+
+
+@pytest.mark.parametrize("text", [_HOT, _TWICE], ids=["one", "two"])
+@pytest.mark.parametrize("settings", [{"tolerance": 1e-4}, {"method": "radau5"}], ids=str)
+@pytest.mark.parametrize("drive", [{}, {"drive_torque": 3.0}], ids=["speed", "torque"])
+def test_the_ledger_closes(text, settings, drive):
+    """Within a hundredth of the bow's own entry, which is itself more than 1e-5 of all losses."""
+    sim = _run(text, 1.0, settings=choose(**settings), **drive)
+    lost = sum(sim.read(n) for n in sim.names if n.endswith("_loss"))
+    worked = abs(sim.read("energy.bow_loss"))
+    assert worked > 1e-5 * lost
+    assert abs(sim.read("energy.residual")) < min(1e-4 * lost, 1e-2 * worked)
+
+
+@pytest.mark.parametrize("drive", [{}, {"drive_torque": 0.5}], ids=["speed", "torque"])
+def test_what_the_ledger_lacks_falls_with_the_step(drive):
+    """Of two bows that cool down without any rub."""
+    text = _TWICE.replace("clearance = 1e-4", "clearance = 1.0")
+    given = drive.get("drive_torque", _SPEED)
+
+    def lacks(h):
+        sim = Simulation(parse_rotor(text), choose("robust", h=h), speed=_SPEED, **drive)
+        sim.motion.internal_state[:] = 0.0, 1e-4, 0.0, 0.0, 3e-5, 5e-5
+        sim.advance(0.5, given)  # what the jump to these bows has set in motion is gone
+        first = sim.observed.copy()
+        sim.advance(1.0, given)
+        change = dict(zip(sim.names, sim.observed - first, strict=True))
+        assert abs(change["energy.bow_loss"]) > 1e-4
+        return change["energy.residual"] / change["energy.bow_loss"]
+
+    coarse, fine = abs(lacks(2e-4)), abs(lacks(1e-4))
+    assert coarse > 4.0 * fine
+    assert fine < 5e-3
+
+
+def test_a_snapshot_has_the_bow():
+    sim = _run(_HOT, 0.5)
+    state = sim.snapshot()
+    ends = []
+    for _ in range(2):
+        sim.advance(0.7, _SPEED)
+        ends.append(sim.observed.copy())
+        sim.restore(state)
+    assert (ends[0] == ends[1]).all()
+    other = Simulation(parse_rotor(_HOT), choose(), speed=_SPEED, warn=lambda _: None)
+    other.restore(state.tobytes())
+    other.advance(0.7, _SPEED)
+    assert (other.observed == ends[0]).all()
+    assert _bow(other) != 0.0
+
+
+def test_all_component_modes_bow_as_the_shaft_does():
+    whole, reduced = (_run(_HOT, 0.2, settings=choose("robust", reduction=n)) for n in (0, 50))
+    assert len(reduced.structure.M) == len(whole.structure.M)
+    assert _bow(reduced) == pytest.approx(_bow(whole), rel=1e-6)
+    assert reduced.read("disc[1].x") == pytest.approx(whole.read("disc[1].x"), rel=1e-6)
+
+
+_PART = HEATED_CONTACT.kind(
+    journal_radius=0.02, clearance=1e-4, mu=0.1, k=2e6, k_t=1e6, bow_per_heat=1e-6, bow_decay=3.0
+)
+
+
+def test_the_states_meet_their_equations_at_the_end_of_a_step():
+    record = np.array(
+        [tuple(float(getattr(_PART, name)) for name in quantities(HEATED_CONTACT.kind))],
+        HEATED_CONTACT.dtype,
+    ).view(np.recarray)[0]
+    tangent, rates = interpreted(HEATED_CONTACT.tangent), interpreted(HEATED_CONTACT.rates)
+    rng, none = np.random.default_rng(3), np.zeros(0)
+    for depth in (3e-6, 3e-6, 3e-6, -1e-6):
+        d = cmath.rect(1e-4 + depth, rng.uniform(0, 6))
+        v = complex(*rng.normal(0, 1e-3, 2))
+        here = Kinematics(d, v, 90.0, 90.0, rng.uniform(0, 1e4))
+        free = rng.normal(0, 1.0, 3) * [1e-8 * (depth > 0), 1e-5, 1e-5]
+        state, rate = np.zeros(3), np.zeros(3)
+        tangent(record, none, here, Weights(1.0, 1.0, 0.02), free, state)
+        rates(record, none, here, state, rate)
+        assert state == pytest.approx(free + 0.02 * rate, rel=1e-9, abs=1e-15)
+        out = np.zeros(len(HEATED_CONTACT.outputs))
+        interpreted(HEATED_CONTACT.observe)(record, none, here, state, out)
+        heating = complex(*rate[1:]) + 3.0 * complex(*state[1:])
+        heat = out[[o.name for o in HEATED_CONTACT.outputs].index("heat")]
+        assert heat > 0.0 if depth > 0 else heat == 0.0
+        assert heating == pytest.approx(
+            1e-6 * heat * d / abs(d) * cmath.exp(-1j * here.angle), rel=1e-9, abs=1e-18
+        )
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (("bow_per_heat = 1e-06", "bow_per_heat = -1e-6"), "bow_per_heat = -1e-06 m/J: must be >="),
+        (("bow_decay = 2.0", "bow_decay = -2.0"), "bow_decay = -2 1/s: must be >= 0 and finite"),
+        (("bow_decay = 2.0", "bow_decay = nan"), "bow_decay = nan 1/s: must be >= 0 and finite"),
+        (("bow_decay = 2.0", ""), "bow_decay"),
+        (("bow_decay", "bow_decai"), "bow_decay"),
+        (("heated_contact", "heated_contakt"), "heated_contact"),
+        (
+            ("node = 4", "node = 5"),
+            "node = 5: must be between nodes 1 and 5, the ends of the shaft",
+        ),
+        (
+            ("node = 4", "node = 1"),
+            "node = 1: must be between nodes 1 and 5, the ends of the shaft",
+        ),
+    ],
+)
+def test_what_cannot_be_is_said_in_a_line(change, words):
+    assert change[0] in _HOT
+    with pytest.raises(QuantityError) as error:
+        parse_rotor(_HOT.replace(*change))
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_its_numbers_take_units():
+    text = _HOT.replace("1e-06", '"1 um/J"').replace("bow_decay = 2.0", 'bow_decay = "120 1/min"')
+    part = rf.parse(text).rotor.of_kind(HeatedContact)[0]
+    assert part.bow_per_heat == pytest.approx(1e-6, rel=1e-12)
+    assert part.bow_decay == pytest.approx(2.0, rel=1e-12)
+
+
+def test_linear_answers_are_those_of_a_contact():
+    plain, heated = parse_rotor(f"{_RUBBING}[[contact]]{_RING}"), parse_rotor(_HOT)
+    assert (modes(heated, 50.0).eigenvalues == modes(plain, 50.0).eigenvalues).all()
+
+
+def test_a_periodic_motion_is_refused():
+    with pytest.raises(InputError, match=r"^heated_contact\[1\]: its heat bows the shaft"):
+        rf.response(rf.parse(_HOT), speed=(50.0, 120.0))
+
+
+def test_sensitivities_see_the_bow():
+    """Of the displacement over a step in which a large bow turns on, by the speed."""
+    options = CouplingOptions(has_sensitivities=True)
+    sim = Simulation(
+        parse_rotor(_HOT.replace("clearance = 1e-4", "clearance = 1.0")),
+        *(choose("robust"),),
+        speed=_SPEED,
+        coupling=options,
+    )
+    sim.motion.internal_state[1:3] = 1e-3, 2e-4
+    sim.advance(0.01, _SPEED)
+    start, at = sim.snapshot(), sim.names.index("disc[1].x")
+
+    def end(speed):
+        sim.restore(start)
+        sim.advance(0.012, speed)
+        return sim.observed[at]
+
+    expected = (end(_SPEED + 0.01) - end(_SPEED - 0.01)) / 0.02
+    end(_SPEED)
+    assert sim.sensitivities(0)[at] == pytest.approx(expected, rel=1e-4)
