@@ -17,7 +17,7 @@ from ..step.laws import law_gap, relative
 # Of the motion's size and the tolerance, the error of a radian; revolutions over which the size is
 # remembered; what motion counts as none, of the clearance or of a small length of the machine.
 SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
-FIRST = 0.1  # radians at the start over which its accelerations are taken as lasting
+FIRST = 0.3  # radians at the start over which its accelerations are taken as lasting
 SAFETY = 0.8
 # Of one step length to the next, at most; growing slowly costs little and calms the next impact.
 GROWTH, SHRINKAGE = 1.25, 0.2
