@@ -17,7 +17,7 @@ from ..step.laws import law_gap, relative
 # Of the motion's size and the tolerance, the error of a radian; revolutions over which the size is
 # remembered; what motion counts as none, of the clearance or of a small length of the machine.
 SHARE, TURNS, FLOOR = 0.7, 2.0, 1e-4
-FIRST = 0.3  # radians at the start over which its accelerations are taken as lasting
+FIRST = 0.05  # revolutions over which the size at the start is remembered
 SAFETY = 0.8
 # Of one step length to the next, at most; growing slowly costs little and calms the next impact.
 GROWTH, SHRINKAGE = 1.25, 0.2
@@ -81,12 +81,16 @@ def update_size(structure, omega, h, new, memory):
     The size is the root mean square, over the masses, of the amplitude about the mean position: of
     a swing with the speed of rotation, or with the slowest motion's if that is faster, displacement
     and velocity over that speed have the same. It falls to a share of exp(-1) in `TURNS` turns of
-    that speed after the motion has ceased. What is smaller than `FLOOR` counts as large as that.
+    that speed after the motion has ceased; at first sooner, the memory being no longer than the
+    run, since a journal pressed on its wall starts with the accelerations of a large swing into a
+    far smaller motion. What is smaller than `FLOOR` counts as large as that.
     """
     r = memory.record[0]
     numbers = structure.numbers[0]
     fastest = max(numbers.slowest, abs(omega))
-    share = min(1.0, h * fastest / (2.0 * math.pi * TURNS))
+    turns = h * fastest / (2.0 * math.pi)
+    r.turns_remembered = min(TURNS, r.turns_remembered + turns)
+    share = min(1.0, turns / r.turns_remembered)
     center = memory.center
     for i in range(len(center)):
         center[i] += share * (new.q[i] - center[i])
@@ -110,20 +114,16 @@ def update_size(structure, omega, h, new, memory):
 
 @jit
 def first_size(structure, omega, motion, memory):
-    """Size of the motion that begins: how far the accelerations of the start carry it in `FIRST`
-    radians of the speed of rotation, or of the slowest motion.
-
-    A swing of that frequency with these accelerations is larger, and is measured soon; a journal
-    pressed on its wall starts with as large ones into a far smaller motion, and too large a size
-    is remembered for turns.
-    """
+    """Size of the motion that begins: that of a swing with the speed of rotation, or the slowest
+    motion's, that has the accelerations of the start."""
     fastest = max(structure.numbers[0].slowest, abs(omega))
     for i in range(len(memory.center)):
         memory.center[i] = motion.q[i]
     # the start taken as both ends of a step
     start = measure(structure.weights, 1.0 + 0.0j, motion, motion)
-    time = FIRST / fastest
-    memory.record[0].motion_size = math.sqrt(start.acceleration) * time * time
+    r = memory.record[0]
+    r.motion_size = math.sqrt(start.acceleration) / (fastest * fastest)
+    r.turns_remembered = FIRST
     update_size(structure, omega, 0.0, motion, memory)
 
 

@@ -27,6 +27,7 @@ RECORD = np.dtype(
             "h_carried",  # to which the carried accelerations belong
             "characteristic_frequency_squared",  # of the motion, see `fitting` [rad2/s2]
             "motion_size",  # see `error_control.update_size` [m]
+            "turns_remembered",  # by it [1]
             "damping",  # factor that the last step's fitting gave to the damping [1]
             "h_smallest",
             "h_largest",
