@@ -186,11 +186,13 @@ def test_what_enters_is_stored_or_dissipated():
     assert loaded > 200
 
 
-@pytest.mark.parametrize("settings", [{}, {"method": "radau5"}])
+@pytest.mark.parametrize("settings", [{"tolerance": 1e-4}, {"tolerance": 1e-5, "method": "radau5"}])
 def test_the_ledger_closes_over_a_run_with_a_defect(settings):
-    """Of the drive's work: what the balls store and give back is far more than they dissipate."""
+    """Of the drive's work: what the balls store and give back is far more than they dissipate.
+    Steps of order five that keep the same tolerance are fewer, and the balls' forces have corners.
+    """
     run = Simulation(
-        *(_rotor(_DAMAGED, e=2e-5), choose("controlled", tolerance=1e-4, **settings)),
+        *(_rotor(_DAMAGED, e=2e-5), choose("controlled", **settings)),
         speed=150.0,
         warn=lambda _: None,
     )
