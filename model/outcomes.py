@@ -70,7 +70,7 @@ def no_rest(run, status, arguments):
 def _broken(run):
     """Return the node, from 1, of a law that breaks where the last step led; 0 if there is none."""
     structure = run.structure
-    j = first_broken(structure, run.trial.q)
+    j = first_broken(structure, run.trial.q, run.trial.internal_state)
     if j >= 0:
         for i in range(len(structure.deflections)):
             if structure.deflections[i, 0] == structure.interfaces[j].dof:

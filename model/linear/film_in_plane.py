@@ -4,6 +4,7 @@ quasi-one-dimensional film of a journal bearing is measured against."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,13 +18,21 @@ _ITERATIONS = 60
 
 
 def film_in_plane(
-    part: JournalBearing, speed: float, d: complex, around: int = _AROUND, along: int = _ALONG
+    part: JournalBearing,
+    speed: float,
+    d: complex,
+    around: int = _AROUND,
+    along: int = _ALONG,
+    tilts: Sequence[float] | np.ndarray = (),
 ) -> complex:
     """Return the film's force on a journal that rests at d [m] at a speed [rad/s], with Reynolds'
-    rupture at grid points [N]; around: cells of a whole circle, along: of half the length."""
+    rupture at grid points [N]; around: cells of a whole circle, along: of half the length; tilts:
+    of pads that tilt [m]."""
     force = 0j
-    for row in part.pad_rows():
-        force += _pad(part, np.array(row), speed, d, around, along)
+    for i, row in enumerate(part.pad_rows()):
+        at = np.array(row)
+        tilt = 1j * complex(at[PAD.pivot_x], at[PAD.pivot_y]) * (tilts[i] if len(tilts) else 0.0)
+        force += _pad(part, at, speed, d + tilt, around, along)
     return force
 
 
