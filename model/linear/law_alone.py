@@ -34,7 +34,7 @@ class LawAlone:
         self._states = np.array(self._law.states_of(part), dtype=float)
 
     def _moving(self, d: complex, v: complex) -> Kinematics:
-        return Kinematics(complex(d), complex(v), self.speed, self._sliding)
+        return Kinematics(complex(d), complex(v), self.speed, self._sliding, 0.0)
 
     def settle(self, d: complex, frequency: float = 0.0) -> tuple[complex, np.ndarray, np.ndarray]:
         """Let the law's states rest where the node does; return the force [N] and its derivatives
