@@ -25,11 +25,13 @@ from .film_zone import (
     zone_load,
     zone_tangent,
 )
+from .full_film import full_load, full_tangent, solve_full
 from .short_film import blunted, shear, short_load
 
 # first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
 # bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle
-# and whether its film never ruptures; the direction of its pivot, whether it tilts about that, and,
+# and whether its film fills it (a short one never ruptures then, of another what is negative of its
+# pressure does not count); the direction of its pivot, whether it tilts about that, and,
 # as it was put last, its tilt [m] and the rate of that [m/s]: how far the pad's centre moves
 PAD = places(
     (
@@ -131,6 +133,17 @@ def _short_share(bearing):
     return 0.125 * ratio * ratio
 
 
+@jit
+def solved(film, bound, work):
+    """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of
+    P exp(i theta) over it [1/s]; of a full film that of what is positive."""
+    if film.is_full:
+        zone = solve_full(film, work)
+        return zone, full_load(film, zone, work)
+    zone = solve_zone(film, bound, work)
+    return zone, zone_load(film, zone, work)
+
+
 @jit_not_inlined
 def film_force(bearing, tables, kinematics):
     """Return the film's force on the journal [N]."""
@@ -151,8 +164,8 @@ def film_force(bearing, tables, kinematics):
                 )
                 force -= pad.load * _short_share(bearing) * load
             else:
-                zone = solve_zone(film, bound, work)
-                force -= pad.load * zone_load(film, zone, work)
+                _, load = solved(film, bound, work)
+                force -= pad.load * load
     return force
 
 
@@ -174,9 +187,11 @@ def sensed(film):
 def finite_load(film, bound, work):
     """Return the integral of P exp(i theta) over the zone within a `Bound` [1/s] and its
     derivative, as `short_load` does."""
-    zone = solve_zone(film, bound, work)
-    load = zone_load(film, zone, work)
-    p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
+    zone, load = solved(film, bound, work)
+    if film.is_full:
+        p_D, q_D, p_S, q_S = full_tangent(film, zone, work)
+    else:
+        p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
     return load, p_D, q_D, p_S, q_S
 
 
@@ -296,13 +311,15 @@ def film_state(bearing, tables, kinematics):
                         largest = max(largest, pad.pressure * P)
                         flow += volume * pad.pressure * P * cube * step
                 else:
-                    zone = solve_zone(film, bound, work)
-                    load += zone_load(film, zone, work)
+                    zone, borne = solved(film, bound, work)
+                    load += borne
                     first, last = zone.first, zone.last
                     step = (last - first) / film.n
                     at = vectors(film, work)
-                    for j in range(1, film.n):
+                    for j in range(0 if film.is_full else 1, film.n):
                         P, h = pad.pressure * at.P[j], at.thickness[j]
+                        if film.is_full:
+                            P = max(P, 0.0)
                         largest = max(largest, P)
                         flow += volume * P * h * h * h * step
                 sheared += shear(D, first, last)[0]

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..contact.film import pad_count, pad_of
-from ..contact.film_zone import solve_zone, vectors, zone_bound
+from ..contact.film import pad_count, pad_of, solved
+from ..contact.film_zone import vectors, zone_bound
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.journal_bearing import JournalBearing
@@ -60,8 +60,9 @@ class BearingAlone(LawAlone):
                     h = np.maximum(1.0 - (turned * pad.film.D).real, pad.film.floor)
                     P = share * (turned * pad.film.S).real / h**3
                 else:
-                    zone = interpreted(solve_zone)(pad.film, bound, work)
+                    zone, _ = interpreted(solved)(pad.film, bound, work)
                     P = interpreted(vectors)(pad.film, work).P
+                    P = np.maximum(P, 0.0) if pad.film.is_full else P
                     theta = np.linspace(zone.first, zone.last, len(P))
                 for whole in (-2 * math.pi, 0.0, 2 * math.pi):
                     at = np.interp(angles + whole, theta, P, left=0.0, right=0.0)
@@ -71,6 +72,8 @@ class BearingAlone(LawAlone):
     def tilts(self, d: complex) -> np.ndarray:
         """Return how far each pad that tilts does, where the journal rests at a displacement [m];
         none of pads that stand."""
+        if not isinstance(self.part, JournalBearing):
+            return np.zeros(0)
         self._settle_at(d, 0j)
         return self._states[:: 2 if self.part.pad_inertia > 0.0 else 1].copy()
 

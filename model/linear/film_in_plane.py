@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from ..contact.film import PAD
-from ..parts.journal_bearing import JournalBearing
+from ..parts.journal_bearing import GUEMBEL, JournalBearing
 
 _AROUND, _ALONG = 180, 12  # cells of a whole circle, and of half the length
 _ITERATIONS = 60
@@ -67,11 +67,16 @@ def _pad(
     A = sp.kron(sp.eye_array(along), circle) + sp.kron(across, sp.diags_array(h**3 / width**2))
     source = 6 * mu * speed * (np.exp(-1j * theta) * -1j * d).real
     b = np.tile(source, along)
-    p = _at_least_nothing(A.tocsr(), b)
+    p = _at_least_nothing(A.tocsr(), b) if part.rupture != GUEMBEL else _of_full(A, b)
     weights = np.full(along, 2.0 * width)
     weights[0] = width
     around_force = (p.reshape(along, m) * weights[:, None]).sum(axis=0) @ np.exp(1j * theta)
     return complex(-around_force * R * step)
+
+
+def _of_full(A: sp.csr_array, b: np.ndarray) -> np.ndarray:
+    """Return what is positive of p with A p = b."""
+    return np.maximum(spsolve(A.tocsc(), b), 0.0)
 
 
 def _at_least_nothing(A: sp.csr_array, b: np.ndarray) -> np.ndarray:

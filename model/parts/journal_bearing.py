@@ -55,6 +55,9 @@ _PRELOAD = Rule(0.0, False, "must be from 0 to 0.99", most=0.99)
 _OFFSET = Rule(0.0, False, "must be from 0 to 1", most=1.0)
 _ARC = Rule(0.0, True, "must be > 0 and at most 2 pi", most=2.0 * math.pi)
 _OVERLAP = 1e-9  # rad
+# where the pressure and its gradient vanish, and where that of a full film becomes negative
+RUPTURES = ("reynolds", "guembel")
+GUEMBEL = RUPTURES[1]
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
 _TILTS = len(OUTPUTS)
 _BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
@@ -203,7 +206,7 @@ class JournalBearing(TiltingQuantities, Part):
     Without pads it is a plain, whole circle. A pad has the angle of its middle [rad], anticlockwise
     from the right; an arc [rad]; a preload, 1 less the bearing's clearance over the pad's; and an
     offset, the share of its arc from its first angle to where its preload brings it closest; there
-    is the pivot of a pad that tilts.
+    is the pivot of a pad that tilts. rupture: of the film, one of `RUPTURES`.
     """
 
     KIND: ClassVar[str] = "journal_bearing"
@@ -218,6 +221,8 @@ class JournalBearing(TiltingQuantities, Part):
     arc: float | tuple[float, ...] = _per_pad("rad", "arc", _ARC, 2.0 * math.pi)
     preload: float | tuple[float, ...] = _per_pad("1", "preload", _PRELOAD, 0.0)
     offset: float | tuple[float, ...] = _per_pad("1", "offset", _OFFSET, 0.5)
+
+    rupture: str = RUPTURES[0]
 
     @property
     def law(self) -> Law:
@@ -241,6 +246,10 @@ class JournalBearing(TiltingQuantities, Part):
             raise QuantityError(f"{where}.pads: none is given for an arc or a preload")
         self._check_overlap(where)
         self._check_tilting(where)
+        if self.rupture not in RUPTURES:
+            raise QuantityError(
+                f"{where}.rupture = {self.rupture}: must be one of {', '.join(RUPTURES)}"
+            )
 
     def _check_tilting(self, where: str) -> None:
         if not self.tilting:
@@ -268,6 +277,11 @@ class JournalBearing(TiltingQuantities, Part):
                     "whose pivot it is"
                 )
 
+    @property
+    def _is_full(self) -> bool:
+        """Whether films fill their pads; a short one is the same with either rupture."""
+        return self.rupture == GUEMBEL and not self.short
+
     def _shape(self, i: int) -> tuple[float, ...]:
         """Return arc, preload and offset of a pad."""
         return tuple(
@@ -290,7 +304,7 @@ class JournalBearing(TiltingQuantities, Part):
     def pad_rows(self) -> list[list[float]]:
         """Return a row of `contact.film.PAD` for each pad."""
         if not self.pads:
-            return [whole_circle()]
+            return [whole_circle(self._is_full)]
         rows = []
         for i, middle in enumerate(self.pads):
             arc, preload, offset = self._shape(i)
@@ -299,7 +313,15 @@ class JournalBearing(TiltingQuantities, Part):
             pivot = cmath.exp(1j * (first + offset * arc))
             centre = (clearance - 1.0) * pivot
             motion = (pivot.real, pivot.imag, *TILTS) if self.tilting else STANDS
-            shape = (first, first + arc, centre.real, centre.imag, clearance, 0.0, 0.0)
+            shape = (
+                first,
+                first + arc,
+                centre.real,
+                centre.imag,
+                clearance,
+                0.0,
+                float(self._is_full),
+            )
             rows.append([*shape, *motion])
         return rows
 
