@@ -50,6 +50,9 @@ _SENTENCES = {
     "change wear_angle, or give a [start]",
     "START_BEYOND": "[start]: node {d} lies {.3g} m from the axis; must be within {.3g} m, a tenth "
     "of the shaft's length",
+    "START_IN_FILM": "[start]: node {d} lies {.3g} m from the middle of its oil film, of a "
+    "clearance of {.3g} m, and the film would be thinner than its roughness; start nearer to the "
+    "middle, or give the bearing a contact stiffness k: then the surfaces touch",
     "IN_STAGES": "solver.sensitivities, tau_impedance: a method of stages has none; take another "
     "solver.method",
     "LIMITED": f"{_LIMIT} = {{.6g}}{_UNIT}: must be above {{.6g}}{_UNIT}, that of the rest under "
@@ -94,6 +97,7 @@ _FIRST = len(settings.SENTENCES)
     LOST_IN_ROUNDING,
     ON_A_HUMP,
     START_BEYOND,
+    START_IN_FILM,
     IN_STAGES,
     LIMITED,
     FILM_AT_REST,

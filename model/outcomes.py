@@ -15,7 +15,7 @@ from .stability.matrices import OPEN
 from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
-from .step.laws import first_broken
+from .step.laws import first_broken, relative
 from .step.status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
 from .time_loop import early_return, equilibrium
 from .time_loop.control import CONTROLLED, varies
@@ -31,6 +31,13 @@ def no_rest(run, status, arguments):
     """Return why a start has no equilibrium."""
     structure, numbers = run.structure, run.structure.numbers[0]
     if status == equilibrium.BEYOND:
+        broken = first_broken(structure, run.motion.q, run.motion.internal_state)
+        if not equilibrium.is_beyond(structure, run.motion) and broken >= 0:
+            interface = structure.interfaces[broken]
+            arguments[0] = _node_of(structure, interface.dof)
+            arguments[1] = modulus(relative(interface, run.motion.q))
+            arguments[2] = interface.length
+            return messages.START_IN_FILM
         farthest = _farthest(run)
         arguments[0] = structure.deflections[farthest, 1]
         arguments[1] = modulus(run.motion.q[structure.deflections[farthest, 0]])
@@ -70,11 +77,16 @@ def no_rest(run, status, arguments):
 def _broken(run):
     """Return the node, from 1, of a law that breaks where the last step led; 0 if there is none."""
     structure = run.structure
-    j = first_broken(structure, run.trial.q)
-    if j >= 0:
-        for i in range(len(structure.deflections)):
-            if structure.deflections[i, 0] == structure.interfaces[j].dof:
-                return structure.deflections[i, 1]
+    j = first_broken(structure, run.trial.q, run.trial.internal_state)
+    return _node_of(structure, structure.interfaces[j].dof) if j >= 0 else 0
+
+
+@jit
+def _node_of(structure, dof):
+    """Return the node, from 1, of a deflection."""
+    for i in range(len(structure.deflections)):
+        if structure.deflections[i, 0] == dof:
+            return structure.deflections[i, 1]
     return 0
 
 

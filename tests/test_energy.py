@@ -163,6 +163,10 @@ NEAR = {**WALL, "clearance": 1e-5}
 AWAY = {**WALL, "clearance": 0.1}
 STILL = {"race_inertia": 1e9}
 FILM = {"length": 0.02, "journal_radius": 0.02, "clearance": 1e-4, "short": True}
+PADS = {
+    **(FILM | {"short": False, "points": 12.0}),
+    **{"pads": (0.8, 2.4, 4.0, 5.5), "arc": 1.2, "tilting": True, "pad_inertia": 1e-6},
+}
 HEAT = {"bow_per_heat": 1e-9, "bow_decay": 0.1}
 BALLS = {"count": 8, "pitch_diameter": 0.05, "element_diameter": 0.01, "k": 1e9}
 TOUCHES = ("compression", "contact_loss", "friction_loss")
@@ -208,6 +212,11 @@ KINDS = {
         JournalBearing(node=3, **FILM, viscosity=0.01),
         ("film_loss",),
         (JournalBearing(node=3, **(FILM | {"clearance": 0.1}), viscosity=1e-12),),
+    ),
+    "tilting pads": (
+        JournalBearing(node=3, **PADS, viscosity=0.01),
+        ("pads", "film_loss"),
+        (JournalBearing(node=3, **(PADS | {"clearance": 0.1}), viscosity=1e-12),),
     ),
     "squeeze_film_damper": (
         SqueezeFilmDamper(node=3, **FILM, viscosity=0.01, stiffness=1e6),

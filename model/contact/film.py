@@ -25,13 +25,22 @@ from .film_zone import (
     zone_load,
     zone_tangent,
 )
+from .full_film import full_load, full_tangent, solve_full
 from .short_film import blunted, shear, short_load
 
 # first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
 # bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle
-# and whether its film never ruptures
-PAD = places(("first", "last", "x", "y", "clearance", "is_whole", "is_full"))
-_TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
+# and whether its film fills it (a short one never ruptures then, of another what is negative of its
+# pressure does not count); the direction of its pivot, whether it tilts about that, and,
+# as it was put last, its tilt [m] and the rate of that [m/s]: how far the pad's centre moves
+PAD = places(
+    (
+        *("first", "last", "x", "y", "clearance", "is_whole", "is_full"),
+        *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate"),
+    )
+)
+STANDS, TILTS = (1.0, 0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0)  # how pads' rows end: of two, of three
+TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
 class FilmBearing(NamedTuple):
@@ -67,12 +76,15 @@ def bearing_of(part):
 
 
 class Pad(NamedTuple):
-    """A pad's `Film`; clearance [m]; the journal from its centre [m]; load: factor of the integral
-    of P exp(i theta) [N.s]; pressure: of P [Pa.s]."""
+    """A pad's `Film`; clearance [m]; the journal from its centre [m], and its velocity [m/s];
+    turning: of that, what its tilting pad does [m/s]; load: factor of the integral of
+    P exp(i theta) [N.s]; pressure: of P [Pa.s]."""
 
     film: Film
     clearance: float
     displacement: complex
+    velocity: complex
+    turning: float
     load: float
     pressure: float
 
@@ -91,8 +103,14 @@ def pad_of(bearing, tables, kinematics, i):
     d = kinematics.displacement + bearing.clearance * complex(
         tables[at + PAD.x], tables[at + PAD.y]
     )
+    v, turning = kinematics.velocity, 0.0
+    if tables[at + PAD.is_tilting] > 0.0:
+        across = complex(-tables[at + PAD.pivot_y], tables[at + PAD.pivot_x])
+        turning = tables[at + PAD.rate]
+        d += tables[at + PAD.tilt] * across
+        v += turning * across
     inverse = 1.0 / c
-    D, V = d * inverse, kinematics.velocity * inverse
+    D, V = d * inverse, v * inverse
     S = 2.0 * V + complex(kinematics.speed * D.imag, -kinematics.speed * D.real)
     R, L = bearing.journal_radius, bearing.length
     ratio = 2.0 * R / L
@@ -105,7 +123,7 @@ def pad_of(bearing, tables, kinematics, i):
     work = bearing.table + 1 + len(PAD) * pad_count(bearing, tables)
     size = VECTORS * (film.n + 1)
     load = 2.0 / 3.0 * L * R * pressure
-    return Pad(film, c, d, load, pressure), tables[work : work + size]
+    return Pad(film, c, d, v, turning, load, pressure), tables[work : work + size]
 
 
 @jit
@@ -113,6 +131,17 @@ def _short_share(bearing):
     """Return P over f / H^3 of Ocvirk's film [1]."""
     ratio = bearing.length / bearing.journal_radius
     return 0.125 * ratio * ratio
+
+
+@jit
+def solved(film, bound, work):
+    """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of
+    P exp(i theta) over it [1/s]; of a full film that of what is positive."""
+    if film.is_full:
+        zone = solve_full(film, work)
+        return zone, full_load(film, zone, work)
+    zone = solve_zone(film, bound, work)
+    return zone, zone_load(film, zone, work)
 
 
 @jit_not_inlined
@@ -125,7 +154,7 @@ def film_force(bearing, tables, kinematics):
         if film.S == 0.0:
             continue
         sense = angle(film.S)
-        for turn in _TURNS:
+        for turn in TURNS:
             acts, bound = zone_bound(film, sense, turn)
             if not acts:
                 continue
@@ -135,13 +164,13 @@ def film_force(bearing, tables, kinematics):
                 )
                 force -= pad.load * _short_share(bearing) * load
             else:
-                zone = solve_zone(film, bound, work)
-                force -= pad.load * zone_load(film, zone, work)
+                _, load = solved(film, bound, work)
+                force -= pad.load * load
     return force
 
 
 @jit
-def _sensed(film):
+def sensed(film):
     """Return the film, and the angle about which its pressure builds up; one that does not move at
     all yields first where the journal would sink."""
     if film.S != 0.0:
@@ -154,6 +183,18 @@ def _sensed(film):
     return moving, angle(along), 0.0
 
 
+@jit
+def finite_load(film, bound, work):
+    """Return the integral of P exp(i theta) over the zone within a `Bound` [1/s] and its
+    derivative, as `short_load` does."""
+    zone, load = solved(film, bound, work)
+    if film.is_full:
+        p_D, q_D, p_S, q_S = full_tangent(film, zone, work)
+    else:
+        p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
+    return load, p_D, q_D, p_S, q_S
+
+
 @jit_not_inlined
 def film_tangent(bearing, tables, kinematics, weights):
     """Return the film's force on the journal [N] and its tangent p, q; see `parts.law`."""
@@ -162,8 +203,8 @@ def film_tangent(bearing, tables, kinematics, weights):
     turn_d = complex(0.0, kinematics.speed * by_d)
     for i in range(pad_count(bearing, tables)):
         pad, work = pad_of(bearing, tables, kinematics, i)
-        film, sense, moves = _sensed(pad.film)
-        for turn in _TURNS:
+        film, sense, moves = sensed(pad.film)
+        for turn in TURNS:
             acts, bound = zone_bound(film, sense, turn)
             if not acts:
                 continue
@@ -174,9 +215,7 @@ def film_tangent(bearing, tables, kinematics, weights):
                     film.D, film.S, film.floor, bound.low[1], bound.high[0]
                 )
             else:
-                zone = solve_zone(film, bound, work)
-                load = zone_load(film, zone, work)
-                p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
+                load, p_D, q_D, p_S, q_S = finite_load(film, bound, work)
             force -= moves * scale * load
             # dS = 2 dV - i omega dD
             scale /= pad.clearance
@@ -188,7 +227,8 @@ def film_tangent(bearing, tables, kinematics, weights):
 
 class FilmState(NamedTuple):
     """What a film does at an instant: force on the journal [N], torque that brakes it [N.m], the
-    thinnest film [m] and its angle [rad], largest pressure [Pa], side flow [m3/s]."""
+    thinnest film [m] and its angle [rad], largest pressure [Pa], side flow [m3/s], and the power
+    with which it tilts its pads [W]."""
 
     force: complex
     torque: float
@@ -196,6 +236,7 @@ class FilmState(NamedTuple):
     where: float
     largest: float
     flow: float
+    tilted: float
 
 
 @jit
@@ -240,7 +281,7 @@ def _short_pressure(film, share, theta):
 def film_state(bearing, tables, kinematics):
     """Return the `FilmState` of a bearing."""
     force = 0.0j
-    torque = flow = largest = 0.0
+    torque = flow = largest = tilted = 0.0
     least, where = math.inf, 1.0 + 0.0j
     R, L, speed = bearing.journal_radius, bearing.length, kinematics.speed
     share = _short_share(bearing)
@@ -257,7 +298,7 @@ def film_state(bearing, tables, kinematics):
         begun = film.last
         if film.S != 0.0:
             sense = angle(film.S)
-            for turn in _TURNS:
+            for turn in TURNS:
                 acts, bound = zone_bound(film, sense, turn)
                 if not acts:
                     continue
@@ -270,13 +311,15 @@ def film_state(bearing, tables, kinematics):
                         largest = max(largest, pad.pressure * P)
                         flow += volume * pad.pressure * P * cube * step
                 else:
-                    zone = solve_zone(film, bound, work)
-                    load += zone_load(film, zone, work)
+                    zone, borne = solved(film, bound, work)
+                    load += borne
                     first, last = zone.first, zone.last
                     step = (last - first) / film.n
                     at = vectors(film, work)
-                    for j in range(1, film.n):
+                    for j in range(0 if film.is_full else 1, film.n):
                         P, h = pad.pressure * at.P[j], at.thickness[j]
+                        if film.is_full:
+                            P = max(P, 0.0)
                         largest = max(largest, P)
                         flow += volume * P * h * h * h * step
                 sheared += shear(D, first, last)[0]
@@ -291,8 +334,9 @@ def film_state(bearing, tables, kinematics):
         sheared += _sheared(D, ended if speed >= 0.0 else begun, reached, begun)
         load *= pad.load
         force -= load
+        tilted -= (load * (pad.velocity - kinematics.velocity).conjugate()).real
         torque += bearing.viscosity * R * R * R * L / pad.clearance * speed * sheared
         torque += 0.5 * (pad.displacement * load.conjugate()).imag
     # the side flow is 2 / 3 R / (mu L) times the integral of h^3 p
     flow *= 2.0 * R / (3.0 * bearing.viscosity * L)
-    return FilmState(force, torque, least, angle(where), largest, flow)
+    return FilmState(force, torque, least, angle(where), largest, flow, tilted)

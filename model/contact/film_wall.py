@@ -12,19 +12,26 @@ from .wall import Touch, elastic, pressed
 
 
 @jit
-def _touch(bearing, pad, kinematics):
+def touch(bearing, pad):
     """Return the `Touch` of a journal at a pad; everything but the penetration is 0 where it does
     not touch."""
     gap, along, curvature = thinnest(pad)
     delta = bearing.roughness - gap
     if delta <= 0.0 or bearing.k == 0.0:
         return Touch(-1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0)
-    velocity = along.conjugate() * kinematics.velocity
+    velocity = along.conjugate() * pad.velocity
     n, n_k, stiffness, damping = pressed(bearing, delta, velocity.real)
     return Touch(
         *(delta, velocity.real, n, n_k, stiffness, damping),
         *(along, velocity, 1.0 + 0.0j, 0.0, curvature),
     )
+
+
+@jit
+def sliding_of(bearing, pad, at, kinematics):
+    """Return the velocity at which a journal slides on a pad that it touches [m/s]: the surface of
+    one that tilts moves along."""
+    return at.velocity.imag + bearing.journal_radius * kinematics.sliding_speed - pad.turning
 
 
 class WallState(NamedTuple):
@@ -44,10 +51,10 @@ def wall_state(bearing, tables, kinematics):
     force, normal, braking, damped, rubbed = 0.0j, 0.0, 0.0, 0.0, 0.0
     for i in range(pad_count(bearing, tables)):
         pad, _ = pad_of(bearing, tables, kinematics, i)
-        at = _touch(bearing, pad, kinematics)
+        at = touch(bearing, pad)
         if at.penetration <= 0.0:
             continue
-        sliding = at.velocity.imag + bearing.journal_radius * kinematics.sliding_speed
+        sliding = sliding_of(bearing, pad, at, kinematics)
         rubs = friction(bearing, sliding)[0] * at.normal
         force -= complex(at.normal, rubs) * at.direction
         normal += at.normal
@@ -63,10 +70,10 @@ def wall_tangent(bearing, tables, kinematics, weights):
     force = p = q = 0.0j
     for i in range(pad_count(bearing, tables)):
         pad, _ = pad_of(bearing, tables, kinematics, i)
-        at = _touch(bearing, pad, kinematics)
+        at = touch(bearing, pad)
         if at.penetration <= 0.0 or at.normal <= 0.0:
             continue
-        sliding = at.velocity.imag + bearing.journal_radius * kinematics.sliding_speed
+        sliding = sliding_of(bearing, pad, at, kinematics)
         mu, slope = friction(bearing, sliding)
         force -= complex(at.normal, mu * at.normal) * at.direction
         p_pad, q_pad = contact_tangent(at, Friction(mu, slope, mu, 0.0), 1.0, weights)

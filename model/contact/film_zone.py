@@ -52,8 +52,8 @@ def floored(h, floor):
 
 class Film(NamedTuple):
     """A pad's film, over the clearance: D [1], S [1/s], a [1], floor: the least thickness [1]; the
-    pad's first and last angle [rad], whether it is a whole circle, and whether the film never
-    ruptures; n: elements of a zone."""
+    pad's first and last angle [rad], whether it is a whole circle, and whether the film fills it
+    (`full_film`); n: elements of a zone."""
 
     D: complex
     S: complex
@@ -124,14 +124,14 @@ def vectors(film, work):
 
 
 @jit
-def _conductance(low, high):
+def conductance(low, high):
     """Return the flow that a unit gradient drives between films of two thicknesses [1]."""
     mean = 0.5 * (low + high)
     return mean * mean * mean
 
 
 @jit_not_inlined
-def _pressure(film, first, last, work):
+def fill_pressure(film, first, last, work):
     """Fill in the pressure between two angles, 0 at both [1/s]; returns P' and P'' there."""
     n, S = film.n, film.S
     cosine, sine, thickness, slope, bend, P, inverse, _ = vectors(film, work)
@@ -149,9 +149,9 @@ def _pressure(film, first, last, work):
     P[0] = 0.0
     P[n] = 0.0
     above = 0.0
-    left = per * _conductance(thickness[0], thickness[1])
+    left = per * conductance(thickness[0], thickness[1])
     for i in range(1, n):
-        right = per * _conductance(thickness[i], thickness[i + 1])
+        right = per * conductance(thickness[i], thickness[i + 1])
         cube = thickness[i] * thickness[i] * thickness[i]
         inverse[i] = 1.0 / (left + right + mass * cube - left * above)
         f = cosine[i] * S.real + sine[i] * S.imag
@@ -159,12 +159,12 @@ def _pressure(film, first, last, work):
         above = right * inverse[i]
         left = right
     for i in range(n - 1, 0, -1):
-        right = per * _conductance(thickness[i], thickness[i + 1])
+        right = per * conductance(thickness[i], thickness[i + 1])
         P[i] += right * inverse[i] * P[i + 1]
     f_0 = slope[0] * (cosine[0] * S.real + sine[0] * S.imag)
     f_n = slope[n] * (cosine[n] * S.real + sine[n] * S.imag)
-    rise = per * _conductance(thickness[0], thickness[1]) * P[1] + 0.5 * source * f_0
-    fall = per * _conductance(thickness[n - 1], thickness[n]) * P[n - 1] + 0.5 * source * f_n
+    rise = per * conductance(thickness[0], thickness[1]) * P[1] + 0.5 * source * f_0
+    fall = per * conductance(thickness[n - 1], thickness[n]) * P[n - 1] + 0.5 * source * f_n
     by_0 = 1.0 / (thickness[0] * thickness[0] * thickness[0])
     by_n = 1.0 / (thickness[n] * thickness[n] * thickness[n])
     return rise * by_0, -1.25 * f_0 * by_0, -fall * by_n, -1.25 * f_n * by_n
@@ -191,7 +191,7 @@ def _ruptured(film, bound, first, last, most, work):
     is_first_free = is_last_free = False
     moved_first = moved_last = rise_before = fall_before = 0.0
     for _ in range(_ITERATIONS):
-        rise, rise_steep, fall, fall_steep = _pressure(film, first, last, work)
+        rise, rise_steep, fall, fall_steep = fill_pressure(film, first, last, work)
         across = stiff + 2.0 / (last - first)
         by_first = _slope(rise, rise_steep, across, moved_first, rise - rise_before)
         by_last = _slope(fall, fall_steep, across, moved_last, fall - fall_before)
@@ -244,7 +244,7 @@ class Gradient(NamedTuple):
 
 
 @jit_not_inlined
-def _gradient(film, zone, work):
+def gradient(film, zone, work):
     """Return the `Gradient` of the residuals' sum, weighted with minus the adjoint, the pressure
     kept; the adjoint's ends are weights too."""
     n, D, S = film.n, film.D, film.S
@@ -283,18 +283,18 @@ def _gradient(film, zone, work):
 
 
 @jit_not_inlined
-def _solve_adjoint(film, zone, work):
+def solve_adjoint(film, zone, work):
     """Overwrite the adjoint by what the matrix of the pressure makes of it; its ends stay."""
     n = film.n
     at = vectors(film, work)
     thickness, inverse, adjoint = at.thickness, at.inverse, at.adjoint
     per = n / (zone.last - zone.first)
-    left = per * _conductance(thickness[0], thickness[1])
+    left = per * conductance(thickness[0], thickness[1])
     for i in range(1, n):
         adjoint[i] = (adjoint[i] + left * adjoint[i - 1]) * inverse[i]
-        left = per * _conductance(thickness[i], thickness[i + 1])
+        left = per * conductance(thickness[i], thickness[i + 1])
     for i in range(n - 1, 0, -1):
-        right = per * _conductance(thickness[i], thickness[i + 1])
+        right = per * conductance(thickness[i], thickness[i + 1])
         adjoint[i] += right * inverse[i] * adjoint[i + 1]
 
 
@@ -314,8 +314,8 @@ def _of_load(film, zone, work, is_y):
         total += P[i] * along
         by_first += turned * (1.0 - i / n)
         by_last += turned * (i / n)
-    _solve_adjoint(film, zone, work)
-    g = _gradient(film, zone, work)
+    solve_adjoint(film, zone, work)
+    g = gradient(film, zone, work)
     stretched = total / n
     return Gradient(
         g.by_D, g.by_S, g.by_first + by_first - stretched, g.by_last + by_last + stretched
@@ -330,8 +330,8 @@ def _of_end(film, zone, work, is_last):
     for i in range(n + 1):
         adjoint[i] = 0.0
     adjoint[n if is_last else 0] = -1.0
-    _solve_adjoint(film, zone, work)
-    return _gradient(film, zone, work)
+    solve_adjoint(film, zone, work)
+    return gradient(film, zone, work)
 
 
 @jit
@@ -363,6 +363,13 @@ def zone_tangent(film, zone, work):
         of_last = _of_end(film, zone, work, True)
     x_D, x_S = _follow(_of_load(film, zone, work, False), of_first, of_last, zone)
     y_D, y_S = _follow(_of_load(film, zone, work, True), of_first, of_last, zone)
+    return pairs_of(x_D, x_S, y_D, y_S)
+
+
+@jit
+def pairs_of(x_D, x_S, y_D, y_S):
+    """Return gradients of the load's x and y by D and S as pairs p z + q conj(z): p_D, q_D, p_S,
+    q_S."""
     return (
         0.5 * (x_D.conjugate() + 1j * y_D.conjugate()),
         0.5 * (x_D + 1j * y_D),

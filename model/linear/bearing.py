@@ -136,7 +136,7 @@ def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, obj
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
-    in_plane = film_in_plane(part, alone.speed, d)
+    in_plane = film_in_plane(part, alone.speed, d, tilts=alone.tilts(d))
     error = abs(alone.force(d) - in_plane) / abs(in_plane) if in_plane != 0.0 else math.nan
     return {name: known[name] for name in names} | {
         "x": d.real,

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..contact.film import pad_count, pad_of
-from ..contact.film_zone import solve_zone, vectors, zone_bound
+from ..contact.film import pad_count, pad_of, solved
+from ..contact.film_zone import vectors, zone_bound
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.journal_bearing import JournalBearing
@@ -43,6 +43,7 @@ class BearingAlone(LawAlone):
         """Return the pressure in the middle of the length at angles from 0 to 2 pi, with the
         journal at rest at a displacement [Pa]."""
         record, tables = self._record, self._tables
+        self._settle_at(d, 0j)
         moving, result = self._moving(d, 0j), np.zeros_like(angles)
         for i in range(interpreted(pad_count)(record, tables)):
             pad, work = interpreted(pad_of)(record, tables, moving, i)
@@ -59,13 +60,22 @@ class BearingAlone(LawAlone):
                     h = np.maximum(1.0 - (turned * pad.film.D).real, pad.film.floor)
                     P = share * (turned * pad.film.S).real / h**3
                 else:
-                    zone = interpreted(solve_zone)(pad.film, bound, work)
+                    zone, _ = interpreted(solved)(pad.film, bound, work)
                     P = interpreted(vectors)(pad.film, work).P
+                    P = np.maximum(P, 0.0) if pad.film.is_full else P
                     theta = np.linspace(zone.first, zone.last, len(P))
                 for whole in (-2 * math.pi, 0.0, 2 * math.pi):
                     at = np.interp(angles + whole, theta, P, left=0.0, right=0.0)
                     result += pad.pressure * at
         return result
+
+    def tilts(self, d: complex) -> np.ndarray:
+        """Return how far each pad that tilts does, where the journal rests at a displacement [m];
+        none of pads that stand."""
+        if not isinstance(self.part, JournalBearing):
+            return np.zeros(0)
+        self._settle_at(d, 0j)
+        return self._states[:: 2 if self.part.pad_inertia > 0.0 else 1].copy()
 
     def rest(self, load: complex, start: complex | None = None) -> complex:
         """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
@@ -115,8 +125,9 @@ class BearingAlone(LawAlone):
 
     def is_broken(self, d: complex) -> bool:
         """Return whether the film is thinner than its roughness, without a contact behind it."""
+        self._settle_at(d, 0j)
         breaks = interpreted(self._law.breaks)
-        return bool(breaks(self._record, self._tables, complex(d)))
+        return bool(breaks(self._record, self._tables, complex(d), self._states))
 
     def _capacity(self, load: complex) -> float:
         """Return the largest share of a load that the film, or a damper's spring, carries [N]."""

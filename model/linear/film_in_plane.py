@@ -4,26 +4,35 @@ quasi-one-dimensional film of a journal bearing is measured against."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
 from ..contact.film import PAD
-from ..parts.journal_bearing import JournalBearing
+from ..parts.journal_bearing import GUEMBEL, JournalBearing
 
 _AROUND, _ALONG = 180, 12  # cells of a whole circle, and of half the length
 _ITERATIONS = 60
 
 
 def film_in_plane(
-    part: JournalBearing, speed: float, d: complex, around: int = _AROUND, along: int = _ALONG
+    part: JournalBearing,
+    speed: float,
+    d: complex,
+    around: int = _AROUND,
+    along: int = _ALONG,
+    tilts: Sequence[float] | np.ndarray = (),
 ) -> complex:
     """Return the film's force on a journal that rests at d [m] at a speed [rad/s], with Reynolds'
-    rupture at grid points [N]; around: cells of a whole circle, along: of half the length."""
+    rupture at grid points [N]; around: cells of a whole circle, along: of half the length; tilts:
+    of pads that tilt [m]."""
     force = 0j
-    for row in part.pad_rows():
-        force += _pad(part, np.array(row), speed, d, around, along)
+    for i, row in enumerate(part.pad_rows()):
+        at = np.array(row)
+        tilt = 1j * complex(at[PAD.pivot_x], at[PAD.pivot_y]) * (tilts[i] if len(tilts) else 0.0)
+        force += _pad(part, at, speed, d + tilt, around, along)
     return force
 
 
@@ -58,11 +67,16 @@ def _pad(
     A = sp.kron(sp.eye_array(along), circle) + sp.kron(across, sp.diags_array(h**3 / width**2))
     source = 6 * mu * speed * (np.exp(-1j * theta) * -1j * d).real
     b = np.tile(source, along)
-    p = _at_least_nothing(A.tocsr(), b)
+    p = _at_least_nothing(A.tocsr(), b) if part.rupture != GUEMBEL else _of_full(A, b)
     weights = np.full(along, 2.0 * width)
     weights[0] = width
     around_force = (p.reshape(along, m) * weights[:, None]).sum(axis=0) @ np.exp(1j * theta)
     return complex(-around_force * R * step)
+
+
+def _of_full(A: sp.csr_array, b: np.ndarray) -> np.ndarray:
+    """Return what is positive of p with A p = b."""
+    return np.maximum(spsolve(A.tocsc(), b), 0.0)
 
 
 def _at_least_nothing(A: sp.csr_array, b: np.ndarray) -> np.ndarray:

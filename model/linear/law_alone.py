@@ -25,39 +25,66 @@ class LawAlone:
         self.speed, self.where, self._law = float(speed), where, element.law
         self._sliding = self.speed if sliding is None else sliding
         numbers = [float(getattr(part, name)) for name in quantities(self._law.kind)]
+        self._outputs = element.law.outputs_of(part)
         self._tables = np.zeros(0)
         if self._law.table is not None:
             self._tables = self._law.table(part).ravel()
             numbers += [0, len(self._tables)]
         self._record = np.array([tuple(numbers)], self._law.dtype).view(np.recarray)[0]
-        self._states = np.array(self._law.states, dtype=float)
+        self._states = np.array(self._law.states_of(part), dtype=float)
 
     def _moving(self, d: complex, v: complex) -> Kinematics:
         return Kinematics(complex(d), complex(v), self.speed, self._sliding, 0.0)
 
+    def settle(self, d: complex, frequency: float = 0.0) -> tuple[complex, np.ndarray, np.ndarray]:
+        """Let the law's states rest where the node does; return the force [N] and its derivatives
+        by displacement and velocity as the node vibrates at a frequency [rad/s]."""
+        vibrate = interpreted(self._law.vibrate)
+        moving, free = self._moving(d, 0j), self._states.copy()
+        force, *by = vibrate(self._record, self._tables, moving, frequency, free, self._states)
+        return complex(force), _matrix(*by[:2]), _matrix(*by[2:])
+
+    def _settle_at(self, d: complex, v: complex) -> None:
+        if self._law.vibrate is not None and v == 0.0:
+            self.settle(d)
+
     def force(self, d: complex, v: complex = 0j) -> complex:
-        """Return the force on the node [N] at a displacement [m] and a velocity [m/s]."""
+        """Return the force on the node [N] at a displacement [m] and a velocity [m/s]; the law's
+        states rest where the node does."""
+        self._settle_at(d, v)
         force = interpreted(self._law.force)
         return complex(force(self._record, self._tables, self._moving(d, v), self._states))
 
     def tangent(self, d: complex, v: complex, weights: Weights) -> np.ndarray:
         """Return the force's derivative for `Weights`, shape (2, 2)."""
+        if self._law.vibrate is not None and v == 0.0:
+            _, by_d, by_v = self.settle(d)
+            return weights.displacement * by_d + weights.velocity * by_v
         tangent = interpreted(self._law.tangent)
         moving, states = self._moving(d, v), self._states
         _, p, q = tangent(self._record, self._tables, moving, weights, states, states.copy())
-        return np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+        return _matrix(p, q)
 
     def outputs(self, d: complex, v: complex = 0j) -> dict[str, float]:
         """Return the outputs of the part by their names."""
-        out = np.zeros(len(self._law.outputs))
+        self._settle_at(d, v)
+        out = np.zeros(len(self._outputs))
         observe = interpreted(self._law.observe)
         observe(self._record, self._tables, self._moving(d, v), self._states, out)
-        return {o.name: float(value) for o, value in zip(self._law.outputs, out, strict=True)}
+        return {o.name: float(value) for o, value in zip(self._outputs, out, strict=True)}
 
     def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
         """Return K [N/m] and C [N.s/m] of the node at rest at a displacement, each of shape
-        (2, 2)."""
+        (2, 2), of a vibration at the frequency of rotation."""
+        if self._law.vibrate is not None:
+            _, by_d, by_v = self.settle(d, abs(self.speed))
+            return -by_d, -by_v
         return -self.tangent(d, 0j, _BY_D), -self.tangent(d, 0j, _BY_V)
+
+
+def _matrix(p: complex, q: complex) -> np.ndarray:
+    """Return the matrix of z -> p z + q conj(z), shape (2, 2)."""
+    return np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
 
 
 def cleared(values: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,6 +71,7 @@ class LinearMachine:
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
         self._is_curved = ~_are_linear(self.rotor)
+        self._follows = any(e.law.vibrate is not None for e in _interfaces(self.rotor))
         size = len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
@@ -113,7 +114,7 @@ class LinearMachine:
 
     def at_zero_load(self, speed: float) -> Linear:
         """Return the machine at a speed [rad/s] linearized at no displacement."""
-        return self._linear(speed, np.zeros(self.expand.shape[1]))
+        return self._linear(speed, np.zeros(self.expand.shape[1]), abs(speed))
 
     def loaded(self, speed: float, loads: np.ndarray | None = None) -> Linear:
         """Return the machine at a speed [rad/s] linearized where gravity and `loads` hold it;
@@ -136,6 +137,8 @@ class LinearMachine:
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
                 at = to_complex(self._across @ rest)
                 check_films(self.rotor, self.supports.interfaces, speed, at, linear.laws.force)
+                if self._follows:
+                    linear = self._linear(speed, rest, abs(speed))
                 return linear._replace(rest=rest, pull=pull)
             before = change
         raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
@@ -204,14 +207,15 @@ class LinearMachine:
         by_v = numbers.eta_v * np.eye(2)
         return Strain(self._strained, self._full.stiffness, by_d, by_v)
 
-    def _linear(self, speed: float, at: np.ndarray) -> Linear:
-        """Return the matrices linearized at the displacements `at`."""
+    def _linear(self, speed: float, at: np.ndarray, frequency: float = 0.0) -> Linear:
+        """Return the matrices linearized at the displacements `at`, what the laws' states do being
+        that of a vibration of a frequency [rad/s]."""
         K = self._K
         D = (self._D + speed * self._gyroscopic).tocsc()
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
         if self._acts.any():
-            result = tangents(self.structure, to_complex(self._across @ at), speed)
+            result = tangents(self.structure, to_complex(self._across @ at), speed, frequency)
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
             K = (K - self._between(laws.by_d)).tocsc()
             D = (D - self._between(laws.by_v)).tocsc()
@@ -324,15 +328,19 @@ def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
 
 def _seat(rotor: Rotor) -> float:
     """Return how far the shaft falls before its bearings hold it [m]."""
-    elements = (e for where, part in rotor.named_parts() for e in part.elements(where, 0.0))
-    seats = (e.law.seat(e.source) for e in elements if isinstance(e, Interface) and e.law.seat)
+    seats = (e.law.seat(e.source) for e in _interfaces(rotor) if e.law.seat)
     return max(seats, default=0.0)
+
+
+def _interfaces(rotor: Rotor) -> Iterator[Interface]:
+    """Yield the interfaces of all parts, in their order."""
+    for where, part in rotor.named_parts():
+        yield from (e for e in part.elements(where, 1.0) if isinstance(e, Interface))
 
 
 def _are_linear(rotor: Rotor) -> np.ndarray:
     """Return which interfaces have a force that is linear in displacement and velocity."""
-    elements = (e for w, part in rotor.named_parts() for e in part.elements(w, 1.0))
-    return np.array([e.law is LINEAR_BEARING for e in elements if isinstance(e, Interface)], bool)
+    return np.array([e.law is LINEAR_BEARING for e in _interfaces(rotor)], bool)
 
 
 def _supports(rotor: Rotor) -> Supports:

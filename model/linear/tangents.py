@@ -7,10 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.jit import interpreted, jit
-from ..parts import LAWS
-from ..parts.law import Weights
-from ..step.laws import at_rest, law_tangent
-from ..structure.structure import Structure
+from ..step.laws import at_rest, law_vibrate
+from ..structure.structure import Structure, starts_of
 
 
 class Tangents(NamedTuple):
@@ -23,32 +21,31 @@ class Tangents(NamedTuple):
 
 
 @jit
-def _fill(laws, interfaces, d, speed, free, internal_state, force, p, q):
+def _fill(laws, interfaces, d, speed, frequency, free, internal_state, force, p, q):
     """Forces, and both tangents as p z + q conj(z); p, q of shape (2, m): by d, by d'."""
     for j in range(len(interfaces)):
         interface = interfaces[j]
         at = interface.internal_state
-        for i in range(2):
-            weights = Weights(1.0 - i, 1.0 * i, 0.0)
-            force[j], p[i, j], q[i, j] = law_tangent(
-                laws, interface, at_rest(d[j], speed), weights, free[at:], internal_state[at:]
-            )
+        force[j], p[0, j], q[0, j], p[1, j], q[1, j] = law_vibrate(
+            laws, interface, at_rest(d[j], speed), frequency, free[at:], internal_state[at:]
+        )
 
 
-def tangents(structure: Structure, d: np.ndarray, speed: float) -> Tangents:
+def tangents(structure: Structure, d: np.ndarray, speed: float, frequency: float = 0.0) -> Tangents:
     """Linearize the laws at relative displacements d, complex of shape (m,) [m], at rest, at the
-    machine's speed [rad/s]; surfaces do not slide, a law's internal states are those of its start.
+    machine's speed [rad/s], vibrating at a frequency [rad/s]; surfaces do not slide, a law's
+    internal states are those of its start, or follow (`parts.law`).
     """
     interfaces = structure.interfaces
     m = len(interfaces)
-    states = [s for i in interfaces for s in LAWS[i.law].states]
-    free, internal_state = np.array(states, float), np.array(states, float)
+    free, internal_state = starts_of(interfaces), starts_of(interfaces)
     force, p, q = (np.zeros(shape, complex) for shape in (m, (2, m), (2, m)))
     interpreted(_fill)(
         structure.laws,
         interfaces,
         d.astype(complex),
         float(speed),
+        float(frequency),
         free,
         internal_state,
         force,

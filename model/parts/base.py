@@ -189,7 +189,7 @@ def outputs_of(element: Element) -> tuple[Output, ...]:
     if isinstance(element, Port):
         outputs = PORT_OUTPUTS[:1] if element.node == BASE else PORT_OUTPUTS
         return (*outputs, *WAVE_OUTPUTS) if element.impedance > 0.0 else outputs
-    return element.law.outputs if isinstance(element, Interface) else ()
+    return element.law.outputs_of(element.source) if isinstance(element, Interface) else ()
 
 
 @dataclass(frozen=True)

@@ -1,113 +1,73 @@
 """A journal bearing: a journal in an oil film between pads, which it may press through.
 
-The film is solved at every instant: Reynolds' equation pad by pad, with the rupture where its
-pressure and its gradient vanish (`contact.film_zone`), or Ocvirk's closed form. Nothing is stored
-in it: what the rotor puts into it, the torque's power and that of the force, is dissipated.
+The film is solved at every instant (`film_law`). Pads stand, or tilt about pivots (`tilting_pads`).
 """
 
 from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ..contact.film import (
     PAD,
+    STANDS,
+    TILTS,
     bearing_of,
     film_force,
     film_state,
     film_tangent,
+    pad_count,
 )
-from ..contact.film_wall import breaks, wall_energy, wall_state, wall_tangent
-from ..contact.film_zone import VECTORS
-from ..contact.wall import contact_quantity
+from ..contact.film_wall import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import angle, modulus
-from ..kernels.jit import jit, jit_not_inlined
-from ..quantities import (
-    ANY,
-    NOT_NEGATIVE,
-    SPEED,
-    Output,
-    QuantityError,
-    Rule,
-    check_all,
-    places,
-    quantity,
-    switch,
-)
+from ..kernels.jit import interpreted, jit, jit_not_inlined
+from ..quantities import ANY, QuantityError, Rule, check_all, places, quantity
 from .base import GROUND, Element, Interface, Part, Shape
-from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .clearance_contact import STORES
-from .law import Kinematics, Law
+from .film_law import (
+    LOSSES,
+    OUTPUTS,
+    check_film,
+    film_breaks,
+    film_length,
+    film_table,
+    whole_circle,
+)
+from .law import Kinematics, Law, Weights
+from .tilting_pads import (
+    PADS,
+    TiltingQuantities,
+    energy_of_pads,
+    pads_tangent,
+    pads_vibrate,
+    put_pads,
+    put_pads_still,
+    rates_of_pads,
+    states_of_pad,
+    tilts_of,
+)
 
 _PRELOAD = Rule(0.0, False, "must be from 0 to 0.99", most=0.99)
 _OFFSET = Rule(0.0, False, "must be from 0 to 1", most=1.0)
-_POINTS = Rule(8.0, False, "must be from 8 to 1024", most=1024.0)
 _ARC = Rule(0.0, True, "must be > 0 and at most 2 pi", most=2.0 * math.pi)
-_LONGEST = 2.0  # length over diameter
 _OVERLAP = 1e-9  # rad
-
-
-@dataclass(frozen=True, kw_only=True)
-class FilmQuantities:
-    """The quantities of an oil film and of the contact behind it: radius of the journal, length and
-    radial clearance [m], viscosity [Pa.s]; roughness, the film at which the surfaces touch [m];
-    contact stiffness [N/m^exponent], 0: none, and the rest of `ContactQuantities`."""
-
-    journal_radius: float = quantity("m", "radius of the journal")
-    length: float = quantity("m", "length of the bearing along the shaft")
-    clearance: float = quantity("m", "radial clearance of the bearing", is_parameter=True)
-    viscosity: float = quantity("Pa.s", "dynamic viscosity of the lubricant", is_parameter=True)
-    roughness: float = quantity(
-        "m", "film thickness at which the surfaces touch: their roughness", default=1e-6
-    )
-    short: bool = switch("Ocvirk's film in the place of one of finite length", False)
-    points: float = quantity("1", "elements of the film of a pad", _POINTS, 48.0)
-    k: float = contact_quantity("k", 0.0, NOT_NEGATIVE)
-    c: float = contact_quantity("c", 100.0)
-    delta_c: float = contact_quantity("delta_c", 2e-7)
-    exponent: float = contact_quantity("exponent", 1.0)
-    mu: float = contact_quantity("mu", 0.1)
-    v_s: float = contact_quantity("v_s", 1e-3)
-    mu_rise: float = contact_quantity("mu_rise", 0.0)
-    v_stribeck: float = contact_quantity("v_stribeck", 0.01)
-
-
-OUTPUTS = (
-    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
-    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
-    Output("eccentricity", "1", "of the journal, over the clearance", True, 1.0),
-    Output(
-        *("attitude", "rad", "angle from the direction of the film's load to the journal's"),
-        nominal=1.0,
-        reached_by=SPEED,
-    ),
-    Output("film", "m", "thinnest film; below the roughness the surfaces touch", True, 1e-5),
-    Output("film_angle", "rad", "where the film is thinnest", nominal=1.0),
-    Output("pressure", "Pa", "largest pressure in the film", nominal=1e6, reached_by=SPEED),
-    Output(
-        *("torque", "N.m", "torque of the film and of friction that brakes the rotor"),
-        nominal=0.1,
-        reached_by=SPEED,
-    ),
-    Output("power", "W", "dissipated in the film", nominal=10.0, reached_by=SPEED),
-    Output("flow", "m3/s", "lubricant that leaves at both sides", nominal=1e-6, reached_by=SPEED),
-    Output("fn", "N", "normal force of journal and pads that touch", nominal=10.0),
-    Output("contact", "1", "whether journal and pads touch", kind="Boolean"),
-)
-LOSSES = (Output("film", "J", "dissipated in oil films", nominal=10.0), *CONTACT_LOSSES)
+# where the pressure and its gradient vanish, and where that of a full film becomes negative
+RUPTURES = ("reynolds", "guembel")
+GUEMBEL = RUPTURES[1]
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+_TILTS = len(OUTPUTS)
+_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
     """Implement this function of a law; see `parts.law`."""
     bearing = bearing_of(part)
+    put_pads(part, bearing, tables, kinematics, internal_state)
     wall = wall_state(bearing, tables, kinematics)
     return film_force(bearing, tables, kinematics) + wall.force
 
@@ -116,6 +76,8 @@ def _force(part, tables, kinematics, internal_state):
 def _tangent(part, tables, kinematics, weights, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
     bearing = bearing_of(part)
+    if part.tilting > 0.0:
+        return pads_tangent(part, bearing, tables, kinematics, weights, free, internal_state)
     force, p, q = film_tangent(bearing, tables, kinematics, weights)
     by_wall, p_wall, q_wall = wall_tangent(bearing, tables, kinematics, weights)
     return force + by_wall, p + p_wall, q + q_wall
@@ -123,21 +85,27 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
-    """Implement this function of a law; see `parts.law`."""
-    return (wall_energy(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)),)
+    """Implement this function of a law (see `parts.law`): contact, pads that tilt."""
+    bearing = bearing_of(part)
+    put_pads_still(part, bearing, tables, internal_state)
+    still = Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)
+    return wall_energy(bearing, tables, still), energy_of_pads(
+        part, bearing, tables, internal_state
+    )
 
 
 @jit
 def _film_power(film, kinematics):
     """Return the power that goes into the film [W]."""
     pushed = (film.force * kinematics.velocity.conjugate()).real
-    return film.torque * kinematics.speed - pushed
+    return film.torque * kinematics.speed - pushed - film.tilted
 
 
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
     """Implement this function of a law (see `parts.law`): film, contact damping, friction."""
     bearing = bearing_of(part)
+    put_pads(part, bearing, tables, kinematics, internal_state)
     film = film_state(bearing, tables, kinematics)
     wall = wall_state(bearing, tables, kinematics)
     out[_LOSS.film] = _film_power(film, kinematics)
@@ -150,6 +118,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 def _observe(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
     bearing = bearing_of(part)
+    put_pads(part, bearing, tables, kinematics, internal_state)
     film = film_state(bearing, tables, kinematics)
     wall = wall_state(bearing, tables, kinematics)
     d = kinematics.displacement
@@ -166,63 +135,63 @@ def _observe(part, tables, kinematics, internal_state, out):
     out[_OUT.flow] = film.flow
     out[_OUT.fn] = wall.normal
     out[_OUT.contact] = 1.0 if wall.normal > 0.0 else 0.0
+    if part.tilting > 0.0:
+        stride = states_of_pad(part)
+        for i in range(pad_count(bearing, tables)):
+            out[_TILTS + i] = internal_state[stride * i] / part.journal_radius
 
 
-@jit
-def film_breaks(part, tables, displacement):
+@jit_not_inlined
+def _rates(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
-    return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0))
+    if part.tilting > 0.0:
+        rates_of_pads(part, bearing_of(part), tables, kinematics, internal_state, out)
 
 
-@jit
-def film_length(part):
+@jit_not_inlined
+def _vibrate(part, tables, kinematics, frequency, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    return part.clearance
+    if part.tilting > 0.0:
+        bearing = bearing_of(part)
+        return pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_state)
+    _, p_d, q_d = _tangent(part, tables, kinematics, _BY_D, free, internal_state)
+    force, p_v, q_v = _tangent(part, tables, kinematics, _BY_V, free, internal_state)
+    return force, p_d, q_d, p_v, q_v
 
 
-def film_table(rows: Sequence[Sequence[float]], points: float) -> np.ndarray:
-    """Return rows of `contact.film.PAD` as a table, with the room in which the films are solved."""
-    room = np.zeros(VECTORS * (int(points) + 1))
-    return np.concatenate([[len(rows)], np.ravel(rows), room])
-
-
-def whole_circle(is_full: bool = False) -> list[float]:
-    """Return the row of `contact.film.PAD` of a plain circle."""
-    return [0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0, float(is_full)]
+@jit_not_inlined
+def _breaks(part, tables, displacement, internal_state):
+    """Implement this function of a law; see `parts.law`."""
+    put_pads_still(part, bearing_of(part), tables, internal_state)
+    return film_breaks(part, tables, displacement, internal_state)
 
 
 JOURNAL_BEARING = Law(
     name="journal_bearing",
-    kind=FilmQuantities,
+    kind=TiltingQuantities,
     force=_force,
     tangent=_tangent,
     energy=_energy,
     dissipate=_dissipate,
     observe=_observe,
     length=film_length,
-    breaks=film_breaks,
+    breaks=_breaks,
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,
     table=lambda part: film_table(part.pad_rows(), part.points),
 )
-
-
-def check_film(where: str, film: FilmQuantities) -> None:
-    """Raise `QuantityError` for a film whose quantities do not go together."""
-    if float(film.points) != int(film.points):
-        raise QuantityError(f"{where}.points = {film.points:g}: must be a whole number")
-    ratio = film.length / (2.0 * film.journal_radius)
-    if ratio > _LONGEST:
-        raise QuantityError(
-            f"{where}.length = {film.length:g} m: must be at most {_LONGEST:g} diameters, "
-            f"{2.0 * _LONGEST * film.journal_radius:g} m"
-        )
-    if film.roughness >= 0.5 * film.clearance:
-        raise QuantityError(
-            f"{where}.roughness = {film.roughness:g} m: must be below half the clearance, "
-            f"{0.5 * film.clearance:g} m"
-        )
+# with states of each pad, outputs and energy more; the kernels are the same
+TILTING_PADS = replace(
+    JOURNAL_BEARING,
+    rates=_rates,
+    vibrate=_vibrate,
+    stores=(*STORES, PADS),
+    of_part=lambda part: (
+        interpreted(states_of_pad)(part) * len(part.pads),
+        (*OUTPUTS, *tilts_of(part)),
+    ),
+)
 
 
 def _per_pad(unit: str, text: str, rule: Rule, default: float) -> Any:
@@ -230,18 +199,19 @@ def _per_pad(unit: str, text: str, rule: Rule, default: float) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JournalBearing(FilmQuantities, Part):
+class JournalBearing(TiltingQuantities, Part):
     """A journal bearing with an oil film, between a node (from 1) and the housing of that name or
     ground.
 
     Without pads it is a plain, whole circle. A pad has the angle of its middle [rad], anticlockwise
     from the right; an arc [rad]; a preload, 1 less the bearing's clearance over the pad's; and an
-    offset, the share of its arc from its first angle to where its preload brings it closest.
+    offset, the share of its arc from its first angle to where its preload brings it closest; there
+    is the pivot of a pad that tilts. rupture: of the film, one of `RUPTURES`.
     """
 
     KIND: ClassVar[str] = "journal_bearing"
     TEXT: ClassVar[str] = "a journal in an oil film, given by the geometry of its bearing"
-    LAWS: ClassVar[tuple[Law, ...]] = (JOURNAL_BEARING,)
+    LAWS: ClassVar[tuple[Law, ...]] = (JOURNAL_BEARING, TILTING_PADS)
 
     node: int
     housing: str = GROUND
@@ -251,6 +221,13 @@ class JournalBearing(FilmQuantities, Part):
     arc: float | tuple[float, ...] = _per_pad("rad", "arc", _ARC, 2.0 * math.pi)
     preload: float | tuple[float, ...] = _per_pad("1", "preload", _PRELOAD, 0.0)
     offset: float | tuple[float, ...] = _per_pad("1", "offset", _OFFSET, 0.5)
+
+    rupture: str = RUPTURES[0]
+
+    @property
+    def law(self) -> Law:
+        """The law of this bearing, one of `LAWS`."""
+        return TILTING_PADS if self.tilting else JOURNAL_BEARING
 
     def check(self, where: str) -> None:
         """Raise `QuantityError`, for impossible pads too."""
@@ -268,6 +245,49 @@ class JournalBearing(FilmQuantities, Part):
         if not self.pads and (self.arc, self.preload) != (2.0 * math.pi, 0.0):
             raise QuantityError(f"{where}.pads: none is given for an arc or a preload")
         self._check_overlap(where)
+        self._check_tilting(where)
+        if self.rupture not in RUPTURES:
+            raise QuantityError(
+                f"{where}.rupture = {self.rupture}: must be one of {', '.join(RUPTURES)}"
+            )
+
+    def _check_tilting(self, where: str) -> None:
+        if not self.tilting:
+            if self.pad_inertia > 0.0:
+                raise QuantityError(
+                    f"{where}.pad_inertia = {self.pad_inertia:g} kg.m2: needs {where}.tilting = "
+                    "true"
+                )
+            return
+        if not self.pads:
+            raise QuantityError(f"{where}.tilting = true: needs {where}.pads, which tilt")
+        if self.short:
+            raise QuantityError(
+                f"{where}.tilting = true: needs {where}.short = false, a film of finite length"
+            )
+        for i in range(len(self.pads)):
+            arc, _, offset = self._shape(i)
+            if arc > math.pi:
+                raise QuantityError(
+                    f"{where}.arc = {arc:g} rad: must be at most pi of a pad that tilts"
+                )
+            if not 0.0 < offset < 1.0:
+                raise QuantityError(
+                    f"{where}.offset = {offset:g}: must be between 0 and 1 of a pad that tilts, "
+                    "whose pivot it is"
+                )
+
+    @property
+    def _is_full(self) -> bool:
+        """Whether films fill their pads; a short one is the same with either rupture."""
+        return self.rupture == GUEMBEL and not self.short
+
+    def _shape(self, i: int) -> tuple[float, ...]:
+        """Return arc, preload and offset of a pad."""
+        return tuple(
+            value[i] if isinstance(value, tuple) else value
+            for value in (self.arc, self.preload, self.offset)
+        )
 
     def _check_overlap(self, where: str) -> None:
         if not self.pads:
@@ -284,22 +304,30 @@ class JournalBearing(FilmQuantities, Part):
     def pad_rows(self) -> list[list[float]]:
         """Return a row of `contact.film.PAD` for each pad."""
         if not self.pads:
-            return [whole_circle()]
+            return [whole_circle(self._is_full)]
         rows = []
         for i, middle in enumerate(self.pads):
-            arc, preload, offset = (
-                value[i] if isinstance(value, tuple) else value
-                for value in (self.arc, self.preload, self.offset)
-            )
+            arc, preload, offset = self._shape(i)
             first = (middle - 0.5 * arc) % (2.0 * math.pi)
             clearance = 1.0 / (1.0 - preload)
-            centre = (clearance - 1.0) * cmath.exp(1j * (first + offset * arc))
-            rows.append([first, first + arc, centre.real, centre.imag, clearance, 0.0, 0.0])
+            pivot = cmath.exp(1j * (first + offset * arc))
+            centre = (clearance - 1.0) * pivot
+            motion = (pivot.real, pivot.imag, *TILTS) if self.tilting else STANDS
+            shape = (
+                first,
+                first + arc,
+                centre.real,
+                centre.imag,
+                clearance,
+                0.0,
+                float(self._is_full),
+            )
+            rows.append([*shape, *motion])
         return rows
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""
-        yield Interface(self.node, JOURNAL_BEARING, self, self.housing)
+        yield Interface(self.node, self.law, self, self.housing)
 
     def outline(self) -> Iterator[Shape]:
         """A bush about the journal, on springs where it is a housing."""

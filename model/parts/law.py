@@ -11,7 +11,8 @@ their names, and of the node's `Kinematics` relative to the housing:
     observe(part, tables, kinematics, own, out)
     gap(part, displacement)                                     -> distance
     length(part)                                                -> scale
-    breaks(part, tables, displacement)                          -> whether it does
+    breaks(part, tables, displacement, own)                     -> whether it does
+    vibrate(part, tables, kinematics, frequency, free, own)     -> F, p, q by d, p, q by d'
 
 F: complex force on the node [N], the housing gets -F. tangent: the change of F for `Weights` of its
 derivatives, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of what is
@@ -20,7 +21,9 @@ the `places` of `Law.losses`; returns the torque that brakes the rotor [N.m]. ob
 at the places of `Law.outputs`. gap: how far the displacement is from where the force begins
 [m], negative where it acts. length: displacement that matters [m], 0 for that of the machine; of a
 law with a wall the wall's radius. breaks: whether a displacement lies where the law means nothing,
-so that a run stops there.
+so that a run stops there. vibrate: of a node at rest, with its internal states where they rest,
+looked for from `free` on and filled in: the force there, and the changes of F by displacement and
+velocity while the states follow a vibration of a frequency [rad/s].
 
 tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
 with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
@@ -80,7 +83,7 @@ def always_acts(part, displacement):
 
 
 @jit
-def never_breaks(part, tables, displacement):
+def never_breaks(part, tables, displacement, internal_state):
     """Return that a law acts at every displacement."""
     return False
 
@@ -91,9 +94,12 @@ def no_rates(part, tables, kinematics, internal_state, out):
     return
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Law:
     """A force law: its compiled functions, and the entries that it adds to outputs and ledger.
+
+    Laws of one name have the same functions, or do without some of them and of the entries: the
+    kernels have the last of `Part.LAWS`.
 
     Parameters
     ----------
@@ -112,8 +118,13 @@ class Law:
     gap, length, rates, breaks : callable
         Compiled functions of a law with a wall, with a length of its own, with states, with
         displacements that it does not allow.
+    vibrate : callable, optional
+        Compiled function of a law whose states follow a vibration; the states of others stay.
     states : tuple of float
         Values of its states at the start.
+    of_part : callable, optional
+        How many states a part has, all 0 at the start, and its outputs, where they depend on it:
+        those of the law, then more.
     bow : int, optional
         Place among its states of the bow of the shaft at its node [m], in x and y of a frame that
         turns with the rotor.
@@ -144,13 +155,51 @@ class Law:
     length: Callable[..., Any] = no_length
     rates: Callable[..., Any] = no_rates
     breaks: Callable[..., Any] = never_breaks
+    vibrate: Callable[..., Any] | None = None
     states: tuple[float, ...] = ()
+    of_part: Callable[[Any], tuple[int, tuple[Output, ...]]] | None = None
     bow: int | None = None
     has_wall: bool = False
     turns: bool = False
     table: Callable[[Any], np.ndarray] | None = None
     stiffness: Callable[[Any], float] | None = None
     seat: Callable[[Any], float] | None = None
+
+    def states_of(self, part: Any) -> tuple[float, ...]:
+        """Values of a part's states at the start.
+
+        Parameters
+        ----------
+        part : object
+            A part with this law.
+
+        Returns
+        -------
+        tuple of float
+            As many as it has.
+        """
+        return (0.0,) * self.of_part(part)[0] if self.of_part else self.states
+
+    def outputs_of(self, part: Any) -> tuple[Output, ...]:
+        """Outputs of a part.
+
+        Parameters
+        ----------
+        part : object
+            A part with this law.
+
+        Returns
+        -------
+        tuple of Output
+            Those of the law, and more.
+        """
+        return self.of_part(part)[1] if self.of_part else self.outputs
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Law) and self.name == other.name
+
+    def __hash__(self) -> int:
+        return hash(self.name)
 
     @property
     def dtype(self) -> np.dtype:

@@ -16,7 +16,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, Output, QuantityError, check_all, places, quantity, switch
 from .base import GROUND, Element, Interface, Part, Shape
 from .clearance_contact import STORES as CONTACT_STORES
-from .journal_bearing import (
+from .film_law import (
     LOSSES,
     FilmQuantities,
     check_film,

@@ -15,7 +15,7 @@ from ..parts import LAWS
 from ..parts.law import Kinematics, Weights
 from ..parts.linear_bearing import LINEAR_BEARING
 from ..step.laws import law_gap, law_rates, law_tangent
-from ..structure.structure import Structure
+from ..structure.structure import Structure, starts_of
 
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
 
@@ -82,7 +82,7 @@ class LawsAlong:
         self.states = int(interfaces.states.sum())
         self.owner = np.repeat(np.arange(self.count), interfaces.states)
         self.place = np.arange(self.states) - interfaces.internal_state[self.owner]
-        self.starts = np.array([s for i in interfaces for s in LAWS[i.law].states], float)
+        self.starts = starts_of(interfaces)
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
         is_fast = IS_COMPILED and selected_backend() is not Backend.PYTHON

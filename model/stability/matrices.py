@@ -8,8 +8,8 @@ from ..kernels.band import add_product, solve
 from ..kernels.functions import inverse
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
-from ..parts.law import Kinematics, Weights
-from ..step.laws import law_gap, law_tangent, relative
+from ..parts.law import Kinematics
+from ..step.laws import law_gap, law_vibrate, relative
 
 # Which interfaces with a wall are closed: none, all, or the one of this number.
 OPEN, ALL = -1, -2
@@ -37,7 +37,8 @@ def take_tangents(structure, survey, motion, trial, omega):
     wall a little behind it, at the right, its surfaces slipping in the sense of the rotation.
 
     A journal that whirls along a wall is pushed as at the right all the way round, and does not
-    move against the wall's damping. trial: the laws' internal states, overwritten.
+    move against the wall's damping. Pads that tilt follow a vibration of the frequency of rotation.
+    trial: the laws' internal states, overwritten.
     """
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
@@ -48,21 +49,18 @@ def take_tangents(structure, survey, motion, trial, omega):
             d = complex(interface.length, 0.0)
             d += law_gap(structure.laws, interface, d) + _DEPTH * interface.length
             sliding = -_SLIPPING if omega < 0.0 else _SLIPPING
-        for by_d in (1.0, 0.0):
-            _force, p, q = law_tangent(
-                structure.laws,
-                interface,
-                Kinematics(d, 0.0j, omega, sliding, 0.0),
-                Weights(by_d, 1.0 - by_d, 0.0),
-                motion.internal_state[interface.internal_state :],
-                trial[interface.internal_state :],
-            )
-            if by_d == 1.0:
-                survey.p_d[j] = p + q if has_wall else p
-                survey.q_d[j] = 0.0 if has_wall else q
-            else:
-                survey.p_v[j] = 0.0 if has_wall else p
-                survey.q_v[j] = 0.0 if has_wall else q
+        _force, p_d, q_d, p_v, q_v = law_vibrate(
+            structure.laws,
+            interface,
+            Kinematics(d, 0.0j, omega, sliding, 0.0),
+            abs(omega),
+            motion.internal_state[interface.internal_state :],
+            trial[interface.internal_state :],
+        )
+        survey.p_d[j] = p_d + q_d if has_wall else p_d
+        survey.q_d[j] = 0.0 if has_wall else q_d
+        survey.p_v[j] = 0.0 if has_wall else p_v
+        survey.q_v[j] = 0.0 if has_wall else q_v
 
 
 @jit_not_inlined

@@ -7,11 +7,11 @@ from collections.abc import Callable
 
 from ..kernels.jit import jit
 from ..parts import LAWS
-from ..parts.law import Kinematics, Law, dispatcher
+from ..parts.law import Kinematics, Law, Weights, dispatcher
 from ..structure.ledger import FLOWS, STORES
 
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
-MOST_STATES = max(len(law.states) for law in LAWS)
+_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 def _storing(law: Law) -> Callable:
@@ -41,8 +41,23 @@ def _dissipating(law: Law) -> Callable:
     return jit(add, to_cache=False)
 
 
+def _vibrating(law: Law) -> Callable:
+    """Returns the force of a law and its changes as a machine vibrates, its states following."""
+    if law.vibrate is not None:
+        return law.vibrate
+    tangent = law.tangent
+
+    def vibrate(part, tables, kinematics, frequency, free, internal_state):
+        _, p_d, q_d = tangent(part, tables, kinematics, _BY_D, free, internal_state)
+        force, p_v, q_v = tangent(part, tables, kinematics, _BY_V, free, internal_state)
+        return force, p_d, q_d, p_v, q_v
+
+    return jit(vibrate, to_cache=False)
+
+
 law_force = dispatcher([law.force for law in LAWS])
 law_tangent = dispatcher([law.tangent for law in LAWS])
+law_vibrate = dispatcher([_vibrating(law) for law in LAWS])
 law_gap = dispatcher([law.gap for law in LAWS], takes_tables=False)
 law_breaks = dispatcher([law.breaks for law in LAWS])
 law_rates = dispatcher([law.rates for law in LAWS])
@@ -58,11 +73,13 @@ def relative(interface, z):
 
 
 @jit
-def first_broken(structure, q):
-    """Return the first interface whose law means nothing at the displacements q [m], or -1."""
+def first_broken(structure, q, internal_state):
+    """Return the first interface whose law means nothing at the displacements q [m] and with its
+    internal states, or -1."""
     for j in range(len(structure.interfaces)):
         interface = structure.interfaces[j]
-        if law_breaks(structure.laws, interface, relative(interface, q)):
+        d, own = relative(interface, q), internal_state[interface.internal_state :]
+        if law_breaks(structure.laws, interface, d, own):
             return j
     return -1
 

@@ -21,7 +21,7 @@ from ..parts.housing import masses
 from ..schemes.radau import A_SQUARED, END_SLOPE, STAGES, T_INVERSE, A, C, T
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
-from .laws import MOST_STATES, first_broken, relative
+from .laws import first_broken, relative
 from .stage_matrices import condense, factorize_systems
 from .stage_problem import solve_stages
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
@@ -77,9 +77,7 @@ class Stages(NamedTuple):
     law_force: Annotated[np.ndarray, complex, "3", "interfaces"]
     law_state: Annotated[np.ndarray, float, "3", "internal_states"]
     law_rate: Annotated[np.ndarray, float, "3", "internal_states"]
-    tangent: Annotated[
-        np.ndarray, float, "3", "interfaces", f"{2 + MOST_STATES}", f"{4 + MOST_STATES}"
-    ]
+    tangent: Annotated[np.ndarray, float, "3", "interfaces", "2 + most_states", "4 + most_states"]
     jacobian: Annotated[
         np.ndarray,
         float,
@@ -89,8 +87,8 @@ class Stages(NamedTuple):
     solution: Annotated[np.ndarray, float, "6 * interfaces + 3 * internal_states"]
     pivots: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states"]
     unknowns: Annotated[np.ndarray, np.int64, "6 * interfaces + 3 * internal_states", "4"]
-    trial_state: Annotated[np.ndarray, float, f"{MOST_STATES}"]
-    trial_rate: Annotated[np.ndarray, float, f"{MOST_STATES}"]
+    trial_state: Annotated[np.ndarray, float, "most_states"]
+    trial_rate: Annotated[np.ndarray, float, "most_states"]
 
 
 @jit
@@ -276,6 +274,6 @@ def try_stages(structure, spin, h, accuracy, old, new, stages):
             if not is_sane(stages.q[k, dof], structure.numbers[0].bound):
                 return NOT_FINITE, iterations
     _arrive(structure, h, stages, new)
-    if first_broken(structure, new.q) >= 0:
+    if first_broken(structure, new.q, new.internal_state) >= 0:
         return BROKEN, iterations
     return DONE, iterations

@@ -309,7 +309,7 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
     for i in range(len(structure.deflections)):
         if not is_sane(new.q[structure.deflections[i, 0]], structure.numbers[0].bound):
             return NOT_FINITE, iterations
-    if first_broken(structure, new.q) >= 0:
+    if first_broken(structure, new.q, problem.internal_state) >= 0:
         return BROKEN, iterations
     balance(scheme, fit.mass, old.a, old.v_dot, new.a, new.v_dot)
     if len(problem.internal_state) > 0:

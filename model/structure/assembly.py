@@ -205,7 +205,7 @@ def _mechanism(
     internal_state = 0
     for i, element in _of(Interface, elements):
         code = LAWS.index(element.law)
-        states = len(element.law.states)
+        states = len(element.law.states_of(element.source))
         interfaces.append(
             (
                 code,

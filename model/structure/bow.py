@@ -41,7 +41,7 @@ def bows_of(
             if element.law.bow is not None:
                 records.append((state + element.law.bow,))
                 shapes.append(bow_shape(np.array(rotor.nodes), element.node)[None])
-            state += len(element.law.states)
+            state += len(element.law.states_of(element.source))
     shape = np.concatenate(shapes)
     forces = np.array([product(K_shaft, s) for s in shape]).reshape(shape.shape)
     return np.array(records, dtype=BOW).view(np.recarray), forces, shape @ forces.T

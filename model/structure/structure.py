@@ -100,6 +100,12 @@ class Structure(NamedTuple):
     numbers: Annotated[np.recarray, NUMBERS, "1"]
 
 
+def starts_of(interfaces: np.ndarray) -> np.ndarray:
+    """Return the internal states of the laws at the start, those of each interface in turn."""
+    starts = [np.resize(LAWS[i.law].states, i.states) for i in interfaces]
+    return np.concatenate([np.zeros(0), *starts])
+
+
 def sizes_of(structure: Structure) -> dict[str, int]:
     """The numbers on which the extents of arrays depend; `size`: of a motion, ground included."""
     n, width = structure.M.shape
@@ -120,6 +126,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "bows": len(structure.bows),
         "interfaces": interfaces,
         "internal_states": int(structure.interfaces.states.sum()),
+        "most_states": int(structure.interfaces.states.max(initial=0)),
         "stores": len(structure.stores),
         "losses": len(structure.losses),
         **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=False)},

@@ -16,7 +16,7 @@ from ..step.stages import Stages
 from ..step.step import Motion, Workspace
 from ..step.tangent import Tangent, TangentWork
 from ..structure.ledger import FLOWS, STORES
-from ..structure.structure import Structure, sizes_of
+from ..structure.structure import Structure, sizes_of, starts_of
 from ..warnings import RUN_WARNINGS
 from .control import Control
 from .memory import Memory
@@ -86,6 +86,7 @@ _SIZES = (
     *(
         "interfaces",
         "internal_states",
+        "most_states",
         "stores",
         "losses",
         "all_stores",
@@ -145,11 +146,7 @@ def new_block(
         pairs = zip(mine, given, strict=True) if isinstance(given, tuple) else [(mine, given)]
         for target, source in pairs:
             target[...] = source
-    for interface in run.structure.interfaces:
-        starts = LAWS[interface.law].states
-        run.motion.internal_state[
-            interface.internal_state : interface.internal_state + len(starts)
-        ] = starts
+    run.motion.internal_state[...] = starts_of(run.structure.interfaces)
     for warning in RUN_WARNINGS:
         run.memory.record[0][warning.since] = np.nan
     for name, value in Control._field_defaults.items():

@@ -8,6 +8,7 @@ from ..kernels.jit import jit, jit_inlined
 from ..schemes.family import Scheme
 from ..stability.whirls import find_growing_whirls
 from ..step.excitation import at_place
+from ..step.laws import first_broken
 from ..step.tangent import Tangents
 from ..structure.parameters import prepare
 from . import derivatives, recorder, time_loop
@@ -71,6 +72,8 @@ def start(block, speed, drive, rate):
     if len(run.structure.releases) > 0:
         release(run.structure, run.motion, run.memory.loads)
         if is_beyond(run.structure, run.motion):
+            return BEYOND
+        if first_broken(run.structure, run.motion.q, run.motion.internal_state) >= 0:
             return BEYOND
     else:
         status = find_equilibrium(

@@ -68,6 +68,8 @@ def _take(motion, trial):
         motion.q[i] = trial.q[i]
     for j in range(len(motion.force)):
         motion.force[j] = trial.force[j]
+    for i in range(len(motion.internal_state)):
+        motion.internal_state[i] = trial.internal_state[i]
 
 
 @jit_not_inlined

@@ -30,8 +30,11 @@ def name_films(machine: Rotor) -> None:
     """Say of oil films where they are linearized."""
     from ..model.linear.bearing import journal_bearings
 
-    if names := ", ".join(journal_bearings(machine)):
+    films = journal_bearings(machine)
+    if names := ", ".join(films):
         typer.echo(f"oil films, each linearized where its journal rests at that speed: {names}")
+    if names := ", ".join(name for name, part in films.items() if part.tilting):
+        typer.echo(f"their pads that tilt follow a vibration at the frequency of rotation: {names}")
 
 
 def print_answer(

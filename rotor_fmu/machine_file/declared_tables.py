@@ -10,6 +10,7 @@ from ..model.machine.operation import Operation
 from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import Part
+from ..model.parts.journal_bearing import RUPTURES
 from ..model.parts.shaft import SHEARS, TAPERS, Material, Section
 from ..model.quantities import Quantity, quantities
 
@@ -53,7 +54,9 @@ _WORDS = {
     "housing": ("string", "name of the `[[housing]]` that it sits on; ground without"),
     "name": ("string", "name, by which the FMU, pictures and other parts call it"),
     "material": ("string", "name of a `[material.NAME]`; the machine's own without"),
+    "rupture": ("string", "where the film ruptures: as Reynolds says, or Guembel"),
 }
+_CHOICES = {"rupture": RUPTURES}
 
 
 def part_tables() -> Iterator[Table]:
@@ -74,7 +77,8 @@ def _part_keys(kind: type[Part] | type[Operation]) -> Iterator[Key]:
             yield Key(field.name, quantity, quantity.text, default, is_needed)
         else:
             word, text = _WORDS[field.name]
-            yield Key(field.name, None, text, default or None, is_needed, kind=word)
+            choices = _CHOICES.get(field.name, ())
+            yield Key(field.name, None, text, default or None, is_needed, choices, word)
             if field.name == "node":
                 yield Key("z", None, "position along the shaft; a node is put there [m]", unit="m")
 

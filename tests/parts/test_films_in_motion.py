@@ -98,6 +98,27 @@ def test_a_film_that_does_not_carry_is_said():
         run.advance(1.0, 600.0, np.array([-1e8j]))
 
 
+@pytest.mark.parametrize("what", ["plain", "damper", "tilting pads"])
+def test_a_start_through_a_film_is_refused(what):
+    part = {
+        "plain": film(1),
+        "damper": table("[squeeze_film_damper]", **{**DAMPER, "node": 1}),
+        "tilting pads": film(1, pads=[0.8, 2.4, 4.0, 5.5], arc=1.3, tilting=True),
+    }[what]
+
+    def begin(x):
+        text = f"gravity = 0.0\n{heavy_shaft()}{part}{table('start', x=x)}"
+        return _run(parse_rotor(text), 600.0)
+
+    with pytest.raises(EquilibriumError) as raised:
+        begin(1.2e-4)
+    assert str(raised.value).startswith(
+        "[start]: node 1 lies 0.00012 m from the middle of its oil film, of a clearance of 0.0001 m"
+    )
+    assert "\n" not in str(raised.value)
+    assert begin(0.5e-4).read(f"{part.split(']')[0].strip('[')}[1].film") > 1e-6
+
+
 def _pressed(run):
     """Load a rotor ever harder, until no film of the thickness of its roughness carries it."""
     for i in range(1, 41):

@@ -1,0 +1,136 @@
+"""A film that fills all of a pad, whose pressures below ambient do not count (Guembel's rupture).
+
+Reynolds' equation of `film_zone` holds from edge to edge, or all around a whole circle; then what
+is negative of the pressure is left out (half of Sommerfeld's solution in a long plain bearing).
+Between nodes the pressure is linear, so that the load changes smoothly as it changes its sign.
+"""
+
+from __future__ import annotations
+
+from ..kernels.jit import jit, jit_not_inlined
+from .film_zone import (
+    Zone,
+    conductance,
+    fill_pressure,
+    gradient,
+    pairs_of,
+    solve_adjoint,
+    vectors,
+)
+
+
+@jit_not_inlined
+def solve_full(film, work):
+    """Return the `Zone` of a film that fills its pad, its pressure filled into `work`."""
+    zone = Zone(film.first, film.last, False, False)
+    fill_pressure(film, film.first, film.last, work)
+    if film.is_whole:
+        _close(film, zone, work)
+    return zone
+
+
+@jit
+def _ends(film, zone, work):
+    """Return what flows from the first and the last node but one, for a unit pressure each."""
+    h, per = vectors(film, work).thickness, film.n / (zone.last - zone.first)
+    return per * conductance(h[0], h[1]), per * conductance(h[film.n - 1], h[film.n])
+
+
+@jit_not_inlined
+def _close(film, zone, work):
+    """Make the pressure go on from the last angle to the first: add as much of the solution that
+    is 1 at both as lets the flows balance there. inverse[0]: of what flows for that."""
+    n = film.n
+    at = vectors(film, work)
+    step = (zone.last - zone.first) / n
+    for i in range(n + 1):
+        at.adjoint[i] = 0.0
+    at.adjoint[0] = at.adjoint[n] = 1.0
+    solve_adjoint(film, zone, work)
+    first, last = _ends(film, zone, work)
+    cube = at.thickness[0] * at.thickness[0] * at.thickness[0]
+    out = first * (1.0 - at.adjoint[1]) + last * (1.0 - at.adjoint[n - 1])
+    at.inverse[0] = 1.0 / (out + film.a * step * cube)
+    f = at.slope[0] * (at.cosine[0] * film.S.real + at.sine[0] * film.S.imag)
+    joint = first * at.P[1] + last * at.P[n - 1] + 1.25 * step * f
+    joint *= at.inverse[0]
+    for i in range(n + 1):
+        at.P[i] += joint * at.adjoint[i]
+
+
+@jit
+def _share(before, after, along, along_after):
+    """Return the integral over an element, of length 1, of what is positive of a pressure times a
+    direction, both linear, and its derivatives by the pressures at both ends."""
+    if before <= 0.0 and after <= 0.0:
+        return 0.0, 0.0, 0.0
+    if before >= 0.0 and after >= 0.0:
+        by_before = (2.0 * along + along_after) / 6.0
+        by_after = (along + 2.0 * along_after) / 6.0
+        return before * by_before + after * by_after, by_before, by_after
+    if before < 0.0:
+        total, by_after, by_before = _falling(after, before, along_after, along)
+        return total, by_before, by_after
+    return _falling(before, after, along, along_after)
+
+
+@jit
+def _falling(high, low, along, along_low):
+    """Return `_share` of a pressure that falls from above 0 to below it."""
+    t = high / (high - low)
+    change = (along_low - along) / 6.0
+    total = t * high * (0.5 * along + t * change)
+    by_high = t * (2.0 - t) * 0.5 * along + t * t * (3.0 - 2.0 * t) * change
+    return total, by_high, t * t * (0.5 * along + 2.0 * t * change)
+
+
+@jit_not_inlined
+def full_load(film, zone, work):
+    """Return the integral of what is positive of P exp(i theta) over the solved film [1/s]."""
+    at = vectors(film, work)
+    x = y = 0.0
+    for i in range(film.n):
+        P, after = at.P[i], at.P[i + 1]
+        x += _share(P, after, at.cosine[i], at.cosine[i + 1])[0]
+        y += _share(P, after, at.sine[i], at.sine[i + 1])[0]
+    step = (zone.last - zone.first) / film.n
+    return complex(x * step, y * step)
+
+
+@jit_not_inlined
+def _weigh(film, zone, work, is_y):
+    """Fill in the derivatives of the load's x or y by the pressures."""
+    at = vectors(film, work)
+    along, adjoint = (at.sine if is_y else at.cosine), at.adjoint
+    step = (zone.last - zone.first) / film.n
+    adjoint[0] = 0.0
+    for i in range(film.n):
+        _, by, by_after = _share(at.P[i], at.P[i + 1], along[i], along[i + 1])
+        adjoint[i] += step * by
+        adjoint[i + 1] = step * by_after
+
+
+@jit_not_inlined
+def _of_load(film, zone, work, is_y):
+    """Return the `Gradient` of the load's x or y."""
+    n, adjoint = film.n, vectors(film, work).adjoint
+    _weigh(film, zone, work, is_y)
+    joint = 0.0
+    if film.is_whole:
+        at_ends = adjoint[0] + adjoint[n]
+        adjoint[0] = adjoint[n] = 0.0
+        solve_adjoint(film, zone, work)
+        first, last = _ends(film, zone, work)
+        joint = at_ends + first * adjoint[1] + last * adjoint[n - 1]
+        joint *= vectors(film, work).inverse[0]
+        _weigh(film, zone, work, is_y)
+    adjoint[0] = adjoint[n] = joint
+    solve_adjoint(film, zone, work)
+    return gradient(film, zone, work)
+
+
+@jit_not_inlined
+def full_tangent(film, zone, work):
+    """Return the derivative of `full_load`, as `film_zone.zone_tangent` does."""
+    x, y = _of_load(film, zone, work, False), _of_load(film, zone, work, True)
+    return pairs_of(x.by_D, x.by_S, y.by_D, y.by_S)

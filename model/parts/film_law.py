@@ -1,0 +1,124 @@
+"""What all parts with an oil film have: its quantities, its table, and what comes out of it.
+
+The film is solved at every instant: Reynolds' equation pad by pad, with the rupture where its
+pressure and its gradient vanish (`contact.film_zone`), or Ocvirk's closed form. Nothing is stored
+in it: what the rotor puts into it, the torque's power and that of the force, is dissipated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..contact.film import STANDS, bearing_of
+from ..contact.film_wall import breaks
+from ..contact.film_zone import VECTORS
+from ..contact.wall import contact_quantity
+from ..kernels.jit import jit
+from ..quantities import (
+    NOT_NEGATIVE,
+    SPEED,
+    Output,
+    QuantityError,
+    Rule,
+    quantity,
+    switch,
+)
+from .clearance_contact import LOSSES as CONTACT_LOSSES
+from .law import Kinematics
+
+_POINTS = Rule(8.0, False, "must be from 8 to 1024", most=1024.0)
+_LONGEST = 2.0  # length over diameter
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilmQuantities:
+    """The quantities of an oil film and of the contact behind it: radius of the journal, length and
+    radial clearance [m], viscosity [Pa.s]; roughness, the film at which the surfaces touch [m];
+    contact stiffness [N/m^exponent], 0: none, and the rest of `ContactQuantities`."""
+
+    journal_radius: float = quantity("m", "radius of the journal")
+    length: float = quantity("m", "length of the bearing along the shaft")
+    clearance: float = quantity("m", "radial clearance of the bearing", is_parameter=True)
+    viscosity: float = quantity("Pa.s", "dynamic viscosity of the lubricant", is_parameter=True)
+    roughness: float = quantity(
+        "m", "film thickness at which the surfaces touch: their roughness", default=1e-6
+    )
+    short: bool = switch("Ocvirk's film in the place of one of finite length", False)
+    points: float = quantity("1", "elements of the film of a pad", _POINTS, 48.0)
+    k: float = contact_quantity("k", 0.0, NOT_NEGATIVE)
+    c: float = contact_quantity("c", 100.0)
+    delta_c: float = contact_quantity("delta_c", 2e-7)
+    exponent: float = contact_quantity("exponent", 1.0)
+    mu: float = contact_quantity("mu", 0.1)
+    v_s: float = contact_quantity("v_s", 1e-3)
+    mu_rise: float = contact_quantity("mu_rise", 0.0)
+    v_stribeck: float = contact_quantity("v_stribeck", 0.01)
+
+
+OUTPUTS = (
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+    Output("eccentricity", "1", "of the journal, over the clearance", True, 1.0),
+    Output(
+        *("attitude", "rad", "angle from the direction of the film's load to the journal's"),
+        nominal=1.0,
+        reached_by=SPEED,
+    ),
+    Output("film", "m", "thinnest film; below the roughness the surfaces touch", True, 1e-5),
+    Output("film_angle", "rad", "where the film is thinnest", nominal=1.0),
+    Output("pressure", "Pa", "largest pressure in the film", nominal=1e6, reached_by=SPEED),
+    Output(
+        *("torque", "N.m", "torque of the film and of friction that brakes the rotor"),
+        nominal=0.1,
+        reached_by=SPEED,
+    ),
+    Output("power", "W", "dissipated in the film", nominal=10.0, reached_by=SPEED),
+    Output("flow", "m3/s", "lubricant that leaves at both sides", nominal=1e-6, reached_by=SPEED),
+    Output("fn", "N", "normal force of journal and pads that touch", nominal=10.0),
+    Output("contact", "1", "whether journal and pads touch", kind="Boolean"),
+)
+LOSSES = (Output("film", "J", "dissipated in oil films", nominal=10.0), *CONTACT_LOSSES)
+
+
+@jit
+def film_breaks(part, tables, displacement, internal_state):
+    """Implement this function of a law; see `parts.law`."""
+    return breaks(bearing_of(part), tables, Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0))
+
+
+@jit
+def film_length(part):
+    """Implement this function of a law; see `parts.law`."""
+    return part.clearance
+
+
+def film_table(rows: Sequence[Sequence[float]], points: float) -> np.ndarray:
+    """Return rows of `contact.film.PAD` as a table, with the room in which the films are solved."""
+    room = np.zeros(VECTORS * (int(points) + 1))
+    return np.concatenate([[len(rows)], np.ravel(rows), room])
+
+
+def whole_circle(is_full: bool = False) -> list[float]:
+    """Return the row of `contact.film.PAD` of a plain circle."""
+    return [0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0, float(is_full), *STANDS]
+
+
+def check_film(where: str, film: FilmQuantities) -> None:
+    """Raise `QuantityError` for a film whose quantities do not go together."""
+    if float(film.points) != int(film.points):
+        raise QuantityError(f"{where}.points = {film.points:g}: must be a whole number")
+    ratio = film.length / (2.0 * film.journal_radius)
+    if ratio > _LONGEST:
+        raise QuantityError(
+            f"{where}.length = {film.length:g} m: must be at most {_LONGEST:g} diameters, "
+            f"{2.0 * _LONGEST * film.journal_radius:g} m"
+        )
+    if film.roughness >= 0.5 * film.clearance:
+        raise QuantityError(
+            f"{where}.roughness = {film.roughness:g} m: must be below half the clearance, "
+            f"{0.5 * film.clearance:g} m"
+        )

@@ -1,0 +1,317 @@
+"""Journal bearings whose pads tilt: against a grid's solution, their own differences, in motion."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import bearing_curves, modes, unbalance_response
+from rotor_fmu.model.linear.bearing import BearingAlone
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
+from rotor_fmu.model.parts.law import Weights
+from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import Simulation
+
+from ..toml_text import table
+from .films import OF_A_FILM, heavy_shaft
+
+_PI = math.pi
+_BETWEEN = {"pads": tuple(_PI / 4 + i * _PI / 2 for i in range(4)), "arc": math.radians(80)}
+_ON_PAD = {"pads": tuple(1.5 * _PI + i * 0.4 * _PI for i in range(5)), "arc": math.radians(60)}
+_SPEED = 100.0
+
+
+def _part(shape=_BETWEEN, /, **more):
+    given = {"journal_radius": 0.05, "length": 0.05, "clearance": 1e-4, "viscosity": 0.1}
+    part = JournalBearing(**{"node": 1, **given, "preload": 0.3, "tilting": True, **shape, **more})
+    part.check("journal_bearing")
+    return part
+
+
+def _load(part, S):
+    """The load of a Sommerfeld number mu N L D / W (R / c)^2 [N]."""
+    R, L, c = part.journal_radius, part.length, part.clearance
+    return part.viscosity * _SPEED / (2 * _PI) * L * 2 * R / S * (R / c) ** 2
+
+
+# shape, S: y / c, K c / W, C c speed / W, of x and y, of a grid of 120 x 16 a pad
+_GRID = [
+    (_BETWEEN, 0.3, -0.7159, (2.620, 2.620), (2.035, 2.035)),
+    (_BETWEEN, 1.0, -0.3587, (2.202, 2.202), (3.320, 3.320)),
+    (_ON_PAD, 0.3, -0.6373, (0.530, 4.941), (0.762, 3.101)),
+    (_ON_PAD, 1.0, -0.3930, (1.242, 3.052), (2.304, 3.620)),
+]
+
+
+@pytest.mark.parametrize(("shape", "S", "y", "K_grid", "C_grid"), _GRID)
+def test_position_and_reduced_coefficients_against_a_grid(shape, S, y, K_grid, C_grid):
+    part = _part(shape)
+    load, c = _load(part, S), part.clearance
+    film = BearingAlone(part, _SPEED)
+    d = film.rest(-1j * load)
+    assert film.force(d) == pytest.approx(1j * load, abs=1e-9 * load)
+    assert d.imag / c == pytest.approx(y, rel=0.01)
+    assert abs(d.real) < 1e-9 * c
+    K, C = film.coefficients(d)
+    K, C = K * c / load, C * c * _SPEED / load
+    np.testing.assert_allclose(np.diag(K), K_grid, rtol=0.02)
+    np.testing.assert_allclose(np.diag(C), C_grid, rtol=0.02)
+    for matrix in (K, C):  # no cross terms
+        assert max(abs(matrix[0, 1]), abs(matrix[1, 0])) < 1e-6 * np.abs(matrix).max()
+
+
+def _as_matrix(p, q):
+    return np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+
+
+class _Law:
+    """A bearing's law by itself, its tilts given."""
+
+    def __init__(self, part, speed=_SPEED):
+        self.alone = BearingAlone(part, speed)
+        self.law, self.record, self.tables = part.law, self.alone._record, self.alone._tables
+        self.speed = speed
+        self.count = len(part.law.states_of(part))
+
+    def moving(self, d, v):
+        return self.alone._moving(d, v)
+
+    def step(self, d, v, weights, free):
+        """Force, tangent and states at the end of a step."""
+        own = np.zeros(self.count)
+        of_step = self.law.tangent(self.record, self.tables, self.moving(d, v), weights, free, own)
+        return of_step[0], _as_matrix(*of_step[1:]), own
+
+    def force(self, d, v, own):
+        return self.law.force(self.record, self.tables, self.moving(d, v), own)
+
+    def rates(self, d, v, own):
+        out = np.zeros(self.count)
+        self.law.rates(self.record, self.tables, self.moving(d, v), own, out)
+        return out
+
+
+def _states(part, count, seed):
+    random = np.random.default_rng(seed)
+    c = part.clearance
+    for _ in range(count):
+        d = 0.7 * c * math.sqrt(random.random()) * np.exp(2j * _PI * random.random())
+        v = 0.3 * c * _SPEED * complex(*random.normal(size=2))
+        yield d, v, c * random.uniform(-0.5, 0.5, len(part.pads)), random
+
+
+@pytest.mark.parametrize("inertia", [0.0, 2e-3])
+@pytest.mark.parametrize("k", [0.0, 1e8])
+def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k):
+    part = _part(_ON_PAD, pad_inertia=inertia, k=k, roughness=1.5e-5 if k else 1e-6)
+    law = _Law(part)
+    tried = 0
+    for d, v, tilts, random in _states(part, 12, 1):
+        free = tilts
+        if inertia:
+            rates = part.clearance * _SPEED * random.normal(size=len(tilts))
+            free = np.column_stack([tilts, rates]).ravel()
+        b = 10 ** random.uniform(-6, -3)
+        weights = Weights(0.5 * b * b, b, b)
+        _, tangent, own = law.step(d, v, weights, free)
+        # the states are those of an implicit step, and the force is theirs
+        moved = free + b * law.rates(d, v, own)
+        each, atol = 2 if inertia else 1, 1e-9 * part.clearance
+        np.testing.assert_allclose(own[::each], moved[::each], atol=atol)
+        seen = law.force(d, v, own)
+        assert law.step(d, v, weights, free)[0] == pytest.approx(seen, abs=1e-7 * abs(seen))
+        errors = []
+        for h in (1e-3, 1e-4, 1e-5):
+            h *= part.clearance * _SPEED / weights.velocity
+            columns = []
+            for z in (1.0, 1j):
+                ahead, behind = (
+                    law.step(
+                        d + s * h * weights.displacement * z,
+                        v + s * h * weights.velocity * z,
+                        weights,
+                        free,
+                    )[0]
+                    for s in (1, -1)
+                )
+                change = (ahead - behind) / (2 * h)
+                columns.append([change.real, change.imag])
+            errors.append(np.abs(np.transpose(columns) - tangent).max())
+        assert min(errors) < 2e-5 * np.abs(tangent).max()
+        tried += 1
+    assert tried == 12
+
+
+def test_a_vibration_is_reduced_as_its_implicit_steps_are():
+    """Pads that follow a harmonic motion of small size: amplitudes of the force by the states'
+    own rates, against the reduced coefficients."""
+    part = _part(_ON_PAD, pad_inertia=1e-2)
+    film = BearingAlone(part, _SPEED)
+    d = film.rest(-1j * _load(part, 0.5))
+    K, C = film.coefficients(d)
+    law, n = _Law(part), len(part.pads)
+    rest = np.zeros(2 * n)
+    rest[::2] = film.tilts(d)
+    size = 1e-4 * part.clearance
+
+    def linear(of, *at):
+        """Derivatives by displacement, velocity and states, of x and y in turn."""
+        columns = []
+        for i in range(4 + 2 * n):
+            ends = []
+            for s in (1.0, -1.0):
+                moved, own = [d, 0j], rest.copy()
+                if i < 4:
+                    scale = size if i < 2 else size * _SPEED
+                    moved[i // 2] += s * scale * (1.0, 1j)[i % 2]
+                else:
+                    scale = size if i % 2 == 0 else size * _SPEED
+                    own[i - 4] += s * scale
+                ends.append(of(*moved, own))
+            columns.append((ends[0] - ends[1]) / (2 * scale))
+        return np.array(columns).T
+
+    F = linear(lambda *at: np.array([law.force(*at).real, law.force(*at).imag]))
+    r = linear(law.rates)
+    i_w = 1j * _SPEED
+    states = np.linalg.solve(i_w * np.eye(2 * n) - r[:, 4:], r[:, :2] + i_w * r[:, 2:4])
+    dynamic = -(F[:, :2] + i_w * F[:, 2:4] + F[:, 4:] @ states)
+    most = np.abs(dynamic).max()
+    np.testing.assert_allclose(K, dynamic.real, atol=1e-4 * most)
+    np.testing.assert_allclose(_SPEED * C, dynamic.imag, atol=1e-4 * most)
+    # which is not what pads without inertia do
+    light = BearingAlone(_part(_ON_PAD), _SPEED).coefficients(d)
+    assert np.abs(light[0] - K).max() > 1e-3 * most
+
+
+# --- in motion ---
+
+
+def _pads(node, **more):
+    """A bearing of four pads, the load between them, as a table of a machine file."""
+    shape = {"pads": [round(angle, 9) for angle in _BETWEEN["pads"]], "arc": 1.4, "preload": 0.3}
+    return table(
+        "[journal_bearing]", node=node, length=0.05, **OF_A_FILM, **shape, tilting=True, **more
+    )
+
+
+def _in_pads(e=0.0, **more):
+    return parse_rotor(heavy_shaft(e) + _pads(1, **more) + _pads(3, **more))
+
+
+def _run(rotor, speed, tolerance=1e-3, **options):
+    settings = choose("controlled", tolerance=tolerance)
+    return Simulation(rotor, settings, speed=speed, warn=lambda _: None, **options)
+
+
+def _place(run):
+    return complex(run.read("body[1].x"), run.read("body[1].y"))
+
+
+@pytest.mark.parametrize("inertia", [0.0, 1e-3])
+def test_a_run_begins_at_the_static_position_and_comes_back_to_it(inertia):
+    rotor = _in_pads(pad_inertia=inertia)
+    run = _run(rotor, 500.0)
+    rest = _place(run)
+    film = bearing_curves(rotor, [500.0])
+    journal = complex(run.motion.q[0])
+    assert journal == pytest.approx(complex(film.x[0], film.y[0]), abs=1e-7 * film.clearance)
+    run.advance(0.05, 500.0)
+    assert abs(_place(run) - rest) < 1e-5 * film.clearance
+    run.advance(0.052, 500.0, np.array([400.0 + 0j]))
+    assert abs(_place(run) - rest) > 5e-3 * film.clearance
+    run.advance(1.5, 500.0, np.array([0j]))
+    assert abs(_place(run) - rest) < 1e-4 * film.clearance
+    lost = sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))
+    assert abs(run.read("energy.residual")) < 1e-4 * lost
+    tilts = [run.read(f"journal_bearing[1].tilt_{i}") for i in range(1, 5)]
+    # mirrored in the line of the load, and the lower ones wedge against the rotation
+    assert all(abs(tilt) < 2e-3 for tilt in tilts)
+
+
+def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand():
+    standing = {"pads": [0.785398163, 2.35619449, 3.926990817, 5.497787144], "arc": 1.4}
+    stands = "".join(
+        table("[journal_bearing]", node=n, length=0.05, **OF_A_FILM, **standing, preload=0.3)
+        for n in (1, 3)
+    )
+    fixed, rotor = parse_rotor(heavy_shaft() + stands), _in_pads()
+    threshold = bearing_curves(fixed, np.linspace(200.0, 1500.0, 5)).threshold
+    assert threshold is not None
+    speed = 3.0 * threshold
+    assert modes(fixed, speed).eigenvalues.real.max() > 0
+    assert modes(rotor, speed).eigenvalues.real.max() < 0
+    assert bearing_curves(rotor, np.linspace(200.0, speed, 3)).threshold is None
+    sizes = []
+    for machine in (fixed, rotor):
+        run = _run(machine, speed, 1e-2)
+        rest = _place(run)
+        run.advance(1e-3, speed, np.array([100.0 + 0j]))
+        run.advance(0.3, speed, np.array([0j]))
+        sizes.append(abs(_place(run) - rest))
+    assert sizes[1] < 1e-3 * sizes[0]
+
+
+def test_an_unbalanced_rotor_whirls_as_the_linear_answer_says():
+    """Whose coefficients are reduced at the frequency of rotation, which is the whirl's."""
+    rotor = _in_pads(e=2e-7)
+    linear = unbalance_response(rotor, [400.0])
+    run = _run(rotor, 400.0, 1e-4)
+    run.advance(1.5, 400.0)
+    assert run.read("body[1].x_1x") == pytest.approx(abs(linear.x[0, 1]), rel=1e-2)
+    assert run.read("body[1].y_1x") == pytest.approx(abs(linear.y[0, 1]), rel=1e-2)
+
+
+def test_ledger_closes_as_pads_are_rubbed():
+    rotor = _in_pads(e=2e-6, k=1e8, roughness=1e-5)
+    run = _run(rotor, 0.0, 1e-2)
+    assert run.read("journal_bearing[1].contact") == 1.0
+    run.advance(0.4, 0.0, rate=600.0)
+    assert run.read("journal_bearing[1].contact") == 0.0
+    assert run.read("energy.friction_loss") > 0
+    lost = sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))
+    assert abs(run.read("energy.residual")) < 1e-3 * lost
+
+
+def test_fmu_has_the_bits_of_the_simulation(machine_of):
+    """The FMU in Python and the native one, pads with inertia and without."""
+    text = heavy_shaft(1e-5) + _pads(1, k=1e8) + _pads(3, pad_inertia=1e-3)
+    names = ("journal_bearing[1].fx", "journal_bearing[1].tilt_3", "journal_bearing[2].tilt_4")
+    names = (*names, "journal_bearing[2].film", "energy.pads")
+    simulation = _run(parse_rotor(text), 500.0)
+    with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
+        for i in range(1, 6):
+            run.advance(0.01 * i)
+            simulation.advance(0.01 * i, 500.0)
+            assert run.read(*names) == [simulation.read(name) for name in names]
+
+
+# --- refused ---
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"pads": ()}, "tilting = true: needs journal_bearing.pads, which tilt"),
+        ({"short": True}, "tilting = true: needs journal_bearing.short = false"),
+        ({"offset": 0.0}, "offset = 0: must be between 0 and 1 of a pad that tilts"),
+        ({"offset": (0.5, 0.5, 0.5, 1.0)}, "offset = 1: must be between 0 and 1"),
+        ({"pads": (0.0,), "arc": 2 * _PI}, "arc = 6.28319 rad: must be at most pi of a pad"),
+        ({"pad_inertia": -1.0}, "pad_inertia = -1 kg.m2: must be >= 0 and finite"),
+        ({"tilting": 1}, "tilting = 1: must be true or false"),
+        (
+            {"tilting": False, "pad_inertia": 1e-3},
+            "pad_inertia = 0.001 kg.m2: needs journal_bearing.tilting = true",
+        ),
+    ],
+)
+def test_pads_that_cannot_tilt_are_refused(more, message):
+    shape = {"pads": (), "arc": 2 * _PI, "preload": 0.0} if more.get("pads") == () else {}
+    with pytest.raises(QuantityError) as raised:
+        _part(**{**shape, **more})
+    assert str(raised.value).startswith("journal_bearing.")
+    assert message in str(raised.value)
+    assert "\n" not in str(raised.value)
