@@ -14,7 +14,8 @@ from libcosimpy.CosimObserver import CosimObserver
 
 def main(file: str, stop: str, every: str, *shown: str) -> None:
     """Run to `stop` [s] and print what is `shown` at every multiple of `every` [s]."""
-    log_output_level(CosimLogLevel.WARNING)
+    # it writes warnings, of the enumerations that it leaves out, among what is printed here
+    log_output_level(CosimLogLevel.ERROR)
     if Path(file).suffix == ".ssd":
         execution = CosimExecution.from_ssp_file(str(Path(file).resolve().parent))
     else:

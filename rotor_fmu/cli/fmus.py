@@ -64,6 +64,15 @@ RealTime = Annotated[
         "(preset realtime, solver.h); a number without unit is in s.",
     ),
 ]
+Starts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="Start value of a solver parameter or of a choice in the FMU, such as "
+        "solver.preset=robust, for hosts that cannot set it. May be given several times.",
+    ),
+]
 
 
 @with_output_options
@@ -76,6 +85,7 @@ def build(
     platforms: Carried = None,
     reduction: Reduction = 0,
     realtime: RealTime = None,
+    sets: Starts = None,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
@@ -83,7 +93,7 @@ def build(
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import build as build_python
     from ..linear.machine_warnings import machine_warnings
-    from ..runs.job import load_rotor
+    from ..runs.job import load_rotor, parse_starts
 
     toml, machine = load_rotor(rotor)
     if fmi not in (2, 3):
@@ -95,6 +105,7 @@ def build(
     if realtime is not None and not (is_native or is_source):
         raise InputError(f"--realtime {realtime}: only with --native or --source")
     step = None if realtime is None else _step(realtime)
+    starts = parse_starts(machine, is_free, sets or ())
     names = _known(platforms, tuple(PLATFORMS) if is_native else SYSTEMS)
     folder, result = writable_folder(out), machine_warnings(machine)
     for warning in result:
@@ -102,11 +113,12 @@ def build(
     if is_source:
         from ..fmi.packing.source_fmu import build_source
 
-        fmu = build_source(folder, toml, is_free, fmi, reduction, step)
+        fmu = build_source(folder, toml, is_free, fmi, reduction, step, starts)
     elif is_native:
-        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction, step)
+        names = names or list(PLATFORMS)
+        fmu = build_native(folder, toml, is_free, fmi, names, reduction, step, starts)
     else:
-        fmu = build_python(folder, toml, is_free, reduction, names or None)
+        fmu = build_python(folder, toml, is_free, reduction, names or None, starts)
     typer.echo(fmu)
     return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": result}
 

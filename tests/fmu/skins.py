@@ -16,6 +16,11 @@ ARRAYS = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)
 
 
+def called(kind):
+    """The type by whose calls FMI 2.0 sets and reads a variable."""
+    return "Integer" if kind == "Enumeration" else kind
+
+
 def as_c(kind, value):
     """A value as a host of C would hold it."""
     return {"Real": float, "String": lambda _: b""}.get(kind, int)(value)
@@ -113,12 +118,14 @@ class Native:
         return value.value
 
     def get(self, kind, references):
+        kind = called(kind)
         count = len(references)
         values = (ARRAYS[kind] * count)()
         self._call(f"Get{kind}", (c_uint * count)(*references), c_size_t(count), values)
         return list(values)
 
     def set(self, kind, references, values):
+        kind = called(kind)
         count = len(references)
         given = (ARRAYS[kind] * count)(*(as_c(kind, value) for value in values))
         self._call(f"Set{kind}", (c_uint * count)(*references), c_size_t(count), given)
@@ -179,9 +186,11 @@ class Python:
             raise Discarded(self.heard[-1][1])
 
     def get(self, kind, references):
+        kind = called(kind)
         return self._call(f"get_{kind.lower()}", _signed(references))[: len(references)]
 
     def set(self, kind, references, values):
+        kind = called(kind)
         self._call(f"set_{kind.lower()}", _signed(references), [as_c(kind, v) for v in values])
 
     def state(self):
