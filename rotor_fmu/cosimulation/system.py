@@ -31,16 +31,17 @@ _EXTENSION = "application/x-ssp-parameter-set"
 _TERMINALS = "rotor-fmu.terminals"  # of the annotation with them, which SSP has no element for
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
 # Of libcosim's ECCO, relative to the communication step: the shortest and the longest step; and how
-# fast the step changes, by which gains, at which error of the power.
+# fast the step changes, by which gains. Slowly: the error of the power passes through 0 twice in an
+# oscillation of the joint, where the step is not to grow. libcosim takes the relative tolerance of
+# the error itself, which would hide large errors from the step.
 _SHORTEST, _LONGEST = 0.01, 10.0
 _ECCO = {
-    "SafetyFactor": 0.8,
-    "MinimumChangeRate": 0.2,
-    "MaximumChangeRate": 1.5,
-    "ProportionalGain": 0.2,
-    "IntegralGain": 0.15,
-    "RelativeTolerance": 1e-6,
-    "AbsoluteTolerance": 1e-6,
+    "SafetyFactor": 1.0,
+    "MinimumChangeRate": 0.95,
+    "MaximumChangeRate": 1.05,
+    "ProportionalGain": 0.05,
+    "IntegralGain": 0.05,
+    "RelativeTolerance": 1e-12,
 }
 
 
@@ -76,7 +77,8 @@ class Bond(NamedTuple):
 @dataclass(frozen=True)
 class System:
     """Components and what connects them; step: communication step [s]; stop: end [s];
-    algorithm: of libcosim, one of `ALGORITHMS`."""
+    algorithm: of libcosim, one of `ALGORITHMS`; tolerance: energy [J] that ECCO lets a bond lose in
+    a step."""
 
     name: str
     components: Sequence[Component]
@@ -84,6 +86,7 @@ class System:
     step: float
     stop: float
     algorithm: str = ALGORITHMS[0]
+    tolerance: float = 1e-6
 
     def write(self, out: Path) -> tuple[Path, Path]:
         """Write the SSP package and OSP's file into a folder that holds the FMUs; returns both.
@@ -164,6 +167,7 @@ class System:
             "StepSize": self.step,
             "MinimumStepSize": _SHORTEST * self.step,
             "MaximumStepSize": _LONGEST * self.step,
+            "AbsoluteTolerance": self.tolerance,
         }
         for name, value in (steps | _ECCO).items():
             SubElement(configuration, name).text = repr(value)
