@@ -111,6 +111,17 @@ class Native:
             *((c_int * count)(*(orders or [1] * count)), (c_double * count)(*values)),
         )
 
+    def directional(self, unknown, known, along):
+        """Directional derivatives of unknowns by inputs."""
+        values = (c_double * len(unknown))()
+        self._call(
+            "GetDirectionalDerivative",
+            *((c_uint * len(unknown))(*unknown), c_size_t(len(unknown))),
+            *((c_uint * len(known))(*known), c_size_t(len(known))),
+            *((c_double * len(known))(*along), values),
+        )
+        return list(values)
+
     @property
     def last_successful_time(self):
         value = c_double()
