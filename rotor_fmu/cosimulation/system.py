@@ -29,6 +29,7 @@ _SPACES = {
 _OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 _EXTENSION = "application/x-ssp-parameter-set"
 _TERMINALS = "rotor-fmu.terminals"  # of the annotation with them, which SSP has no element for
+_LOST = 1e-8  # of a machine's kinetic energy, that a step of ECCO may lose
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
 # Of libcosim's ECCO, relative to the communication step: the shortest and the longest step; and how
 # fast the step changes, by which gains. Slowly: the error of the power passes through 0 twice in an
@@ -263,4 +264,7 @@ def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, sto
         (drive.name, "w", "rotor", "speed"),
         ("rotor", "tau_load", drive.name, "tau_load"),
     )
-    return System(machine.rotor.name or "rotor", (held, rotor), (bond,), step, stop)
+    name = machine.rotor.name or "rotor"
+    energy = 0.5 * inertia * held.values.get("w_target", 0.0) ** 2
+    system = System(name, (held, rotor), (bond,), step, stop)
+    return replace(system, tolerance=_LOST * energy) if energy else system

@@ -119,6 +119,15 @@ def test_libcosim_opens_the_package_and_steps_as_osps_file_says(folder, tmp_path
     assert rows[0][-1][SEEN.index("w")] > 0.0
 
 
+def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_path):
+    ssp.__wrapped__(rotor=MACHINE, is_native=True, algorithm="ecco", target=200.0, out=tmp_path)
+    root = etree.parse(tmp_path / "OspSystemStructure.xml").getroot()
+    values = {v.get("variable"): float(v[0].get("value")) for v in root.iter("{*}InitialValue")}
+    assert values["continuation"] == 1.0
+    (tolerance,) = root.iter("{*}AbsoluteTolerance")
+    assert float(tolerance.text) == pytest.approx(1e-8 * 0.5 * values["J_rotor"] * 200.0**2)
+
+
 @needs("libcosimpy", "pip install libcosimpy")
 def test_osps_file_is_valid(folder):
     content = (folder / "OspSystemStructure.xml").read_bytes()
