@@ -2,6 +2,9 @@
 prints CSV. Needs libcosimpy.
 
     python with_libcosim.py FILE STOP EVERY SLAVE.VARIABLE...       # times in seconds
+
+EVERY 0 prints every communication step. Steps of libcosim's ECCO end where they end: what is
+printed is then of the first that ends at a multiple of EVERY or later, with its time.
 """
 
 import sys
@@ -13,8 +16,9 @@ from libcosimpy.CosimObserver import CosimObserver
 
 
 def main(file: str, stop: str, every: str, *shown: str) -> None:
-    """Run to `stop` [s] and print what is `shown` at every multiple of `every` [s]."""
-    log_output_level(CosimLogLevel.WARNING)
+    """Run to `stop` [s] and print what is `shown` at each multiple of `every` [s], or each step."""
+    # it writes warnings, of the enumerations that it leaves out, among what is printed here
+    log_output_level(CosimLogLevel.ERROR)
     if Path(file).suffix == ".ssd":
         execution = CosimExecution.from_ssp_file(str(Path(file).resolve().parent))
     else:
@@ -28,11 +32,15 @@ def main(file: str, stop: str, every: str, *shown: str) -> None:
         known = {v.name.decode(): v.reference for v in execution.slave_variables(index)}
         places.append((index, [known[variable]]))
     print("time", *shown, sep=",")
-    for n in range(1, round(float(stop) / float(every)) + 1):
-        if not execution.simulate_until(round(n * float(every) * 1e9)):  # ns
+    now, n = 0, 0  # ns
+    while now < round(float(stop) * 1e9):
+        n += 1
+        to = round(n * float(every) * 1e9)
+        if not (execution.simulate_until(to) if to else execution.step()):
             sys.exit(f"stopped: {execution.status()}")
+        now = execution.status().current_time
         row = [observer.last_real_values(*place)[0] for place in places]
-        print(n * float(every), *map(repr, row), sep=",")
+        print(now * 1e-9, *map(repr, row), sep=",")
 
 
 if __name__ == "__main__":

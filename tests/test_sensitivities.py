@@ -98,13 +98,18 @@ def test_so_they_are_with_the_contacts_open():
 
 
 @pytest.mark.parametrize("impedance", [0.0, 0.5])
-def test_so_they_are_of_a_rotor_that_a_torque_drives(impedance):
-    """By a change that moves the speed far above what its iteration leaves open."""
+@pytest.mark.parametrize(
+    ("toml", "speed", "steps", "change"),
+    [(rig_toml(), 400.0, 3, 3.0), (rig_toml(), 200.0, 60, 0.03), (STICKING, 0.5, 3, 0.5)],
+    ids=["settled", "rubbing", "sticking"],
+)
+def test_so_they_are_of_a_rotor_that_a_torque_drives(toml, speed, steps, change, impedance):
+    """By a change [N.m] that moves the speed far above what its iteration leaves open, and that
+    turns the contacts by little."""
     coupling = CouplingOptions(has_sensitivities=True, drive_impedance=impedance)
-    made = Differences(rig(), 400.0, 3, 0.05, coupling)
-    assert not within(made.errors((*MOTIONS, *FORCES, "w", "phi"), [0], 3.0), 3e-6)
-    # the speed is found to 4e-7 rad/s, and what follows from it
-    assert not within(made.errors((*MOTIONS, *FORCES), range(1, made.inputs), 0.3), 3e-6)
+    made = Differences(parse_rotor(toml), speed, steps, 0.05, coupling)
+    assert not within(made.errors((*MOTIONS, *FORCES, "w", "phi"), [0], change), 1e-6)
+    assert not within(made.errors((*MOTIONS, *FORCES), range(1, made.inputs), 0.1), 1e-6)
 
 
 LOBES = {"pads": [1.570796, 4.712389], "arc": 2.8, "preload": 0.4}

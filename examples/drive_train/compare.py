@@ -7,7 +7,10 @@ The motor is an inertia with a torque, the shaft between it and the rotor a spri
 
     J_motor w_motor' = torque - tau,    tau = k (phi_motor - phi) + c (w_motor - w)
 
-The rotor's FMU takes tau. The reference is one Newton iteration at a step of 20 us.
+The rotor's FMU takes tau. The reference is a monolithic run, as one program would make it: motor,
+shaft and rotor in steps of 20 us, in each of which the torque is linear and its end iterated until
+the shaft's law holds. Where libcosim is installed its ECCO is held against its fixed steps, with
+the same motor and shaft as an FMU (`motor_on_shaft.py`).
 """
 
 from __future__ import annotations
@@ -17,12 +20,14 @@ import shutil
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
 import fmpy
 import numpy as np
 import typer
+from rotor_fmu.examples.drive_train.by_energy import by_energy, motor_and_rotor
 from rotor_fmu.model.kernels.library import here
 from rotor_fmu.model.machine.toml import rig_toml
 
@@ -34,9 +39,11 @@ from rotor_fmu.runs.job import write_json
 
 START, TORQUE = 60.0, 0.4  # speed [rad/s] and torque of the motor [N.m]
 J_MOTOR, STIFFNESS, DAMPING = 1e-3, 400.0, 0.03  # [kg.m2], [N.m/rad], [N.m.s/rad]
-STEPS = (1e-4, 5e-4, 3e-3, 5e-3, 1.5e-2)  # communication steps [s]
-REFERENCE = 5e-5
-ITERATIONS = 20
+STEPS = (1e-5, 1e-4, 5e-4, 3e-3, 1.5e-2, 2e-2)  # communication steps [s]
+EVERY = 6e-2  # a multiple of each, at which speeds are compared [s]
+REFERENCE, FINE = 2e-5, 1e-3  # step of the monolithic run, and how often its speed is noted [s]
+ITERATIONS, CONVERGED = 20, 1e-9
+TOLERANCES = (1e-5, 1e-6)  # of ECCO: energy that a step may lose [J]
 WILD = 1e3  # a torque or a speed that says that the coupling has diverged [N.m, rad/s]
 
 
@@ -163,6 +170,27 @@ def newton(rotor: Rotor, t: float, h: float, at: Point) -> Point:
     return _passed(rotor, t, h, at, tau)
 
 
+def monolithic(rotor: Rotor, t: float, h: float, at: Point) -> Point:
+    """Take a step over which the torque goes linearly from what the shaft's law asks for at its
+    beginning to what it asks for at its end."""
+    state = rotor.fmu.getFMUstate()
+    last = at.tau
+    for _ in range(ITERATIONS):
+        end = _passed(rotor, t, h, at, at.tau, (last - at.tau) / h)
+        phi, w, by_phi, by_w = rotor.read("phi", "w", "dphi_ddrive", "dw_ddrive")
+        lacking = _shaft(end.motor, phi, w) - last
+        if abs(lacking) <= CONVERGED * (1.0 + abs(last)):
+            break
+        # of a torque that grows over the step the angle has a third, the speed a half
+        by_angle = h * h / (6.0 * J_MOTOR) + by_phi / 3.0
+        last += lacking / (1.0 + STIFFNESS * by_angle + DAMPING * 0.5 * (h / J_MOTOR + by_w))
+        rotor.fmu.setFMUstate(state)
+    else:
+        end = _passed(rotor, t, h, at, at.tau, (last - at.tau) / h)
+    rotor.fmu.freeFMUstate(state)
+    return replace(end, tau=last)
+
+
 def line(rotor: Rotor, t: float, h: float, at: Point) -> Point:
     """Replace the shaft by a line that takes one step to cross, of the shaft's stiffness: the mean
     of what one end sent over a step arrives at the other a step later. The damping stays out."""
@@ -207,13 +235,15 @@ def _passed(
     )
 
 
-METHODS: dict[str, Callable[[Rotor, float, float, Point], Point]] = {
+Method = Callable[[Rotor, float, float, Point], Point]
+METHODS: dict[str, Method] = {
     "explicit": explicit,
     "explicit with derivatives": with_derivatives,
     "iterated": iterated,
     "one Newton iteration": newton,
     "transmission line": line,
 }
+_WITH_SENSITIVITIES = (newton, monolithic)
 
 
 def _stored(at: Point, phi: float, h: float, is_line: bool) -> float:
@@ -226,7 +256,7 @@ def _stored(at: Point, phi: float, h: float, is_line: bool) -> float:
 @dataclass(frozen=True)
 class Result:
     """Speed of the rotor at common instants [rad/s], energy lost at the joint relative to what
-    passed [1], steps of the rotor, and seconds that they took."""
+    passed [1], steps of the rotor, and CPU seconds that they took."""
 
     w: np.ndarray
     lost: float
@@ -234,44 +264,53 @@ class Result:
     seconds: float
 
 
-def couple(folder: str, method: str, h: float, stop: float) -> Result:
-    """Run motor and rotor to `stop` [s] with the communication step h [s]."""
+def couple(
+    folder: str, method: Method | str, h: float, stop: float, every: float = 1.5e-2
+) -> Result:
+    """Run motor and rotor to `stop` [s] with the communication step h [s]; every: how often the
+    speed is noted, a multiple of h."""
+    step = METHODS[method] if isinstance(method, str) else method
+    is_line = step is line
     parameters = {}
-    if method == "one Newton iteration":
+    if step in _WITH_SENSITIVITIES:
         parameters["sensitivities"] = 1.0
-    if method == "transmission line":
+    if is_line:
         parameters["tau_impedance"] = STIFFNESS * h
     rotor = Rotor(folder, **parameters)
     at, speeds = Point(Motor()), []
-    is_line = method == "transmission line"
     if is_line:
         at = replace(at, tau=STIFFNESS * h * START, back=-STIFFNESS * h * START)
     stored = _stored(at, 0.0, h, is_line)
-    every = round(STEPS[-1] / h)
-    begin = time.perf_counter()
+    steps = round(every / h)
+    begin = time.process_time()
     for i in range(round(stop / h)):
         try:
-            at = METHODS[method](rotor, i * h, h, at)
+            at = step(rotor, i * h, h, at)
         except fmpy.fmi1.FMICallException:
             at = replace(at, motor=Motor(math.nan, math.nan))
         if not (abs(at.motor.w) < WILD and abs(at.tau) < WILD * (1.0 + is_line * h * STIFFNESS)):
             break
-        if (i + 1) % every == 0:
+        if (i + 1) % steps == 0:
             speeds += rotor.read("w")
-    seconds = time.perf_counter() - begin
-    is_whole = len(speeds) == round(stop / STEPS[-1])
+    seconds = time.process_time() - begin
+    is_whole = len(speeds) == round(stop / every)
     (phi,) = rotor.read("phi")
     kept = _stored(at, phi, h, is_line) - stored
     lost = abs(at.out - at.entered - at.damped - kept) / max(abs(at.entered), 1e-12)
     rotor.fmu.freeInstance()
-    short = round(stop / STEPS[-1]) - len(speeds)
+    short = round(stop / every) - len(speeds)
     lost = lost if is_whole else math.inf
     return Result(np.array(speeds + [math.nan] * short), lost, rotor.advances, seconds)
 
 
+def reference(folder: str, stop: float) -> np.ndarray:
+    """Return the speed of the monolithic run at every multiple of `FINE` up to `stop` [s]."""
+    return couple(folder, monolithic, REFERENCE, stop, FINE).w
+
+
 @with_output_options
 def compare(
-    stop: Annotated[float, typer.Option(help="End of the run-up, in seconds.")] = 4.0,
+    stop: Annotated[float, typer.Option(help="End of the run-up, in seconds.")] = 4.2,
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/coupling"),
 ) -> dict[str, Any]:
     """Compare ways to couple a motor with the rotor over communication steps."""
@@ -280,29 +319,62 @@ def compare(
     platform = here()
     if platform is None:
         raise InputError("there is no native FMU for this machine")
+    stop = EVERY * math.ceil(stop / EVERY - 1e-9)
     fmu = build_native(writable_folder(out), rig_toml(), is_free=True, platforms=[platform])
     folder = fmpy.extract(str(fmu))
     try:
-        reference = couple(folder, "one Newton iteration", REFERENCE, stop)
-        rows = [_row(folder, name, h, stop, reference.w) for name in METHODS for h in STEPS]
+        expected = reference(folder, stop)
+        at = slice(round(EVERY / FINE) - 1, None, round(EVERY / FINE))
+        rows = [_row(folder, name, h, stop, expected[at]) for name in METHODS for h in STEPS]
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     frequency = math.sqrt(STIFFNESS * (1.0 / J_MOTOR + 1.0 / 0.00954))
-    head = f"{'way':26s} {'step':>7s} {'w H':>6s} {'speed off':>10s} {'lost':>9s} {'steps':>7s}"
-    typer.echo(head)
+    head = f"{'way':26s} {'step':>8s} {'w H':>6s} {'speed off':>10s} {'lost':>9s}"
+    typer.echo(f"{head} {'steps':>8s} {'time':>7s}")
     for row in rows:
         typer.echo(
-            f"{row['way']:26s} {1e3 * row['step_s']:5g} ms {frequency * row['step_s']:6.3g} "
-            f"{row['speed_error']:10.2g} {row['lost']:9.2g} {row['advances']:7d}"
+            f"{row['way']:26s} {1e3 * row['step_s']:5g} ms {frequency * row['step_s']:6.2g} "
+            f"{row['speed_error']:10.2g} {row['lost']:9.2g} {row['advances']:8d} "
+            f"{row['seconds']:5.1f} s"
         )
-    report = {"stop_s": stop, "ends_at_rad_per_s": float(reference.w[-1]), "rows": rows}
+    report: dict[str, Any] = {
+        "stop_s": stop,
+        "ends_at_rad_per_s": float(expected[-1]),
+        "rows": rows,
+    }
+    if find_spec("libcosimpy"):
+        report["ecco"] = [_by_energy(out, tolerance, stop, expected) for tolerance in TOLERANCES]
+    else:
+        typer.echo("ECCO is left out: libcosimpy is not installed")
     write_json(report, out / "coupling.json")
     return report | {"out": str(out)}
 
 
-def _row(folder: str, name: str, h: float, stop: float, reference: np.ndarray) -> dict[str, Any]:
-    made = couple(folder, name, h, stop)
-    error = np.max(np.abs(made.w - reference) / reference)
+def _by_energy(out: Path, tolerance: float, stop: float, expected: np.ndarray) -> dict[str, Any]:
+    """Hold ECCO against as many fixed steps, say so, and return the figures."""
+    given = {"w_start": START, "torque": TORQUE, "J": J_MOTOR, "k": STIFFNESS, "c": DAMPING}
+    ecco, fixed = by_energy(motor_and_rotor(out, given), tolerance, stop)
+    result: dict[str, Any] = {"tolerance_J": tolerance}
+    for name, run in (("ECCO", ecco), ("fixed steps", fixed)):
+        shortest, longest = run.steps
+        error = run.error(expected, FINE)
+        result[name] = {
+            "steps": len(run.t),
+            "speed_error": error,
+            "lost": run.lost,
+            "shortest_s": shortest,
+            "longest_s": longest,
+        }
+        typer.echo(
+            f"libcosim, {name:11s} {len(run.t):7d} steps of {1e3 * shortest:.3g} to "
+            f"{1e3 * longest:.3g} ms: speed off {error:.2g}, lost {run.lost:.2g}"
+        )
+    return result
+
+
+def _row(folder: str, name: str, h: float, stop: float, expected: np.ndarray) -> dict[str, Any]:
+    made = couple(folder, name, h, stop, EVERY)
+    error = np.max(np.abs(made.w - expected) / expected)
     return {
         "way": name,
         "step_s": h,

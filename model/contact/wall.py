@@ -75,7 +75,9 @@ def contact_quantity(name: str, default: Any = MISSING, rule: Rule | None = None
     or another rule."""
     known = {f.name: f.metadata["quantity"] for f in fields(ContactQuantities)}[name]
     return quantity(
-        *(known.unit, known.text, rule or known.rule, default), is_parameter=known.is_parameter
+        *(known.unit, known.text, rule or known.rule, default),
+        is_parameter=known.is_parameter,
+        is_tunable=known.is_tunable,
     )
 
 

@@ -43,7 +43,7 @@ class FilmQuantities:
     journal_radius: float = quantity("m", "radius of the journal")
     length: float = quantity("m", "length of the bearing along the shaft")
     clearance: float = quantity("m", "radial clearance of the bearing", is_parameter=True)
-    viscosity: float = quantity("Pa.s", "dynamic viscosity of the lubricant", is_parameter=True)
+    viscosity: float = quantity("Pa.s", "dynamic viscosity of the lubricant", is_tunable=True)
     roughness: float = quantity(
         "m", "film thickness at which the surfaces touch: their roughness", default=1e-6
     )

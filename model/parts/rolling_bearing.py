@@ -65,7 +65,7 @@ class RollingQuantities:
     delta_c: float = contact_quantity("delta_c", 2e-7)
     exponent: float = contact_quantity("exponent", 1.5)
     clearance: float = quantity(
-        "m", "radial clearance; negative: preload", ANY, 0.0, is_parameter=True
+        "m", "radial clearance; negative: preload", ANY, 0.0, is_tunable=True
     )
     cage_ratio: float = quantity(
         "1", "speed of the cage over the rotor's; 0: without slip", _RATIO, 0.0

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..model.simulation import warn
+from ..runs.job import parse_starts
 from ..runs.recording import Recording
 from ..status import messages_and_codes
 from .machine import Machine, parse
@@ -28,6 +29,7 @@ def build_fmu(
     platforms: Sequence[str] | None = None,
     reduction: int = 0,
     step: float | None = None,
+    parameters: Mapping[str, float | str] | None = None,
 ) -> Path:
     """Build a machine's FMU in a folder and return its path.
 
@@ -52,6 +54,9 @@ def build_fmu(
         Component modes to keep of the shaft; 0 keeps the whole shaft.
     step : float, optional
         Fixed step length of an FMU for real time [s], which needs no Python.
+    parameters : mapping, optional
+        Start values of solver parameters and of other choices by name, choices by their names too,
+        as in `{"solver.preset": "robust"}`: for hosts that cannot set them.
 
     Returns
     -------
@@ -81,7 +86,12 @@ def build_fmu(
     for name in platforms or ():
         if name not in kind.platforms:
             raise InputError(f"platforms: {name!r}: must be one of {', '.join(kind.platforms)}")
-    return kind.build(Path(folder), machine.toml, is_free, reduction, platforms, step)
+    try:
+        given = [f"{name}={value}" for name, value in (parameters or {}).items()]
+        starts = parse_starts(machine.rotor, is_free, given)
+    except InputError as error:
+        raise InputError(str(error).removeprefix("--set ")) from error
+    return kind.build(Path(folder), machine.toml, is_free, reduction, platforms, step, starts)
 
 
 def simulate_fmu(

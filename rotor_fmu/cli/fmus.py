@@ -64,6 +64,15 @@ RealTime = Annotated[
         "(preset realtime, solver.h); a number without unit is in s.",
     ),
 ]
+Starts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="Start value of a solver parameter or of a choice in the FMU, such as "
+        "solver.preset=robust, for hosts that cannot set it. May be given several times.",
+    ),
+]
 
 
 @with_output_options
@@ -76,13 +85,14 @@ def build(
     platforms: Carried = None,
     reduction: Reduction = 0,
     realtime: RealTime = None,
+    sets: Starts = None,
     out: Annotated[Path, typer.Option(help="Folder for the FMU.")] = Path(),
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     # imported when it is called: the help needs none of it
     from ..fmi.packing.any_fmu import FmuKind
     from ..linear.machine_warnings import machine_warnings
-    from ..runs.job import load_rotor
+    from ..runs.job import load_rotor, parse_starts
 
     toml, machine = load_rotor(rotor)
     kind = FmuKind(is_native, is_source, fmi)
@@ -90,11 +100,12 @@ def build(
     options = ("--native", "--source", "--platform")
     kind.check(f"--fmi {fmi}", chosen_step, bool(platforms), options)
     step = None if realtime is None else _step(realtime)
+    starts = parse_starts(machine, is_free, sets or ())
     names = _known(platforms, kind.platforms)
     folder, result = writable_folder(out), machine_warnings(machine)
     for warning in result:
         typer.echo(f"warning: {warning}", err=True)
-    fmu = kind.build(folder, toml, is_free, reduction, names, step)
+    fmu = kind.build(folder, toml, is_free, reduction, names, step, starts)
     typer.echo(fmu)
     return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": result}
 

@@ -66,6 +66,8 @@ def ssp(
         else build_python(folder, toml)
     )
     values = {"tau_max": tau_max, "w_target": target, "w_start": 0.0}
+    if algorithm == "ecco":  # whose longer steps need a load that goes on
+        values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
     system = drive_system(machine_of(toml, False, 0), drive, fmu, step, stop)
     package, structure = replace(system, algorithm=algorithm).write(folder)

@@ -44,6 +44,7 @@ class Member:
         self._call(self._fmu.setupExperiment, startTime=0.0)
         for name, value in self._parameters.items():
             kind = self._variables[name].type
+            kind = "Integer" if kind == "Enumeration" else kind  # as FMI 2.0 sets it
             setter = getattr(self._fmu, f"set{kind}")
             self._call(setter, self.references(name), [int(value) if kind != "Real" else value])
         self._call(self._fmu.enterInitializationMode)

@@ -1,16 +1,20 @@
-"""A rotor's FMU and a drive as one system, for masters: an SSP package (SSD with connectors and
-units, parameters as SSV), and OSP's system structure with power bonds."""
+"""A rotor's FMU and a drive as one system, for masters: an SSP package (SSD with connectors,
+terminals and units, parameters as SSV), and OSP's system structure with power bonds.
+
+The solver's choices are in neither: libcosim knows no enumerations, and ends itself at one.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree.ElementTree import Element, SubElement, register_namespace
 
 from ..fmi.packing.archive import write_archive, xml_bytes
 from ..fmi.packing.machine_files import Machine
+from ..fmi.terminals import SHAFT, Terminal, shaft_terminal, terminals_element, terminals_of
 from ..fmi.variables import Unit, Variable, unit
 from ..model.structure.assembly import assemble
 from . import ALGORITHMS
@@ -24,34 +28,42 @@ _SPACES = {
 }
 _OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 _EXTENSION = "application/x-ssp-parameter-set"
+_TERMINALS = "rotor-fmu.terminals"  # of the annotation with them, which SSP has no element for
+_LOST = 1e-8  # of a machine's kinetic energy, that a step of ECCO may lose
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
 # Of libcosim's ECCO, relative to the communication step: the shortest and the longest step; and how
-# fast the step changes, by which gains, at which error of the power.
+# fast the step changes, by which gains. Slowly: the error of the power passes through 0 twice in an
+# oscillation of the joint, where the step is not to grow. libcosim takes the relative tolerance of
+# the error itself, which would hide large errors from the step.
 _SHORTEST, _LONGEST = 0.01, 10.0
 _ECCO = {
-    "SafetyFactor": 0.8,
-    "MinimumChangeRate": 0.2,
-    "MaximumChangeRate": 1.5,
-    "ProportionalGain": 0.2,
-    "IntegralGain": 0.15,
-    "RelativeTolerance": 1e-6,
-    "AbsoluteTolerance": 1e-6,
+    "SafetyFactor": 1.0,
+    "MinimumChangeRate": 0.95,
+    "MaximumChangeRate": 1.05,
+    "ProportionalGain": 0.05,
+    "IntegralGain": 0.05,
+    "RelativeTolerance": 1e-12,
 }
 
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of a system: its name there, its file, its variables, and the parameters and inputs to
-    be set before it starts."""
+    """An FMU of a system: its name there, its file, its variables, the parameters and inputs to be
+    set before it starts, and its terminals."""
 
     name: str
     fmu: Path
     variables: Sequence[Variable]
     values: Mapping[str, float] = field(default_factory=dict)
+    terminals: Sequence[Terminal] = ()
+
+    def shown(self) -> list[Variable]:
+        """Return the variables that a system may connect or set."""
+        return [v for v in self.variables if v.causality != "local" and v.kind != "Enumeration"]
 
     def started(self) -> dict[str, Variable]:
         """Return the inputs and parameters by name."""
-        return {v.name: v for v in self.variables if v.causality in ("input", "parameter")}
+        return {v.name: v for v in self.shown() if v.causality in ("input", "parameter")}
 
 
 class Bond(NamedTuple):
@@ -66,7 +78,8 @@ class Bond(NamedTuple):
 @dataclass(frozen=True)
 class System:
     """Components and what connects them; step: communication step [s]; stop: end [s];
-    algorithm: of libcosim, one of `ALGORITHMS`."""
+    algorithm: of libcosim, one of `ALGORITHMS`; tolerance: energy [J] that ECCO lets a bond lose in
+    a step."""
 
     name: str
     components: Sequence[Component]
@@ -74,6 +87,7 @@ class System:
     step: float
     stop: float
     algorithm: str = ALGORITHMS[0]
+    tolerance: float = 1e-6
 
     def write(self, out: Path) -> tuple[Path, Path]:
         """Write the SSP package and OSP's file into a folder that holds the FMUs; returns both.
@@ -107,7 +121,7 @@ class System:
                     endElement=end,
                     endConnector=taken,
                 )
-        used = (unit(v.unit) for c in self.components for v in _shown(c) if v.kind == "Real")
+        used = (unit(v.unit) for c in self.components for v in c.shown() if v.kind == "Real")
         units = _sub(root, "ssd:Units")
         for each in dict.fromkeys(u.name for u in used):
             _add_unit(units, unit(each))
@@ -154,6 +168,7 @@ class System:
             "StepSize": self.step,
             "MinimumStepSize": _SHORTEST * self.step,
             "MaximumStepSize": _LONGEST * self.step,
+            "AbsoluteTolerance": self.tolerance,
         }
         for name, value in (steps | _ECCO).items():
             SubElement(configuration, name).text = repr(value)
@@ -186,10 +201,6 @@ def _spelled(variable: Variable, value: float | None) -> str:
     return repr(float(value or 0.0)) if variable.kind == "Real" else str(int(value or 0))
 
 
-def _shown(component: Component) -> list[Variable]:
-    return [v for v in component.variables if v.causality != "local"]
-
-
 def _add_component(elements: Element, component: Component) -> None:
     element = _sub(
         elements,
@@ -199,7 +210,7 @@ def _add_component(elements: Element, component: Component) -> None:
         type="application/x-fmu-sharedlibrary",
     )
     connectors = _sub(element, "ssd:Connectors")
-    for variable in _shown(component):
+    for variable in component.shown():
         connector = _sub(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
         attributes = {"unit": unit(variable.unit).name} if variable.kind == "Real" else {}
         _sub(connector, f"ssc:{variable.kind}", **attributes)
@@ -210,6 +221,9 @@ def _add_component(elements: Element, component: Component) -> None:
         type=_EXTENSION,
         source=f"resources/{component.name}.ssv",
     )
+    annotations = _sub(element, "ssd:Annotations")
+    annotation = _sub(annotations, "ssc:Annotation", type=_TERMINALS)
+    annotation.append(terminals_element(component.terminals))
 
 
 def _add_unit(units: Element, of: Unit) -> None:
@@ -235,11 +249,22 @@ def _sub(parent: Element, tag: str, /, **attributes: str) -> Element:
 def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, stop: float) -> System:
     """Return a machine's FMU on the drive train of the examples, which holds its inertia."""
     inertia = float(assemble(machine.rotor).numbers[0].inertia)
-    held = Component(drive.name, drive.fmu, drive.variables, {"J_rotor": inertia, **drive.values})
-    rotor = Component("rotor", fmu, machine.table, {"speed": held.values.get("w_start", 0.0)})
+    load = {"tau_load": "tau_load"}
+    held = replace(
+        drive,
+        values={"J_rotor": inertia, **drive.values},
+        terminals=[shaft_terminal({"w": "w"} | load)],
+    )
+    shaft, *bodies = terminals_of(machine.table)
+    terminals = [shaft_terminal({**shaft.members, **load}), *bodies]
+    speed = {"speed": held.values.get("w_start", 0.0)}
+    rotor = Component("rotor", fmu, machine.table, speed, terminals)
     bond = Bond(
-        "shaft",
+        SHAFT,
         (drive.name, "w", "rotor", "speed"),
         ("rotor", "tau_load", drive.name, "tau_load"),
     )
-    return System(machine.rotor.name or "rotor", (held, rotor), (bond,), step, stop)
+    name = machine.rotor.name or "rotor"
+    energy = 0.5 * inertia * held.values.get("w_target", 0.0) ** 2
+    system = System(name, (held, rotor), (bond,), step, stop)
+    return replace(system, tolerance=_LOST * energy) if energy else system

@@ -27,7 +27,12 @@ CATEGORIES = {
 }
 # FMI 3.0 wants the time among the variables.
 TIME = Variable("time", "Real", "independent", "time", "s")
-_TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
+_TYPES = {
+    "Real": "Float64",
+    "Integer": "Int32",
+    "Boolean": "Boolean",
+    "Enumeration": "Enumeration",
+}
 # The order of the elements in FMI 2.0.
 _ORDER = (
     "CoSimulation",
@@ -198,6 +203,8 @@ def _limits(variable: Variable) -> dict[str, str]:
             attributes["displayUnit"] = shown.display[0]
         if variable.nominal is not None:
             attributes["nominal"] = repr(variable.nominal)
+    if variable.kind == "Enumeration":
+        attributes["declaredType"] = variable.type_name
     if variable.kind != "Boolean":
         for key, limit in (("min", variable.low), ("max", variable.high)):
             if limit is not None:
@@ -235,6 +242,7 @@ def complete(root: Element, table: Sequence[Variable], generated: str) -> Elemen
     pythonfmu writes one."""
     root.set("generationDateAndTime", generated)
     root.append(unit_definitions(table))
+    root.extend(type_definitions(table, 2))
     for element, variable in zip(root.iterfind("ModelVariables/*"), table, strict=True):
         for key, value in _limits(variable).items():
             element[0].set(key, value)
@@ -255,6 +263,23 @@ def unit_definitions(table: Sequence[Variable]) -> Element:
             name, factor = used.display
             SubElement(node, "DisplayUnit", name=name, factor=repr(factor))
     return definitions
+
+
+def type_definitions(table: Sequence[Variable], fmi: int) -> list[Element]:
+    """Return the element with the Enumerations' types, the names of their values among them; none
+    where there is no Enumeration. fmi: 2 or 3."""
+    definitions = Element("TypeDefinitions")
+    for variable in table:
+        if variable.kind != "Enumeration":
+            continue
+        if fmi == 3:
+            node = SubElement(definitions, "EnumerationType", name=variable.type_name)
+        else:
+            simple = SubElement(definitions, "SimpleType", name=variable.type_name)
+            node = SubElement(simple, "Enumeration")
+        for value, name in enumerate(variable.choices):
+            SubElement(node, "Item", name=name, value=str(value))
+    return [definitions] if len(definitions) else []
 
 
 def reached_by(table: Sequence[Variable], variable: Variable) -> list[int]:
@@ -304,6 +329,7 @@ def _fmi3(of: Described, table: Sequence[Variable]) -> Element:
         abilities["fixedInternalStepSize"] = repr(of.step)
     SubElement(root, "CoSimulation", abilities)
     root.append(unit_definitions(table))
+    root.extend(type_definitions(table, 3))
     _common(root, of)
     variables = SubElement(root, "ModelVariables")
     structure = Element("ModelStructure")

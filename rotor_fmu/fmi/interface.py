@@ -106,7 +106,7 @@ def _parameters(rotor: Rotor, is_free: bool) -> list[Variable]:
         ),
         Variable(
             "speed_continuation",
-            "Integer",
+            "Enumeration",
             "parameter",
             "the speed between two communication points: 0 linear (continues the last change), "
             "1 hold (for an input that jumps)",

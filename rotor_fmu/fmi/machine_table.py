@@ -31,7 +31,7 @@ from .solver_parameters import GIVEN, PREFIX, REDUCTION, meaning
 from .variables import Variable
 
 MAGIC, FILE = b"ROTORFMU", "machine.table"
-KINDS = ("Real", "Integer", "Boolean")
+KINDS = ("Real", "Integer", "Boolean", "Enumeration")
 (
     DRIVE,
     LOAD,

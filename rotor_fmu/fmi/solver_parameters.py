@@ -21,7 +21,7 @@ AS_PRESET = "as the preset"
 PREFIX = "solver."
 _PRESET = Variable(
     f"{PREFIX}preset",
-    "Integer",
+    "Enumeration",
     "parameter",
     "named set of settings: " + ", ".join(f"{i} {name}" for i, name in enumerate(PRESETS)),
     start=list(PRESETS).index(DEFAULT_PRESET),
@@ -53,7 +53,7 @@ def _variable(setting: Choice | Number) -> Variable:
     else:
         choices = (AS_PRESET, *setting.values)
         text = f"{setting.text}: " + ", ".join(f"{i} {name}" for i, name in enumerate(choices))
-        kind, unit, start = "Integer", "1", 0
+        kind, unit, start = "Enumeration", "1", 0
         low, high = 0, len(setting.values)
     return Variable(
         name,
@@ -74,6 +74,8 @@ GIVEN = (_PRESET, *(_variable(setting) for setting in SETTINGS))
 _H = GIVEN[1 + NAMES.index("h")]
 _TEXTS = {_H.name: BY_NAME["h"].text}  # where no value leaves it to the preset
 REALTIME = "realtime"
+_UNSET = {v.name: v.start for v in GIVEN}  # the value that leaves it to the preset
+NO_STARTS: Mapping[str, float] = {}
 
 
 def solver_parameters() -> list[Variable]:
@@ -82,26 +84,40 @@ def solver_parameters() -> list[Variable]:
 
 
 def chosen_at_build(
-    table: Sequence[Variable], reduction: int, step: float | None
+    table: Sequence[Variable],
+    reduction: int,
+    step: float | None,
+    starts: Mapping[str, float] = NO_STARTS,
 ) -> tuple[Variable, ...]:
     """Return an FMU's variables with what is chosen when it is built: the modes kept of the shaft,
-    and the step length [s] of an FMU for real time, which begins with the preset `realtime`."""
-    starts: dict[str, float] = {REDUCTION.name: reduction}
+    the step length [s] of an FMU for real time, which begins with the preset `realtime`, and start
+    values of other solver parameters. Raises `SettingsError` for an impossible value."""
+    fixed: dict[str, float] = {REDUCTION.name: reduction}
     if step is not None:
-        starts |= {_PRESET.name: list(PRESETS).index(REALTIME), _H.name: step}
-    return tuple(
-        replace(v, start=starts[v.name], is_unset_at_start=False, text=_TEXTS.get(v.name, v.text))
+        fixed |= {_PRESET.name: list(PRESETS).index(REALTIME), _H.name: step}
+    chosen = tuple(
+        replace(v, start=fixed[v.name], is_unset_at_start=False, text=_TEXTS.get(v.name, v.text))
+        if v.name in fixed
+        else replace(v, start=_as_kind(v, starts[v.name]))
         if v.name in starts
         else v
         for v in table
     )
+    if starts:
+        settings_of({v.name: float(v.start or 0.0) for v in chosen if v.name.startswith(PREFIX)})
+    return chosen
+
+
+def _as_kind(variable: Variable, value: float) -> float | int:
+    return value if variable.kind == "Real" else int(value)
 
 
 def meaning(variable: Variable) -> tuple[float, float]:
     """Return, for one of `GIVEN`, the value that leaves it to the preset, NaN if there is none, and
     the number to subtract from any other."""
-    unset = float(variable.start or 0.0) if variable.is_unset_at_start else math.nan
-    return unset, 1.0 if variable.is_unset_at_start and variable.choices else 0.0
+    if not variable.is_unset_at_start:
+        return math.nan, 0.0
+    return float(_UNSET[variable.name] or 0.0), 1.0 if variable.choices else 0.0
 
 
 def settings_of(

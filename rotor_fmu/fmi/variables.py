@@ -55,10 +55,10 @@ def unit(name: str) -> Unit:
 class Variable:
     """One variable of the FMU.
 
-    kind: Real, Integer or Boolean; causality: input, output, local or parameter; unit: a name that
-    `unit` reads (Reals); choices: the names of an Integer's values, from 0; is_unset_at_start:
-    whether the start value of a solver parameter leaves it to the preset; is_tunable: whether a
-    parameter may change between two steps; reached_by: see
+    kind: Real, Integer, Boolean or Enumeration; causality: input, output, local or parameter; unit:
+    a name that `unit` reads (Reals); choices: the names of an Enumeration's values, from 0;
+    is_unset_at_start: whether the start value of a solver parameter leaves it to the preset;
+    is_tunable: whether a parameter may change between two steps; reached_by: see
     `quantities.Output`.
     """
 
@@ -75,6 +75,12 @@ class Variable:
     is_unset_at_start: bool = False
     is_tunable: bool = False
     reached_by: str = NOTHING
+
+    @property
+    def type_name(self) -> str:
+        """Name of an Enumeration's type, which may be that of no variable: `SolverPreset`."""
+        words = self.name.replace(".", "_").split("_")
+        return "".join(word.capitalize() for word in words)
 
     @property
     def is_observed(self) -> bool:

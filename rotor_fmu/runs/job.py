@@ -16,14 +16,20 @@ from ..errors import InputError
 from ..files import unfinished, write_text
 from ..fmi.binding import build_simulation
 from ..fmi.interface import interface
-from ..fmi.solver_parameters import AS_PRESET, settings_of
+from ..fmi.solver_parameters import (
+    AS_PRESET,
+    PREFIX,
+    REDUCTION,
+    chosen_at_build,
+    settings_of,
+)
 from ..fmi.variables import Variable
 from ..machine_file.plausibility import questions
 from ..machine_file.reading import machine_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
-from ..model.settings import PRESETS, Settings
+from ..model.settings import PRESETS, Settings, SettingsError
 from ..model.simulation import EquilibriumError
 from ..output_options import json_text
 from ..status import FAILED, with_doubt
@@ -84,6 +90,25 @@ def parse_settings(table: Sequence[Variable], settings: Sequence[str]) -> dict[s
             raise InputError(
                 f"--set {name} = {value}: means {AS_PRESET} and changes nothing; leave it out"
             )
+    return values
+
+
+def parse_starts(rotor: Rotor, is_free: bool, settings: Sequence[str]) -> dict[str, float]:
+    """Return the start values of the solver's parameters, and of the FMU's other choices, from
+    `NAME=VALUE` texts.
+
+    Raises `InputError` for another parameter, and for settings that cannot be together.
+    """
+    if not settings:
+        return {}
+    table = [v for v in interface(rotor, is_free) if v.choices or v.name.startswith(PREFIX)]
+    values = parse_settings(table, settings)
+    if REDUCTION.name in values:
+        raise InputError(f"--set {REDUCTION.name}: is chosen by --reduction")
+    try:
+        chosen_at_build(table, 0, None, values)
+    except SettingsError as error:
+        raise InputError(f"--set {error}") from error
     return values
 
 

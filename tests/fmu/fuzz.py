@@ -95,7 +95,10 @@ class Fuzzer:
         self.folder = fmpy.extract(fmu)
         self.description = fmpy.read_model_description(self.folder)
         self.random = random.Random(seed)
-        self.kinds = {v.valueReference: v.type for v in self.description.modelVariables}
+        self.kinds = {
+            v.valueReference: "Integer" if v.type == "Enumeration" else v.type
+            for v in self.description.modelVariables
+        }
         self.refs = {v.name: v.valueReference for v in self.description.modelVariables}
         self.components = [self.new(), self.new()]
         self.counts = {}

@@ -16,6 +16,11 @@ ARRAYS = {"Real": c_double, "Integer": c_int, "Boolean": c_int, "String": c_char
 LOGGER = ctypes.CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p, c_char_p)
 
 
+def called(kind):
+    """The type by whose calls FMI 2.0 sets and reads a variable."""
+    return "Integer" if kind == "Enumeration" else kind
+
+
 def as_c(kind, value):
     """A value as a host of C would hold it."""
     return {"Real": float, "String": lambda _: b""}.get(kind, int)(value)
@@ -106,6 +111,17 @@ class Native:
             *((c_int * count)(*(orders or [1] * count)), (c_double * count)(*values)),
         )
 
+    def directional(self, unknown, known, along):
+        """Directional derivatives of unknowns by inputs."""
+        values = (c_double * len(unknown))()
+        self._call(
+            "GetDirectionalDerivative",
+            *((c_uint * len(unknown))(*unknown), c_size_t(len(unknown))),
+            *((c_uint * len(known))(*known), c_size_t(len(known))),
+            *((c_double * len(known))(*along), values),
+        )
+        return list(values)
+
     @property
     def last_successful_time(self):
         value = c_double()
@@ -113,12 +129,14 @@ class Native:
         return value.value
 
     def get(self, kind, references):
+        kind = called(kind)
         count = len(references)
         values = (ARRAYS[kind] * count)()
         self._call(f"Get{kind}", (c_uint * count)(*references), c_size_t(count), values)
         return list(values)
 
     def set(self, kind, references, values):
+        kind = called(kind)
         count = len(references)
         given = (ARRAYS[kind] * count)(*(as_c(kind, value) for value in values))
         self._call(f"Set{kind}", (c_uint * count)(*references), c_size_t(count), given)
@@ -179,9 +197,11 @@ class Python:
             raise Discarded(self.heard[-1][1])
 
     def get(self, kind, references):
+        kind = called(kind)
         return self._call(f"get_{kind.lower()}", _signed(references))[: len(references)]
 
     def set(self, kind, references, values):
+        kind = called(kind)
         self._call(f"set_{kind.lower()}", _signed(references), [as_c(kind, v) for v in values])
 
     def state(self):

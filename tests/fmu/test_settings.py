@@ -22,7 +22,9 @@ def drawn(draw, table):
     """Values of some of the solver's parameters, by name."""
     chosen = draw.sample(table, draw.choice([0, 1, 1, 2, 2, 3, 4]))
     return {
-        v.name: draw.randint(v.low, v.high) if v.kind == "Integer" else draw.choice(NUMBERS)
+        v.name: draw.randint(v.low, v.high)
+        if v.kind in ("Integer", "Enumeration")
+        else draw.choice(NUMBERS)
         for v in chosen
     }
 

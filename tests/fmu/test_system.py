@@ -12,7 +12,7 @@ from rotor_fmu.cli.systems import ssp
 from rotor_fmu.errors import InputError
 
 from .test_hosts import LIBCOSIM, needs, run
-from .test_schemas import EXAMPLES, SSP, mistakes, osp_schema
+from .test_schemas import EXAMPLES, FMI3, SSP, mistakes, osp_schema
 
 VALUES = SSP.with_name("SystemStructureParameterValues.xsd")
 MACHINE = EXAMPLES / "drop" / "compressor.toml"
@@ -56,6 +56,37 @@ def test_the_package_is_valid_with_units_connectors_and_parameters(folder):
     assert rotor.xpath("//*[@name='speed']/*")[0].get("value") == "0.0"
 
 
+def test_the_terminals_of_both_ends_are_matched_by_what_is_connected(folder):
+    """In the form of FMI 3.0, whose schema they follow."""
+    with zipfile.ZipFile(folder / "System.ssp") as archive:
+        root = etree.fromstring(archive.read("SystemStructure.ssd"))
+    space = {"ssd": root.nsmap["ssd"], "ssc": root.nsmap["ssc"]}
+    shafts, known = {}, {}
+    for component in root.iterfind(".//ssd:Component", space):
+        (terminals,) = component.iterfind(".//ssc:Annotation/Terminals", space)
+        described = etree.Element("fmiTerminalsAndIcons", fmiVersion="3.0")
+        described.append(terminals)
+        assert mistakes(etree.tostring(described), FMI3 / "fmi3TerminalsAndIcons.xsd") == []
+        connectors = {c.get("name") for c in component.iterfind(".//ssd:Connector", space)}
+        for member in terminals.iter("TerminalMemberVariable"):
+            assert member.get("variableName") in connectors
+        name = component.get("name")
+        known[name] = {t.get("name") for t in terminals}
+        shafts[name] = {
+            m.get("memberName"): m.get("variableName")
+            for m in terminals.iterfind("Terminal[@name='shaft']/*")
+        }
+    assert {"disc[1]", "disc[2]", "body[1]"} & known["rotor"]
+    # FMI's rule `bus`: members of the same name are connected
+    both = shafts["drive"].keys() & shafts["rotor"].keys()
+    matched = {frozenset(f"{n}.{shafts[n][m]}" for n in shafts) for m in both}
+    connected = {
+        frozenset(f"{c.get(f'{s}Element')}.{c.get(f'{s}Connector')}" for s in ("start", "end"))
+        for c in root.iterfind(".//ssd:Connection", space)
+    }
+    assert matched == connected
+
+
 @needs("libcosimpy", "pip install libcosimpy")
 @pytest.mark.parametrize("algorithm", ["fixedStep", "ecco"])
 def test_libcosim_runs_it_with_its_power_bond(folder, tmp_path, algorithm):
@@ -72,6 +103,29 @@ def test_libcosim_runs_it_with_its_power_bond(folder, tmp_path, algorithm):
     assert w > 0.0
     assert speed == pytest.approx(w, rel=0.5)
     assert load != 0.0
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+def test_libcosim_opens_the_package_and_steps_as_osps_file_says(folder, tmp_path):
+    rows = []
+    for how, file in (
+        ("from_ssp_file", "System.ssp"),
+        ("from_osp_config_file", "OspSystemStructure.xml"),
+    ):
+        call = [how, str(folder / file), 40, SEEN]
+        run(sys.executable, "-c", LIBCOSIM, json.dumps(call), cwd=tmp_path)
+        rows.append(json.loads((tmp_path / "rows.json").read_text()))
+    assert rows[0] == rows[1]
+    assert rows[0][-1][SEEN.index("w")] > 0.0
+
+
+def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_path):
+    ssp.__wrapped__(rotor=MACHINE, is_native=True, algorithm="ecco", target=200.0, out=tmp_path)
+    root = etree.parse(tmp_path / "OspSystemStructure.xml").getroot()
+    values = {v.get("variable"): float(v[0].get("value")) for v in root.iter("{*}InitialValue")}
+    assert values["continuation"] == 1.0
+    (tolerance,) = root.iter("{*}AbsoluteTolerance")
+    assert float(tolerance.text) == pytest.approx(1e-8 * 0.5 * values["J_rotor"] * 200.0**2)
 
 
 @needs("libcosimpy", "pip install libcosimpy")

@@ -1,11 +1,18 @@
 """The comparison of ways to couple a motor with the rotor through a stiff shaft."""
 
+import re
+
 import fmpy
 import numpy as np
 import pytest
-from rotor_fmu.examples.drive_train import compare
+from rotor_fmu.examples.drive_train import by_energy, compare
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.fmi.packing.native_fmu import build_native
+
+from .test_hosts import needs
+from .test_schemas import FMI2, mistakes, xml_of
 
 STOP, LONG, SHORT = 0.3, 1.5e-2, 1e-4
 
@@ -18,7 +25,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def reference(folder):
-    return compare.couple(folder, "one Newton iteration", SHORT, STOP).w
+    return compare.couple(folder, compare.monolithic, SHORT, STOP).w
 
 
 def test_at_ten_radians_of_the_joint_a_step_one_newton_iteration_holds(folder, reference):
@@ -42,3 +49,61 @@ def test_a_line_is_stable_at_every_step_and_loses_little(folder):
     for h in (5e-4, 3e-3, LONG):
         assert np.isfinite(compare.couple(folder, "transmission line", h, STOP).w).all()
     assert compare.couple(folder, "transmission line", 5e-4, STOP).lost < 1e-4
+
+
+def two_masses(t, inertia):
+    """Speed [rad/s] of the rotor as an inertia on the shaft, and the amplitude of its oscillation,
+    from the closed form of two masses on a spring with a damper."""
+    one, stiffness, damping = compare.J_MOTOR, compare.STIFFNESS, compare.DAMPING
+    reduced = one * inertia / (one + inertia)
+    decay = damping / (2 * reduced)
+    frequency = np.sqrt(stiffness / reduced - decay**2)
+    slip = compare.TORQUE / (one * frequency) * np.exp(-decay * t) * np.sin(frequency * t)
+    share = one / (one + inertia)
+    steady = compare.START + compare.TORQUE * t / (one + inertia)
+    return steady - share * slip, share * compare.TORQUE / (one * frequency)
+
+
+def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is_unbalanced(
+    tmp_path,
+):
+    """To second order in its step."""
+    toml = re.sub(r"mu = [0-9.]+", "mu = 0.0", rig_toml())
+    toml = re.sub(r"\be = [0-9.e-]+", "e = 0.0", toml)
+    fmu = build_native(tmp_path, toml, is_free=True, platforms=["linux64"])
+    folder = fmpy.extract(str(fmu))
+    stop, every = 0.03, 1e-3
+    t = every * np.arange(1, 1 + round(stop / every))
+    inertia = float(assemble(parse_rotor(toml)).numbers[0].inertia)
+    expected, amplitude = two_masses(t, inertia)
+    errors = [
+        np.max(np.abs(compare.couple(folder, compare.monolithic, h, stop, every).w - expected))
+        for h in (1e-4, 5e-5, 2.5e-5)
+    ]
+    assert errors[-1] < 2e-4 * amplitude
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
+    assert np.log2(errors[1] / errors[2]) == pytest.approx(2.0, abs=0.1)
+
+
+def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, reference):
+    errors = [
+        np.max(np.abs(compare.couple(folder, "one Newton iteration", h, STOP).w / reference - 1))
+        for h in (LONG, SHORT)
+    ]
+    assert errors[1] < 0.5 * errors[0] < 5e-4
+
+
+@needs("libcosimpy", "pip install libcosimpy")
+def test_libcosims_ecco_has_a_fifth_of_the_error_of_as_many_fixed_steps(folder, tmp_path):
+    """Of a motor that is switched on, whose shaft rings for a while."""
+    stop, every = 1.8, compare.FINE
+    expected = compare.couple(folder, compare.monolithic, SHORT, stop, every).w
+    given = {"torque": compare.TORQUE, "J": compare.J_MOTOR, "k": compare.STIFFNESS}
+    given |= {"c": compare.DAMPING, "w_start": compare.START}
+    system = by_energy.motor_and_rotor(tmp_path, given)
+    ecco, fixed = by_energy.by_energy(system, 1e-5, stop)
+    assert len(fixed.t) == pytest.approx(len(ecco.t), rel=1e-3)
+    assert ecco.error(expected, every) < fixed.error(expected, every) / 5
+    assert ecco.lost < 1e-4
+    (description,) = xml_of(tmp_path / "MotorOnShaft.fmu").values()
+    assert mistakes(description, FMI2) == []

@@ -167,11 +167,15 @@ def test_a_variable_is_read_as_its_own_type_alone(library, fmu):
     """FMI 3.0 knows no other way, where masters of FMI 2.0 read every output as a Real."""
     m = library.ready()
     refs = {v.name: v.valueReference for v in fmpy.read_model_description(str(fmu)).modelVariables}
-    for name, kind in (("solver.preset", "Int32"), ("bearing[1].contact", "Boolean")):
+    for name, kind, call in (
+        ("solver.preset", "Enumeration", "Int64"),
+        ("solver.steps", "Int32", "Int32"),
+        ("bearing[1].contact", "Boolean", "Boolean"),
+    ):
         vr, value = (ctypes.c_uint32 * 1)(refs[name]), (ctypes.c_double * 1)()
         assert library.c.fmi3GetFloat64(m, vr, ONE, value, ONE) == ERROR
         assert library.heard[-1][2] == f"getFloat64: {name}: is of type {kind}"
-        assert getattr(library.c, f"fmi3Get{kind}")(m, vr, ONE, value, ONE) == 0
+        assert getattr(library.c, f"fmi3Get{call}")(m, vr, ONE, value, ONE) == 0
     library.c.fmi3FreeInstance(m)
 
 

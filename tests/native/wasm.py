@@ -10,7 +10,12 @@ from rotor_fmu.model.kernels.library import find
 from rotor_fmu.library.build import core_digest, library
 from rotor_fmu.library.platforms import WASM
 
-SETTERS = {"Real": "fmi2SetReal", "Integer": "fmi2SetInteger", "Boolean": "fmi2SetBoolean"}
+SETTERS = {
+    "Real": "fmi2SetReal",
+    "Integer": "fmi2SetInteger",
+    "Boolean": "fmi2SetBoolean",
+    "Enumeration": "fmi2SetInteger",
+}
 
 
 class Native:

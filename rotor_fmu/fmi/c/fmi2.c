@@ -31,7 +31,7 @@ static void emit(Instance *m, Status status, const char *category, const char *m
     if (host && host->logger)
         host->logger(m->environment, m->name, status, category, "%s", message);
 }
-static const Skin SKIN = {emit, {"Real", "Integer", "Boolean"}};
+static const Skin SKIN = {emit, {"Real", "Integer", "Boolean", "Enumeration"}};
 
 EXPORT const char *fmi2GetTypesPlatform(void)
 {
@@ -107,7 +107,7 @@ EXPORT fmi2Status fmi2CancelStep(fmi2Component c)
 
 /* --- values --------------------------------------------------------------------------------- */
 
-/* Integers and Booleans can be read as Reals too, as some masters do with every output. */
+/* Integers, enumerations and Booleans can be read as Reals too, as some masters do with every output. */
 #define VALUES(READ, KIND, TYPE, NAME)                                                           \
     static void put##NAME(void *values, size_t i, double value)                                  \
     {                                                                                            \

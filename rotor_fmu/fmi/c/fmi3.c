@@ -35,7 +35,7 @@ static void emit(Instance *m, Status status, const char *category, const char *m
     if (log)
         log(m->environment, status, category, message);
 }
-static const Skin SKIN = {emit, {"Float64", "Int32", "Boolean"}};
+static const Skin SKIN = {emit, {"Float64", "Int32", "Boolean", "Enumeration"}};
 
 EXPORT const char *fmi3GetVersion(void)
 {
@@ -159,6 +159,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 si
 VALUES(A_REAL, Float64)
 VALUES(AN_INTEGER, Int32)
 VALUES(A_BOOLEAN, Boolean)
+VALUES(AN_ENUMERATION, Int64)
 
 #define NO_VALUES(NAME)                                                                          \
     EXPORT fmi3Status fmi3Get##NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n,     \
@@ -179,7 +180,6 @@ NO_VALUES(UInt8)
 NO_VALUES(Int16)
 NO_VALUES(UInt16)
 NO_VALUES(UInt32)
-NO_VALUES(Int64)
 NO_VALUES(UInt64)
 NO_VALUES(String)
 

@@ -34,7 +34,7 @@ static void receive(Instance *m, Status status, const char *category, const char
     (void)category;
     ((Receive)m->host)(m->environment, status, message);
 }
-static const Skin SKIN = {receive, {"Real", "Integer", "Boolean"}};
+static const Skin SKIN = {receive, {"Real", "Integer", "Boolean", "Enumeration"}};
 /* An instance that tells all to `told`; the rest of its life is FMI 2.0's functions. */
 EXPORT Instance *rotor_instantiate(const char *name, const void *table, size_t size, Receive receiver,
                                    void *environment)

@@ -19,7 +19,7 @@
 
 typedef enum { OK, WARNING, DISCARD, ERROR, FATAL } Status; /* FMI's numbers */
 /* Of a variable, or what a host asks for: of no kind there are no variables. */
-typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, NO_KIND, ANY_KIND } Kind;
+typedef enum { A_REAL, AN_INTEGER, A_BOOLEAN, AN_ENUMERATION, NO_KIND, ANY_KIND } Kind;
 typedef enum { INSTANTIATED, INITIALIZING, STEPPING, FAILED, TERMINATED } Phase;
 
 /* What a variable is to the run; the places that parameters of the machine take are `Write`s. */
@@ -89,7 +89,7 @@ typedef struct Instance Instance;
 /* A version of FMI: how its hosts are told, and what it calls the kinds of variables. */
 typedef struct {
     void (*emit)(Instance *, Status, const char *category, const char *message);
-    const char *kinds[3];
+    const char *kinds[NO_KIND];
 } Skin;
 struct Instance {
     const Table *table;

@@ -6,6 +6,13 @@
 
 #include "kernels.h"
 
+/* An enumeration is read and set as an Integer too: so FMI 2.0 does, and hosts that set numbers. */
+static int is_of(int64_t own, Kind asked)
+{
+    return asked == ANY_KIND || own == (int64_t)asked
+           || (own == AN_ENUMERATION && asked == AN_INTEGER);
+}
+
 static Status check_references(Instance *m, int is_set, Kind kind, const char *name,
                                const uint32_t *references, size_t count, const void *values)
 {
@@ -18,7 +25,7 @@ static Status check_references(Instance *m, int is_set, Kind kind, const char *n
             return refuse(m, "%s%s: value reference %lu: there is none; they go to %d", call, name,
                           (unsigned long)references[i], (int)t->variables - 1);
         int64_t own = variables(t)[references[i]].kind;
-        if (own != (int64_t)kind && kind != ANY_KIND)
+        if (!is_of(own, kind))
             return refuse(m, "%s%s: %s: is of type %s", call, name, name_of(m, references[i]),
                           m->skin->kinds[own]);
     }
@@ -62,7 +69,8 @@ static Status check_value(Instance *m, uint32_t reference, double value)
 {
     const Variable *v = variables(m->table) + reference;
     const char *name = name_of(m, reference);
-    int is_outside = v->kind == AN_INTEGER && !(v->low <= value && value <= v->high);
+    int is_whole = v->kind == AN_INTEGER || v->kind == AN_ENUMERATION;
+    int is_outside = is_whole && !(v->low <= value && value <= v->high);
     char shown[LONGEST] = "";
     if (!isfinite(value) || is_outside)
         add_number(shown, value, 17);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,20 +73,22 @@ class FmuKind:
         reduction: int,
         platforms: Sequence[str] | None,
         step: float | None,
+        starts: Mapping[str, float],
     ) -> Path:
         """Build it of a machine file's text (None: the paper's rig), and return its path.
 
-        Parameters are those of `rotor_fmu.build_fmu`, whose errors are raised.
+        Parameters are those of `rotor_fmu.build_fmu`, whose errors are raised; starts: start values
+        of solver parameters and choices by name, as numbers.
         """
         if self.is_source:
             from .source_fmu import build_source
 
-            return build_source(folder, toml, is_free, self.fmi, reduction, step)
+            return build_source(folder, toml, is_free, self.fmi, reduction, step, starts)
         if self.is_native:
             from .native_fmu import build_native
 
             chosen = platforms or self.platforms
-            return build_native(folder, toml, is_free, self.fmi, chosen, reduction, step)
+            return build_native(folder, toml, is_free, self.fmi, chosen, reduction, step, starts)
         from .python_fmu import build
 
-        return build(folder, toml, is_free, reduction, platforms or None)
+        return build(folder, toml, is_free, reduction, platforms or None, starts)

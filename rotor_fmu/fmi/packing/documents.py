@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from string import Template
-from xml.etree.ElementTree import Element, SubElement
+from xml.etree.ElementTree import Element
 
 from ...about import __version__
 from ...model.machine.rotor import Rotor
 from ...model.machine.toml import rig
 from ..description import summary
+from ..terminals import terminals_element, terminals_of
 from ..variables import Variable
 from .archive import xml_bytes
 from .related_files import related_files
@@ -115,37 +116,7 @@ def _licence(of: str) -> bytes:
 
 
 def terminals(table: Sequence[Variable]) -> bytes:
-    """Return terminalsAndIcons.xml: the shaft as a rotational flange, and each body's forces and
-    displacements. FMI 2.0 takes them as FMI 3.0 defines them."""
-    names = {variable.name for variable in table}
+    """Return terminalsAndIcons.xml. FMI 2.0 takes terminals as FMI 3.0 defines them."""
     root = Element("fmiTerminalsAndIcons", fmiVersion="3.0")
-    group = SubElement(root, "Terminals")
-    shaft = SubElement(
-        group,
-        "Terminal",
-        name="shaft",
-        matchingRule="bus",
-        terminalKind="rotational.flange",
-        description="the driven end: motion one way, torque the other",
-    )
-    free = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
-    driven = {"w": "speed", "phi": "phi", "tau": "tau"}
-    for member, variable in (free if "tau_drive" in names else driven).items():
-        _member(shaft, member, variable)
-    bodies = [name.removesuffix(".fx") for name in names if name.endswith(".fx")]
-    for body in sorted(bodies):
-        terminal = SubElement(group, "Terminal", name=body, matchingRule="bus", terminalKind="body")
-        for member in ("fx", "fy", "x", "y"):
-            if f"{body}.{member}" in names:
-                _member(terminal, member, f"{body}.{member}")
+    root.append(terminals_element(terminals_of(table)))
     return xml_bytes(root)
-
-
-def _member(terminal: Element, member: str, variable: str) -> None:
-    SubElement(
-        terminal,
-        "TerminalMemberVariable",
-        memberName=member,
-        variableName=variable,
-        variableKind="signal",
-    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ...library.build import core_digest
@@ -13,7 +13,7 @@ from ...model.settings import choose
 from ..description import TIME, Described, description, guid
 from ..interface import interface
 from ..machine_table import FILE, FmuInterface, table_bytes
-from ..solver_parameters import REALTIME, chosen_at_build
+from ..solver_parameters import NO_STARTS, REALTIME, chosen_at_build
 from ..variables import Variable
 from .archive import DESCRIPTION, xml_bytes
 from .documents import documents
@@ -50,16 +50,21 @@ def fmu_identifier(rotor: Rotor, is_free: bool = False, kind: str = "") -> str:
 
 
 def machine_of(
-    toml: str | None, is_free: bool, reduction: int, step: float | None = None
+    toml: str | None,
+    is_free: bool,
+    reduction: int,
+    step: float | None = None,
+    starts: Mapping[str, float] = NO_STARTS,
 ) -> Machine:
     """Return the machine of a TOML text, by default the paper's rig; reduction: component modes
-    kept of the shaft, 0 for all of it; step: of an FMU for real time [s]. Raises `QuantityError`
-    for an impossible rotor and `SettingsError` for an impossible step."""
+    kept of the shaft, 0 for all of it; step: of an FMU for real time [s]; starts: start values of
+    solver parameters by name. Raises `QuantityError` for an impossible rotor and `SettingsError`
+    for an impossible step or start value."""
     if step is not None:
         choose(REALTIME, h=step)
     toml = rig_toml() if toml is None else toml
     rotor = parse_rotor(toml)
-    table = chosen_at_build(interface(rotor, is_free), reduction, step)
+    table = chosen_at_build(interface(rotor, is_free), reduction, step, starts)
     return Machine(toml, rotor, table, is_free, step)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...library.build import library
 from ...library.platforms import PLATFORMS, Platform
 from ...library.universal import universal
 from ..description import Described
+from ..solver_parameters import NO_STARTS
 from .archive import write_archive
 from .machine_files import NATIVE, machine_files, machine_of
 
@@ -21,17 +22,19 @@ def build_native(
     platforms: Sequence[str] = tuple(PLATFORMS),
     reduction: int = 0,
     step: float | None = None,
+    starts: Mapping[str, float] = NO_STARTS,
 ) -> Path:
     """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
     `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
     standard; platforms: of `library.platforms.PLATFORMS`; reduction: component modes kept of the
-    shaft, 0 for all of it; step: fixed step length of an FMU for real time [s]. Raises
-    `QuantityError` for an impossible rotor, `SettingsError` for an impossible step, `CoreError`
-    where a library is missing and cannot be made, and `OSError` if `out` cannot be written.
+    shaft, 0 for all of it; step: fixed step length of an FMU for real time [s]; starts: start
+    values of solver parameters by name. Raises `QuantityError` for an impossible rotor,
+    `SettingsError` for an impossible step or start value, `CoreError` where a library is missing
+    and cannot be made, and `OSError` if `out` cannot be written.
     """
-    machine = machine_of(rotor_toml, is_free, reduction, step)
+    machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(NATIVE)
     contents = machine_files(machine, Described(machine.rotor, name), fmi)
     contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)

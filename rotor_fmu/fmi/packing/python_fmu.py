@@ -6,13 +6,14 @@ from __future__ import annotations
 import hashlib
 import tempfile
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...library.build import CoreError, core_digest, library
 from ...library.platforms import PLATFORMS
 from ...model.kernels.library import find, here
 from ..description import Described
+from ..solver_parameters import NO_STARTS
 from .archive import contents_of, wrap, write_archive
 from .machine_files import Machine, machine_files, machine_of
 
@@ -29,17 +30,19 @@ def build(
     is_free: bool = False,
     reduction: int = 0,
     platforms: Sequence[str] | None = None,
+    starts: Mapping[str, float] = NO_STARTS,
 ) -> Path:
     """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
     `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; reduction: component modes kept
     of the shaft, 0 for all of it; platforms: of `SYSTEMS`, by default those whose library is there,
-    this machine's if there is none. Raises `QuantityError` for an impossible rotor, `CoreError`
+    this machine's if there is none; starts: start values of solver parameters by name. Raises
+    `QuantityError` for an impossible rotor, `SettingsError` for impossible values, `CoreError`
     where a library is missing and cannot be made, and `OSError` if `out` cannot be written. Equal
     sources give equal bytes.
     """
-    machine = machine_of(rotor_toml, is_free, reduction)
+    machine = machine_of(rotor_toml, is_free, reduction, starts=starts)
     libraries = _libraries(platforms)
     contents = _contents(machine, libraries)
     out.mkdir(parents=True, exist_ok=True)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
 from ...library.source import source_files
 from ..description import Described
+from ..solver_parameters import NO_STARTS
 from .archive import write_archive, xml_bytes
 from .machine_files import SOURCE, machine_files, machine_of
 
@@ -18,17 +20,19 @@ def build_source(
     fmi: int = 2,
     reduction: int = 0,
     step: float | None = None,
+    starts: Mapping[str, float] = NO_STARTS,
 ) -> Path:
     """Build the FMU of a machine, driven by its speed or, where is_free, by a torque, in the folder
     `out` and return its path, which `machine_files.fmu_identifier` names. A host compiles it.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
     standard; reduction: component modes kept of the shaft, 0 for all of it; step: fixed step length
-    of an FMU for real time [s]. Raises `QuantityError` for an impossible rotor, `SettingsError` for
-    an impossible step, `InputError` where a tool that makes C of the kernels is missing,
-    `CoreError` where it fails, and `OSError` if `out` cannot be written.
+    of an FMU for real time [s]; starts: start values of solver parameters by name. Raises
+    `QuantityError` for an impossible rotor, `SettingsError` for an impossible step or start value,
+    `InputError` where a tool that makes C of the kernels is missing, `CoreError` where it fails,
+    and `OSError` if `out` cannot be written.
     """
-    machine = machine_of(rotor_toml, is_free, reduction, step)
+    machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(SOURCE)
     sources = source_files()
     compiled = tuple(sorted(file for file in sources if file.endswith(".c")))

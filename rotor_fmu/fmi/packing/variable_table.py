@@ -46,4 +46,6 @@ def _start(variable: Variable) -> str:
         return ""
     if variable.kind == "Boolean":
         return str(variable.start).lower()
+    if variable.choices:
+        return variable.choices[int(variable.start)]
     return f"{variable.start:g}"

@@ -2,7 +2,12 @@
 
 const FEW = 20;
 const STATUS = { WARNING: 1 };
-const CALL = { Real: "fmi2SetReal", Integer: "fmi2SetInteger", Boolean: "fmi2SetBoolean" };
+const CALL = {
+  Real: "fmi2SetReal",
+  Integer: "fmi2SetInteger",
+  Boolean: "fmi2SetBoolean",
+  Enumeration: "fmi2SetInteger",
+};
 
 // An instance of a machine. wasm, table: bytes; tell: is handed each message with its status.
 async function instanceOf(wasm, table, tell) {

@@ -1,0 +1,64 @@
+"""Terminals of an FMU: which of its variables make one joint, as FMI 3.0 describes them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement
+
+from .variables import Variable
+
+SHAFT = "shaft"
+_FREE = {"w": "w", "phi": "phi", "a": "a", "tau": "tau_drive"}
+_DRIVEN = {"w": "speed", "phi": "phi", "tau": "tau"}
+_OF_BODIES = ("fx", "fy", "x", "y")
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """A terminal: its name and kind, and its variables by the names of its members."""
+
+    name: str
+    kind: str
+    members: Mapping[str, str]
+    text: str = ""
+
+
+def shaft_terminal(members: Mapping[str, str]) -> Terminal:
+    """Return the end of a shaft as a rotational flange."""
+    text = "the driven end: motion one way, torque the other"
+    return Terminal(SHAFT, "rotational.flange", members, text)
+
+
+def terminals_of(table: Sequence[Variable]) -> list[Terminal]:
+    """Return the terminals of a machine: the shaft's driven end, and each body's forces and
+    displacements."""
+    names = {variable.name for variable in table}
+    bodies = sorted(name.removesuffix(".fx") for name in names if name.endswith(".fx"))
+    return [
+        shaft_terminal(_FREE if "tau_drive" in names else _DRIVEN),
+        *(
+            Terminal(body, "body", {m: f"{body}.{m}" for m in _OF_BODIES if f"{body}.{m}" in names})
+            for body in bodies
+        ),
+    ]
+
+
+def terminals_element(terminals: Iterable[Terminal]) -> Element:
+    """Return FMI 3.0's element with terminals, whose members are matched by their names."""
+    group = Element("Terminals")
+    for terminal in terminals:
+        element = SubElement(
+            group, "Terminal", name=terminal.name, matchingRule="bus", terminalKind=terminal.kind
+        )
+        if terminal.text:
+            element.set("description", terminal.text)
+        for member, variable in terminal.members.items():
+            SubElement(
+                element,
+                "TerminalMemberVariable",
+                memberName=member,
+                variableName=variable,
+                variableKind="signal",
+            )
+    return group
