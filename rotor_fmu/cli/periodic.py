@@ -17,7 +17,7 @@ from .speeds import one_speed, speed_range
 
 if TYPE_CHECKING:
     from ..model.periodic.branch import Solution
-    from ..periodic.answers import ResponseResult
+    from ..periodic.result import ResponseResult
 
 _EVERY = 2.0  # seconds between two lines of progress
 _CHECKED = 8  # points that are taken into time

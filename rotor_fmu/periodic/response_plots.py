@@ -13,7 +13,7 @@ from ..figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
 
 if TYPE_CHECKING:
-    from .answers import ResponseResult
+    from .result import ResponseResult
 
 _COLORS = (BLUE, ORANGE, GREEN, "#cc79a7", "#56b4e9")
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
@@ -43,7 +43,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
             branch = result.branches[i - 1]
             for b in branch.bifurcations:
                 near = branch.points[max(0, b.behind)]
-                y = result._quantities(near, name)["r_amp"] * 1e6
+                y = result.amplitude(near, name) * 1e6
                 axes.plot(b.value, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
