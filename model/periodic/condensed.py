@@ -169,6 +169,16 @@ class Condensed:
         of_force = force[:, :b] - np.einsum("kbr,kr->kb", whole[:, :b, b:], own)
         return Harmonics(S, of_force, own, by_b)
 
+    @property
+    def state_places(self) -> np.ndarray:
+        """Where the own states of the nonlinear interfaces lie among a run's internal states."""
+        places = [
+            np.arange(i.internal_state, i.internal_state + i.states)
+            for i, is_in in zip(self.structure.interfaces, self.is_in, strict=True)
+            if is_in
+        ]
+        return np.concatenate(places).astype(int) if places else np.zeros(0, int)
+
     def expanded(self, parts: Harmonics, b: np.ndarray) -> np.ndarray:
         """All displacements of complex amplitudes b, shape (H + 1, b): x, y of every dof and
         housing in turn, complex, shape (H + 1, 2 size)."""

@@ -88,14 +88,7 @@ def stay(
         plane = (factor**power * motion).sum(axis=0).real
         target[:] = plane[::2] + 1j * plane[1::2]
     series = amplitudes(orbit.own).real.sum(axis=0)
-    places = np.concatenate(
-        [
-            np.arange(i.internal_state, i.internal_state + i.states)
-            for i, is_in in zip(run.structure.interfaces, machine.is_in, strict=True)
-            if is_in
-        ]
-    ).astype(int)
-    state.internal_state[places] = series
+    state.internal_state[machine.state_places] = series
     start = state.q.copy()
     size = float(np.abs(motion[1:, : 2 * (len(start) - 1)]).sum(axis=0)[::2].max())
     period = 2 * math.pi / orbit.omega

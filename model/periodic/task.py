@@ -82,12 +82,7 @@ def check(rotor: Rotor, task: Task) -> None:
     """Raise `PeriodicError` or `QuantityError` for what cannot be asked of a machine."""
     if not task.low < task.high:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
-    for where, part in rotor.named_parts():
-        if any(law.bow is not None for law in part.LAWS):
-            raise PeriodicError(
-                f"{where}: its heat bows the shaft more slowly than a motion repeats; a contact in "
-                "its place rubs without heat"
-            )
+    check_parts(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
     for speed in speeds:
         if not 0 < speed < math.inf:
@@ -98,6 +93,16 @@ def check(rotor: Rotor, task: Task) -> None:
     if task.name != SPEED:
         for value in (task.low, task.high):
             rotor.with_value(task.name, value)
+
+
+def check_parts(rotor: Rotor) -> None:
+    """Raise `PeriodicError` for a part whose tangents do not hold over a turn."""
+    for where, part in rotor.named_parts():
+        if any(law.bow is not None for law in part.LAWS):
+            raise PeriodicError(
+                f"{where}: its heat bows the shaft more slowly than a motion repeats; a contact in "
+                "its place rubs without heat"
+            )
 
 
 def machines_of(rotor: Rotor, task: Task) -> Machines:

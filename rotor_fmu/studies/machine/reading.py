@@ -12,6 +12,7 @@ from typing import Any
 from ...errors import InputError
 from ...fmi.binding import load_names
 from ...fmi.variables import Variable
+from ...model.periodic.task import check_parts
 from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole
@@ -185,6 +186,8 @@ def _metric(
     scale = _radius(machine, of) if kind == "dissipated" else 0.0
     metric = Metric(name, kind, of, tuple(checked.items()), scale)
     check(metric, how)
+    if kind == "lyapunov":
+        check_parts(machine.rotor)
     for need in metric.needs:
         if need not in units:
             parts = {n.rpartition(".")[0] for n in units if "." in n}

@@ -227,8 +227,13 @@ def _levels(simulation: Simulation, how: Excitation, monitor: Monitor) -> Iterat
             per_turn = int(n["per_turn"])
             count, interval = int(n["turns"]) * per_turn, math.tau / abs(speed) / per_turn
         monitor.begin()
+        parts = monitor.parts(per_turn) if per_turn else 1
         for k in range(1, count + 1):
+            for j in range(1, parts):
+                simulation.advance(begun + (k - 1 + j / parts) * interval, speed)
+                monitor.sample_interfaces()
             simulation.advance(begun + k * interval, speed)
+            monitor.sample_interfaces()
             monitor.record()
             if per_turn:
                 monitor.sample()
