@@ -1,8 +1,8 @@
 """Continuation of a curve of solutions R(x, lambda) = 0 by its arclength (Keller 1977).
 
 The length of a step is measured in (x, (lambda - lambda_0) / scale). The predictor goes along the
-tangent, or along the last chord where that fails (a corner of a force law); Newton's method
-corrects at right angles to it.
+tangent, or along that beyond where it jumps (a corner of a force law); Newton's method corrects at
+right angles to it.
 """
 
 from __future__ import annotations
@@ -185,22 +185,23 @@ def onward(equations: Equations, point: Point, length: float, scale: float) -> P
 
 def trace(
     equations: Equations, start: Point, scale: float, low: float, high: float, steps: Steps
-) -> Generator[Point, tuple[Equations, Point] | None, None]:
-    """Points of the curve from `start` on, until lambda leaves [low, high]: the last point is at
-    that end. Raises `Lost` where no step is short enough.
+) -> Generator[tuple[Point, float], tuple[Equations, Point] | None, None]:
+    """Points of the curve from `start` on, each with the length of the next step, until lambda
+    leaves [low, high]: the last point is at that end. Raises `Lost` where no step is short enough.
 
     What is sent in, (equations, point), takes the place of the equations and of the last point:
     with other harmonics.
     """
     point, length = start, steps.first
-    chord: np.ndarray | None = None
     for _ in range(steps.points):
         try:
             ahead = point.value + length * scale * point.by_value
             if not low <= ahead <= high:
                 end = low if ahead < low else high
+                if point.value == end:
+                    return
                 share = (end - point.value) / (scale * point.by_value)
-                yield _at_end(equations, point, share, end)
+                yield _at_end(equations, point, share, end), length
                 return
             result = onward(equations, point, length, scale)
             turned = float(result.tangent @ point.tangent + result.by_value * point.by_value)
@@ -215,30 +216,24 @@ def trace(
             length *= _SHRINK
             if length >= steps.least:
                 continue
-            corner = _around_corner(equations, point, chord, steps, scale)
+            corner = _around_corner(equations, point, steps, scale)
             if corner is None:
                 raise Lost(error.corrections) from None
             result, length = corner, 16 * steps.least
-        chord = np.append(result.x - point.x, (result.value - point.value) / scale)
-        iterations = len(result.corrections)
-        point = result
-        taken = yield point
-        if taken is not None:
-            equations, point = taken
-            chord = None
-        if iterations < _AIM:
+        if len(result.corrections) < _AIM:
             length *= _GROW
-        elif iterations > _AIM + 1:
+        elif len(result.corrections) > _AIM + 1:
             length *= 0.7
         length = min(length, steps.most)
+        point = result
+        taken = yield point, length
+        if taken is not None:
+            equations, point = taken
 
 
-def _around_corner(
-    equations: Equations, point: Point, chord: np.ndarray | None, steps: Steps, scale: float
-) -> Point | None:
+def _around_corner(equations: Equations, point: Point, steps: Steps, scale: float) -> Point | None:
     """A point beyond a corner of the curve, where its tangent jumps: in the tangent's direction a
     little way on, where the forces are others; None where there is none."""
-    del chord
     plane = np.append(point.tangent, point.by_value)
     for length in (4 * steps.least, 64 * steps.least, 1e3 * steps.least):
         x = point.x + length * point.tangent

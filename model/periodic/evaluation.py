@@ -40,7 +40,7 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
         result.machines(),
         value,
         max(a.orbit.H, b.orbit.H),
-        turns=task.turns,
+        turns=a.orbit.turns,
         is_autonomous=task.is_whirl,
         omega=a.orbit.omega,
     )
@@ -81,7 +81,7 @@ def folds_over(
     for end in (low, high):
         rotor.with_value(name, end)
     first = result.machines()
-    base = task.problem(first, fold.value, fold.orbit.H, turns=task.turns)
+    base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
 
     @cached
     def problem_at(value: float) -> Problem:
@@ -96,7 +96,7 @@ def folds_over(
             machines,
             fold.value,
             fold.orbit.H,
-            turns=task.turns,
+            turns=fold.orbit.turns,
             is_autonomous=task.is_whirl,
             omega=fold.orbit.omega,
             length=base.lengths,

@@ -12,6 +12,7 @@ import numpy as np
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import tables_of
 from ..quantities import QuantityError
+from ..spelling import Message
 from .arclength import Steps
 from .balance import Orbit, Parameter, Problem, cached
 from .branch import Accuracy, Branch
@@ -32,7 +33,9 @@ class Task:
     constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are,
     values at which runs in time seed further branches; is_whirl: of the machine
     without unbalance, that which whirls by itself; begin: an orbit
-    from which alone branches are followed, at the machine's own value of the parameter."""
+    from which alone branches are followed, at the machine's own value of the parameter;
+    has_branches: whether those are followed too that begin at period doublings and branch
+    points."""
 
     low: float
     high: float
@@ -45,6 +48,7 @@ class Task:
     seeds: tuple[float, ...] = ()
     is_whirl: bool = False
     begin: Orbit | None = None
+    has_branches: bool = False
 
     @property
     def parameter(self) -> Parameter:
@@ -66,12 +70,14 @@ class Task:
 
 @dataclass
 class Response:
-    """Branches of a task, and what is to be said of them, a line each."""
+    """Branches of a task, and what is to be said of them, a line each; is_stopped: whether
+    it was interrupted."""
 
     rotor: Rotor
     task: Task
     branches: list[Branch] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    notes: list[Message] = field(default_factory=list)
+    is_stopped: bool = False
 
     def machines(self) -> Machines:
         """The machine over the parameter."""

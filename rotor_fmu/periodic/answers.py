@@ -16,6 +16,7 @@ from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import Steps
 from ..model.periodic.branch import Accuracy, Solution
+from ..model.periodic.journal import Journal
 from ..model.periodic.response import response
 from ..model.periodic.task import SPEED, Task
 from ..model.quantities import QuantityError
@@ -61,7 +62,9 @@ def answer(
     seeds: Sequence[float] = (),
     whirl: bool = False,
     start: Solution | None = None,
+    branches: bool = False,
     tell: Callable[[str, Solution], None] = lambda _, __: None,
+    journal: Journal | None = None,
 ) -> ResponseResult:
     """Periodic motions of a machine over its speed, or over another parameter.
 
@@ -72,7 +75,9 @@ def answer(
     longest along the curve, in clearances and shares of the range; seeds: values of the parameter
     where runs in time look for further branches; whirl: of the machine without its unbalance, the
     backward whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or
-    `points`, from which alone branches are followed. Raises `InputError` for what cannot be.
+    `points`, from which alone branches are followed; branches: whether those that begin at period
+    doublings and branch points are followed too; tell: hears of every point; journal: of what an
+    earlier call came to, and of what this one does. Raises `InputError` for what cannot be.
     """
     rotor = rotor_of(machine)
     if parameters:
@@ -115,8 +120,9 @@ def answer(
         tuple(float(s) for s in seeds),
         whirl,
         None if start is None else start.orbit,
+        branches,
     )
     try:
-        return ResponseResult(response(rotor, task, tell))
+        return ResponseResult(response(rotor, task, tell, journal))
     except QuantityError as error:
         raise InputError(str(error)) from error

@@ -27,7 +27,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LARGEST = 4096  # points of a period that `orbit` gives at most
-QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_phase", "x", "y")
+# What a motion of a place has, with its unit.
+UNITS = {
+    "r_amp": "m",
+    "x_amp": "m",
+    "y_amp": "m",
+    "x_1x": "m",
+    "y_1x": "m",
+    "x_1x_phase": "rad",
+    "y_1x_phase": "rad",
+    "x": "m",
+    "y": "m",
+}
+QUANTITIES = tuple(UNITS)
 
 
 class Curve(NamedTuple):

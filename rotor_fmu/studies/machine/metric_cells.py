@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ..study import Cell
-from .metrics import KINDS, Metric, Options, spectrum_orders
+from .metrics import KINDS, Metric, Options, edges_of, spectrum_orders
 from .monitor import Samples, Window
 from .run_excitation import Excitation
 
@@ -78,8 +78,7 @@ def _value(metric: Metric, window: Window, options: Options) -> float:
 
 
 def _amplitude(metric: Metric, window: Window, options: Options) -> list[float]:
-    bins = options["bins"]
-    edges = np.linspace(bins["from"], bins["to"], int(bins["count"]) + 1)
+    edges = edges_of(options["bins"])
     values, w = np.abs(_quantity(metric, window.steps)), window.steps.columns["w"]
     at = np.digitize(w, edges) - 1
     at[w == edges[-1]] = len(edges) - 2  # the last bin has both of its ends

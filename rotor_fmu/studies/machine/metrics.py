@@ -25,7 +25,7 @@ class Kind(NamedTuple):
     with the options; whether nothing less than the solver's own steps will do."""
 
     needed: tuple[str, ...]
-    optional: Mapping[str, float]
+    optional: Mapping[str, Any]
     in_turns: bool
     text: str
     is_fine: bool = False
@@ -116,9 +116,7 @@ def column(metric: Metric, unit: str, drive: Excitation, is_varied: bool) -> Col
     if metric.kind == "jump":
         return Column(metric.name, unit, text)
     if metric.kind == "amplitude":
-        bins = options["bins"]
-        edges = np.linspace(bins["from"], bins["to"], int(bins["count"]) + 1)
-        middles = tuple((0.5 * (edges[1:] + edges[:-1])).tolist())
+        middles = bin_middles(options["bins"])
         return Column(metric.name, unit, text, f"{metric.name} speed", middles, "rad/s")
     if metric.kind == "poincare":
         return Column(metric.name, unit, text, "turn")
@@ -129,6 +127,17 @@ def column(metric: Metric, unit: str, drive: Excitation, is_varied: bool) -> Col
         held = () if is_varied else tuple(drive.speeds.tolist())
         return Column(metric.name, unit, text, "held speed", held, "rad/s")
     return Column(metric.name, unit, text)
+
+
+def edges_of(bins: Mapping[str, Any]) -> np.ndarray:
+    """Return the edges of bins."""
+    return np.linspace(bins["from"], bins["to"], int(bins["count"]) + 1)
+
+
+def bin_middles(bins: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the middles of bins."""
+    edges = edges_of(bins)
+    return tuple((0.5 * (edges[1:] + edges[:-1])).tolist())
 
 
 def spectrum_orders(highest: float, turns: int) -> np.ndarray:

@@ -91,12 +91,23 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
         "stop": _STOP,
         "step": Number("s", 2e-3, True, "communication step of the two FMUs"),
     },
+    "response": {
+        "from": Number("", None, False, "lowest speed [rad/s], or value of `over`"),
+        "to": Number("", None, False, "highest"),
+        "speed": Number("rad/s", 0.0, False, "the one speed, with `over`"),
+        "period": Number("1", 1.0, True, "revolutions in a period"),
+        "harmonics": Number("1", 60.0, True, "harmonics of the speed, at most"),
+        "share": Number("1", 1e-4, True, "what the highest harmonics may be of the motion"),
+        "length": Number("1", 0.1, True, "longest step along the curve"),
+        "branches": Number("1", 0.0, False, "1: branches from period doublings and branch points"),
+    },
 }
 FREE = ("drop", "motor")  # the rotor's speed is a state
-WHOLE = ("turns", "per_turn", "count", "back")
+WHOLE = ("turns", "per_turn", "count", "back", "period", "harmonics", "branches")
 _NOT_NEGATIVE = ("settle", "measure", "back", "integral", "damping")
 LEVELS = ("constant", "steps")
 COUPLED = "drive-train"  # the kind of which a run is two FMUs
+RESPONSE = "response"  # the kind of which a run is a periodic response, and nothing in time
 _STANDS = 1e-9  # share of the highest speed that rounding leaves of none
 
 
@@ -113,13 +124,15 @@ class Kick:
 
 @dataclass(frozen=True)
 class Excitation:
-    """How a run is driven: its kind, the kind's numbers, recorded signals, a kick."""
+    """How a run is driven: its kind, the kind's numbers, recorded signals, a kick; of a
+    response what is varied along the curve, empty for the speed."""
 
     kind: str
     numbers: Mapping[str, float]
     signals: Signals | None = None
     kick: Kick | None = None
     loads: tuple[tuple[str, str], ...] = field(default=())
+    over: str = ""
 
     def changed(self, values: Mapping[str, float]) -> Excitation:
         """Return the drive with some of its numbers replaced; `InputError` for impossible ones."""
@@ -170,6 +183,10 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
             ends = ("speed",) if kind == "constant" else ("from", "to")
             given = ", ".join(f"run.{name} = {numbers[name]:g}" for name in ends)
             raise InputError(f"{given} rad/s: no speed that is held may be 0, to make turns")
+    if kind == RESPONSE and not numbers["from"] < numbers["to"]:
+        raise InputError(
+            f"run.from = {numbers['from']:g}: must be below run.to = {numbers['to']:g}"
+        )
     if "rate" in numbers and numbers["from"] == numbers["to"]:
         raise InputError(f"run.to = {numbers['to']:g} rad/s: must differ from run.from")
 
