@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,9 +17,10 @@ from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
 from ..model.periodic.arclength import Steps
 from ..model.periodic.branch import Accuracy, Solution
+from ..model.periodic.continuation import Tell
 from ..model.periodic.journal import Journal
 from ..model.periodic.response import response
-from ..model.periodic.task import SPEED, Task
+from ..model.periodic.task import SPEED, Task, check
 from ..model.quantities import QuantityError
 from .result import ResponseResult, check_names
 
@@ -50,21 +52,9 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
 def answer(
     machine: Rotor | Path | str,
     *,
-    speed: float | tuple[float, float],
-    over: tuple[str, float, float] | None = None,
-    parameters: Mapping[str, float] | None = None,
-    loads: Mapping[str, float] | None = None,
-    period: int = 1,
-    harmonics: int = 60,
-    share: float = 1e-4,
-    stability: bool = True,
-    step: float = 0.1,
-    seeds: Sequence[float] = (),
-    whirl: bool = False,
-    start: Solution | None = None,
-    branches: bool = False,
-    tell: Callable[[str, Solution], None] = lambda _, __: None,
+    tell: Tell = lambda _, __: None,
     journal: Journal | None = None,
+    **options: Any,
 ) -> ResponseResult:
     """Periodic motions of a machine over its speed, or over another parameter.
 
@@ -79,6 +69,45 @@ def answer(
     doublings and branch points are followed too; tell: hears of every point; journal: of what an
     earlier call came to, and of what this one does. Raises `InputError` for what cannot be.
     """
+    return found(question(machine, **options), tell, journal)
+
+
+class Question(NamedTuple):
+    """A machine, with its parameters as they were asked for, and what is asked of it."""
+
+    rotor: Rotor
+    task: Task
+
+
+def found(
+    asked: Question, tell: Tell = lambda _, __: None, journal: Journal | None = None
+) -> ResponseResult:
+    """The answer to a question; see `answer`."""
+    try:
+        return ResponseResult(response(asked.rotor, asked.task, tell, journal))
+    except QuantityError as error:
+        raise InputError(str(error)) from error
+
+
+def question(
+    machine: Rotor | Path | str,
+    *,
+    speed: float | tuple[float, float],
+    over: tuple[str, float, float] | None = None,
+    parameters: Mapping[str, float] | None = None,
+    loads: Mapping[str, float] | None = None,
+    period: int = 1,
+    harmonics: int = 60,
+    share: float = 1e-4,
+    stability: bool = True,
+    step: float = 0.1,
+    seeds: Sequence[float] = (),
+    whirl: bool = False,
+    start: Solution | None = None,
+    branches: bool = False,
+) -> Question:
+    """The question of `answer`, with its options, checked before anything is computed. Raises
+    `InputError` for what cannot be."""
     rotor = rotor_of(machine)
     if parameters:
         check_names(rotor, parameters)
@@ -123,6 +152,7 @@ def answer(
         branches,
     )
     try:
-        return ResponseResult(response(rotor, task, tell, journal))
+        check(rotor, task)
     except QuantityError as error:
         raise InputError(str(error)) from error
+    return Question(rotor, task)

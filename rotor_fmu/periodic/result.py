@@ -81,6 +81,11 @@ class ResponseResult:
         )
 
     @property
+    def is_stopped(self) -> bool:
+        """Whether the search was interrupted."""
+        return self._found.is_stopped
+
+    @property
     def unit(self) -> str:
         """Of the parameter."""
         if self.parameter == SPEED:
@@ -130,7 +135,7 @@ class ResponseResult:
             raise InputError(f"samples = {samples}: must be from 2 to {_LARGEST}")
         point = points[i]
         t = 2 * math.pi / abs(point.orbit.omega) * np.arange(samples) / samples
-        places = {name: self._series(point, name, samples) for name in self.probes}
+        places = {name: self.series(point, name, samples) for name in self.probes}
         return OrbitSeries(
             t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
         )
@@ -231,7 +236,9 @@ class ResponseResult:
             "notes": self.notes,
         }
 
-    def _series(self, point: Solution, name: str, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    def series(self, point: Solution, name: str, samples: int) -> tuple[np.ndarray, np.ndarray]:
+        """x and y of a place over a period of a motion, from the keyphasor's mark on, each of shape
+        (samples,) [m]."""
         X = self._amplitudes(point, name)
         k = np.arange(len(X))
         angle = 2 * math.pi * np.arange(samples) / samples
@@ -246,7 +253,7 @@ class ResponseResult:
     def _quantities(self, point: Solution, name: str) -> dict[str, float]:
         X = self._amplitudes(point, name)
         samples = 64 * 2 ** math.ceil(math.log2(max(1, len(X) / 8)))
-        x, y = self._series(point, name, samples)
+        x, y = self.series(point, name, samples)
         mean = X[0].real
         once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)
         values = (
