@@ -104,7 +104,6 @@ def response(
 
     task = question(machine, **asked)
     writable_folder(out)
-    from ..figure_style import save
     from ..periodic.saved_events import saved_journal
 
     length = task.task.high - task.task.low
@@ -116,10 +115,7 @@ def response(
             summary["folds"] = _folds(result, fold_over)
         if check:
             summary["check"] = _checked(result)
-    if result.points:
-        save(result.figure(), out / "response.png")
-        _write_page(result, machine.name, out / "response.html")
-    write_json(summary, out / "response.json")
+    write_response(result, machine.name, summary, out)
     typer.echo(result.table().text())
     for note in result.notes:
         typer.echo(note)
@@ -128,6 +124,18 @@ def response(
         print("response: its points are saved; the same call continues from there", file=sys.stderr)
         raise KeyboardInterrupt
     return summary
+
+
+def write_response(
+    result: ResponseResult, name: str, summary: dict[str, Any], folder: Path
+) -> None:
+    """Write the picture, the page and the numbers of a response; name: of the machine."""
+    from ..figure_style import save
+
+    if result.points:
+        save(result.figure(), folder / "response.png")
+        _write_page(result, name, folder / "response.html")
+    write_json(summary, folder / "response.json")
 
 
 def _write_page(result: ResponseResult, name: str, path: Path) -> None:

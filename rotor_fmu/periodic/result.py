@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
@@ -58,6 +59,15 @@ class OrbitSeries(NamedTuple):
     t: np.ndarray
     x: Mapping[str, np.ndarray]
     y: Mapping[str, np.ndarray]
+
+
+class SectionLine(NamedTuple):
+    """A part of a Poincare section's curve, n points: the parameter and the displacement [m], each
+    of shape (n,), and whether the motions are stable."""
+
+    parameter: np.ndarray
+    value: np.ndarray
+    is_stable: bool
 
 
 class ResponseResult:
@@ -139,6 +149,22 @@ class ResponseResult:
         return OrbitSeries(
             t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
         )
+
+    def section(self, name: str, side: str) -> list[SectionLine]:
+        """x or y (side) of a place [m] each time the keyphasor's mark passes, along the branches:
+        lines that are stable or not, one a turn of a period."""
+        lines = []
+        for branch in self.branches:
+            turns = branch.points[0].orbit.turns if branch.points else 0
+            values = np.array(
+                [self.series(p, name, turns)["xy".index(side)] for p in branch.points]
+            )
+            over = np.array([p.value for p in branch.points])
+            for piece, is_stable in pieces([p.is_stable for p in branch.points]):
+                lines += [
+                    SectionLine(over[piece], values[piece, k], is_stable) for k in range(turns)
+                ]
+        return lines
 
     def at(self, value: float) -> list[Solution]:
         """All motions at a value of the parameter, exact, stable ones and others."""
@@ -270,6 +296,15 @@ class ResponseResult:
         buffer = io.BytesIO()
         self.figure().savefig(buffer, format="png", metadata={"Software": None})
         return buffer.getvalue()
+
+
+def pieces(stable: Sequence[bool]) -> list[tuple[slice, bool]]:
+    """Return the stretches of points that are all stable or all not, each up to the first point of
+    the next one, and which."""
+    cuts = [0, *(i for i in range(1, len(stable)) if stable[i] != stable[i - 1]), len(stable)]
+    return [
+        (slice(a, min(b + 1, len(stable))), stable[a]) for a, b in itertools.pairwise(cuts) if a < b
+    ]
 
 
 def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
