@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -60,8 +60,7 @@ class Journal:
     def recall(self, kind: type[_E]) -> _E | None:
         """The next event of an earlier call, if there is one of this kind."""
         if self.holds(kind):
-            event: _E = self._events.popleft()
-            return event
+            return cast(_E, self._events.popleft())
         return None
 
     def holds(self, kind: type[_E]) -> bool:

@@ -87,7 +87,7 @@ def response(
     """
     at, varied = _varied(speed, over)
     toml, machine = load_rotor(rotor)
-    asked = {
+    asked: dict[str, Any] = {
         "speed": at,
         "over": varied,
         "parameters": _pairs("--set", values),

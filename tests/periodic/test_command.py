@@ -16,9 +16,10 @@ JEFFCOTT = Path(rf.__file__).parents[1] / "examples" / "jeffcott_rub" / "jeffcot
 COMMAND = "from rotor_fmu.cli import main; main()"
 
 
-def command(*arguments):
+def command(*arguments, name="response", first=()):
+    given = [first, *arguments] if first else arguments
     return subprocess.run(
-        [sys.executable, "-c", COMMAND, "response", *map(str, arguments)],
+        [sys.executable, "-c", COMMAND, name, *map(str, given)],
         capture_output=True,
         text=True,
         check=False,

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...errors import InputError
 from ...model.quantities import QuantityError
@@ -73,7 +73,7 @@ class ResponseRuns(MachineRuns):
         )
 
 
-def asked(how: Excitation) -> dict[str, object]:
+def asked(how: Excitation) -> dict[str, Any]:
     """Return the options of `answer` for the numbers of a response."""
     n = how.numbers
     ends = n["from"], n["to"]
