@@ -19,6 +19,7 @@ TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
 _CORNER = 1e-5  # of a correction that goes to and fro across a corner of a law
 _ITERATIONS, _AIM = 12, 4
 _LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that are rounding
+_SMALL, _MARGIN = 1e-4, 10.0  # a correction after which the next is foretold, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _TURN = 0.9  # least cosine of two tangents one after another
 _GROW, _SHRINK = 1.5, 0.5
@@ -121,6 +122,16 @@ def _stagnates(corrections: list[float]) -> bool:
     return len(last) == 4 and last[-1] > 0.5 * last[0]
 
 
+def _next(corrections: list[float]) -> float:
+    """How large the next correction would be, if the last ones converge quadratically, with a
+    margin; the last one itself if they do not."""
+    if len(corrections) < 3 or corrections[-1] > _SMALL:
+        return corrections[-1]
+    a, b, c = corrections[-3:]
+    rate = max(b / (a * a), c / (b * b)) if b > 0 else 0.0
+    return min(c, _MARGIN * rate * c * c) if c < b < a else c
+
+
 def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
     """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller
     (-1) lambda."""
@@ -162,7 +173,9 @@ def correct(
         x += relax * step[:n]
         value += scale * relax * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
-        if size <= TOLERANCE * of_x or (_stagnates(corrections) and size <= _CORNER * of_x):
+        if _next(corrections) <= TOLERANCE * of_x or (
+            _stagnates(corrections) and size <= _CORNER * of_x
+        ):
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent
@@ -220,9 +233,12 @@ def trace(
             if corner is None:
                 raise Lost(error.corrections) from None
             result, length = corner, 16 * steps.least
-        if len(result.corrections) < _AIM:
+        of_x = 1.0 + float(np.linalg.norm(result.x))
+        # one that was foretold counts
+        iterations = len(result.corrections) + (result.corrections[-1] > TOLERANCE * of_x)
+        if iterations < _AIM:
             length *= _GROW
-        elif len(result.corrections) > _AIM + 1:
+        elif iterations > _AIM + 1:
             length *= 0.7
         length = min(length, steps.most)
         point = result

@@ -185,6 +185,16 @@ class Condensed:
         r = parts.own - np.einsum("krb,kb->kr", parts.by_b, b)
         return np.concatenate([b, r], axis=1) @ (self.machine.expand @ self._T).T
 
+    def of_b(self, by: np.ndarray) -> np.ndarray:
+        """Tangents of the interfaces, shape (n, m, 2, 2), as b sees them, shape (n, b, b)."""
+        out = np.zeros((len(by), self.b, self.b))
+        for j, rows in enumerate(self.B.reshape(-1, 2, self.b)):
+            at = np.flatnonzero(rows.any(axis=0))
+            near = rows[:, at]
+            is_direct = len(at) == 2 and np.array_equal(near, np.eye(2))
+            out[:, at[:, None], at] += by[:, j] if is_direct else near.T @ by[:, j] @ near
+        return out
+
     def b_of(self, d: np.ndarray) -> np.ndarray:
         """b of relative displacements of all nonlinear interfaces, shape (n, 2 m)."""
         return d @ np.linalg.pinv(self.B).T

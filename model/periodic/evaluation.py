@@ -22,6 +22,8 @@ def at(result: Response, value: float) -> list[Solution]:
     for branch in result.branches:
         ends = branch.points[:1] + branch.points[-1:]
         for a, b in zip(branch.points, branch.points[1:], strict=False):
+            if a.value == value and a is not branch.points[0]:
+                continue  # the stretch before ends there
             low, high = sorted((a.value, b.value))
             is_at_end = any(
                 p is end for p in (a, b) for end in ends if abs(end.value - value) <= near

@@ -143,13 +143,9 @@ def _tangents(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
     of the rates of the states, shape (n, b + s, 2 b + s)."""
     d, v, own = path.at(times)
     along = machine.laws.tangents(d, v, own, path.own_scale, path.speed)
-    n, m, s, b, B = len(times), machine.laws.count, machine.laws.states, machine.b, machine.B
+    n, s, b, B = len(times), machine.laws.states, machine.b, machine.B
     out = np.zeros((n, b + s, 2 * b + s))
-    for place, blocks in ((0, along.by_d), (b, along.by_v)):
-        whole = np.zeros((n, 2 * m, 2 * m))
-        for j in range(m):
-            whole[:, 2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = blocks[:, j]
-        out[:, :b, place : place + b] = B.T @ whole @ B
+    out[:, :b, :b], out[:, :b, b : 2 * b] = machine.of_b(along.by_d), machine.of_b(along.by_v)
     out[:, :b, 2 * b :] = B.T @ along.by_rate
     out[:, b:, :b] = along.rates_by_d @ B
     out[:, b:, b : 2 * b] = along.rates_by_v @ B

@@ -21,7 +21,7 @@ from .task import Machines, Task
 _TURNS = (30, 200)
 _HARMONICS = 60  # of what is recorded
 _RADII, _PHASES = (1.1, 1.5, 3.0), (0.0, -0.5 * math.pi, -0.9 * math.pi)  # [clearances], [rad]
-_TOLERANCE = 1e-6
+_TOLERANCE, _OF_GUESSES = 1e-6, 1e-4  # of runs: whether they stay; where they lead
 _STAYS = 1e-2  # of an orbit: how far a run that stays on it may be
 
 
@@ -93,7 +93,7 @@ def time_seed(
     """What the machine does after some turns from rest at a speed [rad/s], or from a motion
     `begin`, as an orbit of `turns` revolutions with H harmonics. Raises `StepFailure` where it does
     nothing."""
-    run = _run(rotor, speed, loads)
+    run = _run(rotor, speed, loads, _OF_GUESSES)
     if begin is not None:
         _set(run, machine, *begin)
     run.advance(2 * math.pi / speed * settle * turns, speed)
@@ -132,7 +132,7 @@ def stay(
 ) -> Stay:
     """Start the integrator on an orbit, and see whether it is there after so many turns; motion:
     complex amplitudes of all dofs, x and y in turn, shape (H + 1, 2 size). Raises `StepFailure`."""
-    run = _run(rotor, orbit.speed, loads)
+    run = _run(rotor, orbit.speed, loads, _TOLERANCE)
     _set(run, machine, orbit, motion)
     start = run.motion.q.copy()
     size = float(np.abs(motion[1:, : 2 * (len(start) - 1)]).sum(axis=0)[::2].max())
@@ -143,9 +143,9 @@ def stay(
     return Stay(count * orbit.turns, distance, distance < _STAYS)
 
 
-def _run(rotor: Rotor, speed: float, loads: np.ndarray | None) -> Simulation:
+def _run(rotor: Rotor, speed: float, loads: np.ndarray | None, tolerance: float) -> Simulation:
     return Simulation(
-        rotor, choose(tolerance=_TOLERANCE), speed=speed, loads=loads, warn=lambda _: None
+        rotor, choose(tolerance=tolerance), speed=speed, loads=loads, warn=lambda _: None
     )
 
 
