@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from ..errors import InputError, writable_folder
+from ..operation import operating_speeds
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
 from ..screen import progress_of
@@ -20,6 +21,7 @@ from .shared import RotorFile
 from .speeds import one_speed, speed_range
 
 if TYPE_CHECKING:
+    from ..model.machine.rotor import Rotor
     from ..model.periodic.branch import Solution
     from ..periodic.result import ResponseResult
 
@@ -31,11 +33,13 @@ _CHECKED = 8  # points that are taken into time
 def response(
     rotor: RotorFile = None,
     speed: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--speed", help="FROM:TO in rad/s, or with rpm or Hz behind; with --over one."
+            "--speed",
+            help="FROM:TO in rad/s, or with rpm or Hz behind; with --over one. Default: from an "
+            "eighth of the machine's highest speed to that, or its rated speed.",
         ),
-    ] = "50:400",
+    ] = None,
     over: Annotated[
         str | None,
         typer.Option(
@@ -85,8 +89,8 @@ def response(
 
     A call that was stopped keeps its points in the folder, and the same call continues from there.
     """
-    at, varied = _varied(speed, over)
     toml, machine = load_rotor(rotor)
+    at, varied = _varied(speed or _usual(machine, over), over)
     asked: dict[str, Any] = {
         "speed": at,
         "over": varied,
@@ -165,6 +169,12 @@ def _progress(length: float, before: int) -> Iterator[Callable[[str, Solution], 
                 update(high - low, lambda: text, False)
 
         yield tell
+
+
+def _usual(machine: Rotor, over: str | None) -> str:
+    """Return the speeds of a machine's response as an option gives them."""
+    speeds = operating_speeds(machine)
+    return f"{speeds.rated!r}" if over else f"{speeds.highest / 8.0!r}:{speeds.highest!r}"
 
 
 def _varied(

@@ -13,6 +13,7 @@ from ...errors import InputError
 from ...fmi.binding import load_names
 from ...fmi.variables import Variable
 from ...model.periodic.task import check_parts
+from ...operation import operating_speeds
 from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole
@@ -98,7 +99,11 @@ def _value(where: str, variable: Variable, value: object) -> float:
 
 def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Excitation:
     kick, file, over = run.pop("kick", None), run.pop("file", None), run.pop("over", None)
-    numbers = {name: identity.default for name, identity in KINDS[kind].items()}
+    speeds = operating_speeds(machine.rotor)
+    numbers = {
+        name: getattr(speeds, of.default) if isinstance(of.default, str) else of.default
+        for name, of in KINDS[kind].items()
+    }
     for name, value in run.items():
         known_name(f"run {kind}:", name, numbers)
         numbers[name] = number(f"run.{name}", value)

@@ -22,11 +22,11 @@ from .monitor import Monitor, Window
 
 
 class Number(NamedTuple):
-    """A number of a kind of run: its unit, its default (None: must be given), its bound, and what
-    it is."""
+    """A number of a kind of run: its unit, its default (None: must be given; a name: that of the
+    machine's `OperatingSpeeds`), its bound, and what it is."""
 
     unit: str
-    default: float | None
+    default: float | str | None
     is_positive: bool
     text: str
 
@@ -34,14 +34,15 @@ class Number(NamedTuple):
 _STEP = Number("s", 0.04, True, "communication step, at which the speed is taken up")
 _STOP = Number("s", None, True, "end of the run")
 _RAMP = {
-    "from": Number("rad/s", 400.0, False, "speed at the start"),
+    "from": Number("rad/s", "trip", False, "speed at the start"),
     "to": Number("rad/s", 0.0, False, "speed at the end"),
-    "rate": Number("rad/s2", 10.0, True, "rate of the speed, without sign"),
+    "rate": Number("rad/s2", "run_down_rate", True, "rate of the speed, without sign"),
     "step": _STEP,
 }
 _UP = _RAMP | {
     "from": Number("rad/s", 0.0, False, "speed at the start"),
-    "to": Number("rad/s", 400.0, False, "highest speed"),
+    "to": Number("rad/s", "highest", False, "highest speed"),
+    "rate": Number("rad/s2", "run_up_rate", True, "rate of the speed, without sign"),
 }
 _MEASURED = {
     "settle": Number("s", 1.0, False, "time that each speed is held before it is looked at"),
@@ -71,8 +72,8 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     },
     "motor": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
-        "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
+        "target": Number("rad/s", "rated", True, "speed that the motor is to reach"),
+        "ramp": Number("rad/s2", "run_up_rate", True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "from": Number("rad/s", 1.0, False, "speed at the start"),
         "stop": _STOP,
