@@ -1,8 +1,8 @@
 """Continuation of a curve of solutions R(x, lambda) = 0 by its arclength (Keller 1977).
 
 The length of a step is measured in (x, (lambda - lambda_0) / scale). The predictor goes along the
-tangent, or along the last chord where that fails (a corner of a force law); Newton's method
-corrects at right angles to it.
+tangent, or along that beyond where it jumps (a corner of a force law); Newton's method corrects at
+right angles to it.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
 _CORNER = 1e-5  # of a correction that goes to and fro across a corner of a law
 _ITERATIONS, _AIM = 12, 4
 _LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that are rounding
+_SMALL, _MARGIN = 1e-4, 10.0  # a correction after which the next is foretold, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _TURN = 0.9  # least cosine of two tangents one after another
 _GROW, _SHRINK = 1.5, 0.5
@@ -121,6 +122,16 @@ def _stagnates(corrections: list[float]) -> bool:
     return len(last) == 4 and last[-1] > 0.5 * last[0]
 
 
+def _next(corrections: list[float]) -> float:
+    """How large the next correction would be, if the last ones converge quadratically, with a
+    margin; the last one itself if they do not."""
+    if len(corrections) < 3 or corrections[-1] > _SMALL:
+        return corrections[-1]
+    a, b, c = corrections[-3:]
+    rate = max(b / (a * a), c / (b * b)) if b > 0 else 0.0
+    return min(c, _MARGIN * rate * c * c) if c < b < a else c
+
+
 def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
     """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller
     (-1) lambda."""
@@ -162,7 +173,9 @@ def correct(
         x += relax * step[:n]
         value += scale * relax * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
-        if size <= TOLERANCE * of_x or (_stagnates(corrections) and size <= _CORNER * of_x):
+        if _next(corrections) <= TOLERANCE * of_x or (
+            _stagnates(corrections) and size <= _CORNER * of_x
+        ):
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent
@@ -185,22 +198,23 @@ def onward(equations: Equations, point: Point, length: float, scale: float) -> P
 
 def trace(
     equations: Equations, start: Point, scale: float, low: float, high: float, steps: Steps
-) -> Generator[Point, tuple[Equations, Point] | None, None]:
-    """Points of the curve from `start` on, until lambda leaves [low, high]: the last point is at
-    that end. Raises `Lost` where no step is short enough.
+) -> Generator[tuple[Point, float], tuple[Equations, Point] | None, None]:
+    """Points of the curve from `start` on, each with the length of the next step, until lambda
+    leaves [low, high]: the last point is at that end. Raises `Lost` where no step is short enough.
 
     What is sent in, (equations, point), takes the place of the equations and of the last point:
     with other harmonics.
     """
     point, length = start, steps.first
-    chord: np.ndarray | None = None
     for _ in range(steps.points):
         try:
             ahead = point.value + length * scale * point.by_value
             if not low <= ahead <= high:
                 end = low if ahead < low else high
+                if point.value == end:
+                    return
                 share = (end - point.value) / (scale * point.by_value)
-                yield _at_end(equations, point, share, end)
+                yield _at_end(equations, point, share, end), length
                 return
             result = onward(equations, point, length, scale)
             turned = float(result.tangent @ point.tangent + result.by_value * point.by_value)
@@ -215,30 +229,27 @@ def trace(
             length *= _SHRINK
             if length >= steps.least:
                 continue
-            corner = _around_corner(equations, point, chord, steps, scale)
+            corner = _around_corner(equations, point, steps, scale)
             if corner is None:
                 raise Lost(error.corrections) from None
             result, length = corner, 16 * steps.least
-        chord = np.append(result.x - point.x, (result.value - point.value) / scale)
-        iterations = len(result.corrections)
-        point = result
-        taken = yield point
-        if taken is not None:
-            equations, point = taken
-            chord = None
+        of_x = 1.0 + float(np.linalg.norm(result.x))
+        # one that was foretold counts
+        iterations = len(result.corrections) + (result.corrections[-1] > TOLERANCE * of_x)
         if iterations < _AIM:
             length *= _GROW
         elif iterations > _AIM + 1:
             length *= 0.7
         length = min(length, steps.most)
+        point = result
+        taken = yield point, length
+        if taken is not None:
+            equations, point = taken
 
 
-def _around_corner(
-    equations: Equations, point: Point, chord: np.ndarray | None, steps: Steps, scale: float
-) -> Point | None:
+def _around_corner(equations: Equations, point: Point, steps: Steps, scale: float) -> Point | None:
     """A point beyond a corner of the curve, where its tangent jumps: in the tangent's direction a
     little way on, where the forces are others; None where there is none."""
-    del chord
     plane = np.append(point.tangent, point.by_value)
     for length in (4 * steps.least, 64 * steps.least, 1e3 * steps.least):
         x = point.x + length * point.tangent

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..quantities import QuantityError
 from .condensed import Condensed, Harmonics
 from .fourier import (
     after_derivative,
@@ -31,7 +32,8 @@ from .fourier import (
     series_of,
 )
 
-_STEP = 1e-6  # of a central difference by the parameter or by omega, as a share of its scale
+_STEP = 1e-6  # of a central difference by omega, as a share of its scale
+_ONE_SIDED = 1e-7  # of a difference by the parameter, as a share of its scale
 _SAMPLES = 32  # a harmonic: the more, the less it matters where a wall lies between two
 _LEAST_SAMPLES = 64
 
@@ -97,6 +99,7 @@ class Problem:
         n = 2 ** math.ceil(math.log2(max(_LEAST_SAMPLES, _SAMPLES * H)))
         self._samples = n
         self.anchor: np.ndarray | None = None
+        self._of_last: tuple[tuple[float, float], Harmonics] | None = None
         base = self.omega_at(at) or omega
         S = self.harmonics(at, base).S
         size = np.abs(S).max(axis=(1, 2), initial=0.0)
@@ -138,8 +141,12 @@ class Problem:
 
     def harmonics(self, value: float, omega: float) -> Harmonics:
         """The linear part at a value of the parameter."""
-        order = 0 if self.is_autonomous else self.turns
-        return self.machine_at(value).harmonics(omega, self.speed_at(value), self.H, order)
+        key = value, omega
+        if self._of_last is None or self._of_last[0] != key:
+            order, speed = 0 if self.is_autonomous else self.turns, self.speed_at(value)
+            made = self.machine_at(value).harmonics(omega, speed, self.H, order)
+            self._of_last = key, made
+        return self._of_last[1]
 
     def split(self, x: np.ndarray, value: float) -> Orbit:
         """What unknowns stand for."""
@@ -208,9 +215,13 @@ class Problem:
         """Residual, its derivative by the unknowns, shape (size, size), and by the parameter over
         its scale."""
         residual, jacobian = self.linearized(x, value)
-        h = _STEP * self.parameter.scale
-        by = (self.residual(x, value + h) - self.residual(x, value - h)) / (2 * _STEP)
-        return residual, jacobian, by
+        step = _ONE_SIDED
+        try:
+            beside = self.residual(x, value + step * self.parameter.scale)
+        except QuantityError:  # at the largest that the machine can have
+            step = -step
+            beside = self.residual(x, value + step * self.parameter.scale)
+        return residual, jacobian, (beside - residual) / step
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Residual and its derivative by the unknowns."""
@@ -220,12 +231,10 @@ class Problem:
         parts = self.harmonics(value, orbit.omega)
         residual = self._lack(orbit, parts, machine, along.force, along.rates)
         rows, nb = 2 * self.H + 1, self.b
-        by_d = np.zeros((rows, rows, self.d, self.d))
-        blocks = self._product(along.by_d, along.by_v, orbit.omega)
-        for j in range(self.d // 2):
-            by_d[:, :, 2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = blocks[:, :, j]
+        # of all samples first: there are fewer of them than pairs of harmonics
+        by_b = self._product(machine.of_b(along.by_d), machine.of_b(along.by_v), orbit.omega)
         of_b = as_real(parts.S).reshape(rows, nb, rows, nb)
-        of_b -= (machine.B.T @ by_d @ machine.B).transpose(0, 2, 1, 3)
+        of_b -= by_b.transpose(0, 2, 1, 3)
         n = rows * nb
         jacobian = np.zeros((self.size, self.size))
         scale = np.repeat(self.row_scale, nb)[:, None]

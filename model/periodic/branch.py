@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,13 +21,14 @@ from .balance import Orbit, Problem
 from .floquet import multipliers
 from .fourier import amplitudes
 
-FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
+BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
     "fold",
     "period doubling",
     "Neimark-Sacker",
     "branch point",
     "grazing",
 )
+CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
@@ -83,14 +84,21 @@ def solution(problem: Problem, point: Point, accuracy: Accuracy) -> Solution:
     """What a point of the curve is as a motion."""
     orbit = problem.split(point.x, point.value)
     machine = problem.machine_at(point.value)
-    parts = problem.harmonics(point.value, orbit.omega)
-    motion = machine.expanded(parts, amplitudes(orbit.b))
     result = np.zeros(0, complex)
     if accuracy.has_stability:
         result = crossing(problem, multipliers(machine, orbit).values)
     stable = bool(len(result) == 0 or np.abs(result[0]) <= 1.0 + _UNIT)
-    share = problem.last_share(point.x)
-    return Solution(point.value, orbit, motion, result, stable, share, point.corrections)
+    share, none = problem.last_share(point.x), np.zeros((0, 0))
+    made = Solution(point.value, orbit, none, result, stable, share, point.corrections)
+    return with_motion(problem, made)
+
+
+def with_motion(problem: Problem, result: Solution) -> Solution:
+    """A solution with the amplitudes of all dofs, which follow from its orbit."""
+    orbit = result.orbit
+    parts = problem.harmonics(result.value, orbit.omega)
+    machine = problem.machine_at(result.value)
+    return result._replace(motion=machine.expanded(parts, amplitudes(orbit.b)))
 
 
 def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
@@ -141,14 +149,30 @@ def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
     return problem, point
 
 
+class Place(NamedTuple):
+    """Where on a branch a tracer is, with all that it takes to go on from there: the value about
+    which the equations are scaled, harmonics, the point, and the length of the next step."""
+
+    at: float
+    H: int
+    point: Point
+    length: float
+
+
+class Passed(NamedTuple):
+    """A point of a branch, the bifurcations before it, and the tracer's place."""
+
+    solution: Solution
+    bifurcations: list[Bifurcation]
+    place: Place
+
+
 class Tracer:
-    """Follows a branch one way; `branch` grows while `advance` is iterated."""
+    """Follows a branch one way from a point, its tangent ahead."""
 
     def __init__(
         self,
         problem: Problem,
-        x: np.ndarray,
-        value: float,
         low: float,
         high: float,
         *,
@@ -157,25 +181,33 @@ class Tracer:
     ) -> None:
         self.problem, self.low, self.high = problem, low, high
         self.steps, self.accuracy = steps, accuracy
-        self._x, self._value = x, value
+        self.end = ""
 
-    def follow(self, direction: float) -> Iterator[tuple[Solution, list[Bifurcation]]]:
+    def follow(self, point: Point) -> Iterator[Passed]:
         """Points and the bifurcations before each, from the start on; ends with `Lost` where it
         does not converge."""
-        problem, accuracy = self.problem, self.accuracy
+        problem = self.problem
         if problem.is_autonomous:
-            problem.fix_phase(self._x)
-        point = arclength.begin(problem, self._x, self._value, direction)
-        problem, point = refined(problem, point, accuracy)
-        last = solution(problem, point, accuracy)
-        yield last, []
-        self.end = ""
+            problem.fix_phase(point.x)
+        problem, point = refined(problem, point, self.accuracy)
+        last = solution(problem, point, self.accuracy)
+        place = Place(problem.at, problem.H, point, self.steps.first)
+        yield Passed(last, [], place)
+        yield from self.go_on(place, place, last)
+
+    def go_on(self, start: Place, place: Place, last: Solution) -> Iterator[Passed]:
+        """Further points from a place, at which the motion is `last`; start: the first place of the
+        branch, by which it is seen that it is closed."""
+        accuracy, point = self.accuracy, place.point
+        problem = self.problem.like(place.H, at=place.at)
+        if problem.is_autonomous:
+            problem.fix_phase(point.x)
         scale = problem.parameter.scale
-        walk = arclength.trace(problem, point, scale, self.low, self.high, self.steps)
-        start = point
-        result = next(walk, None)
-        while result is not None:
-            before = point
+        steps = replace(self.steps, first=place.length)
+        walk = arclength.trace(problem, point, scale, self.low, self.high, steps)
+        step = next(walk, None)
+        while step is not None:
+            before, (result, length) = point, step
             problem_here = problem
             now = solution(problem_here, result, accuracy)
             passed = self._between(problem_here, before, result, last, now)
@@ -184,15 +216,15 @@ class Tracer:
                 problem.fix_phase(point.x)
             if problem is not problem_here:
                 now = solution(problem, point, accuracy)
-            yield now, passed
-            if self._is_closed(problem, start, before, point):
-                self.end = "the branch is closed"
+            yield Passed(now, passed, Place(problem.at, problem.H, point, length))
+            if self._is_closed(problem, start.point, before, point):
+                self.end = CLOSED
                 return
             last = now
             try:
-                result = walk.send((problem, point))
+                step = walk.send((problem, point))
             except StopIteration:
-                result = None
+                step = None
         self.end = self._why_ended(point)
 
     def _why_ended(self, point: Point) -> str:
@@ -210,7 +242,7 @@ class Tracer:
             float(np.linalg.norm(point.x - start.x)), (point.value - start.value) / scale
         )
         same = float(start.tangent @ point.tangent + start.by_value * point.by_value)
-        return 0 < way < _CLOSED * step and same > 0.9 and before is not start
+        return 0 < way < _CLOSED * step and same > 0.9 and before.x is not start.x
 
     def _between(
         self, problem: Problem, before: Point, after: Point, last: Solution, now: Solution

@@ -169,11 +169,31 @@ class Condensed:
         of_force = force[:, :b] - np.einsum("kbr,kr->kb", whole[:, :b, b:], own)
         return Harmonics(S, of_force, own, by_b)
 
+    @property
+    def state_places(self) -> np.ndarray:
+        """Where the own states of the nonlinear interfaces lie among a run's internal states."""
+        places = [
+            np.arange(i.internal_state, i.internal_state + i.states)
+            for i, is_in in zip(self.structure.interfaces, self.is_in, strict=True)
+            if is_in
+        ]
+        return np.concatenate(places).astype(int) if places else np.zeros(0, int)
+
     def expanded(self, parts: Harmonics, b: np.ndarray) -> np.ndarray:
         """All displacements of complex amplitudes b, shape (H + 1, b): x, y of every dof and
         housing in turn, complex, shape (H + 1, 2 size)."""
         r = parts.own - np.einsum("krb,kb->kr", parts.by_b, b)
         return np.concatenate([b, r], axis=1) @ (self.machine.expand @ self._T).T
+
+    def of_b(self, by: np.ndarray) -> np.ndarray:
+        """Tangents of the interfaces, shape (n, m, 2, 2), as b sees them, shape (n, b, b)."""
+        out = np.zeros((len(by), self.b, self.b))
+        for j, rows in enumerate(self.B.reshape(-1, 2, self.b)):
+            at = np.flatnonzero(rows.any(axis=0))
+            near = rows[:, at]
+            is_direct = len(at) == 2 and np.array_equal(near, np.eye(2))
+            out[:, at[:, None], at] += by[:, j] if is_direct else near.T @ by[:, j] @ near
+        return out
 
     def b_of(self, d: np.ndarray) -> np.ndarray:
         """b of relative displacements of all nonlinear interfaces, shape (n, 2 m)."""

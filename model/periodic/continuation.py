@@ -3,62 +3,146 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .arclength import Lost
+from ..spelling import Message
+from . import arclength
+from .arclength import Lost, Point
 from .balance import Orbit, Problem
-from .branch import Branch, Solution, Tracer
-from .fourier import basis, resized
-from .task import Response
+from .branch import CLOSED, Accuracy, Branch, Passed, Solution, Tracer, with_motion
+from .fourier import basis, repeated, resized, shifted
+from .journal import Ended, Journal, Start
+from .task import Machines, Response
 
 LOST = "lost: "
+JOINED = "joins a branch of a shorter period"
 _SAME = 0.02  # distance of two orbits that are one, as a share of their size
 
 Tell = Callable[[str, Solution], None]
 
 
-def follow(
-    result: Response, problem: Problem, x: np.ndarray, value: float, direction: float, tell: Tell
-) -> Branch:
-    """A branch from a solution on, one way (1, -1), or both (0); it is among the result's at
-    once."""
-    task, branch = result.task, Branch()
+@dataclass
+class Search:
+    """A response in the making: its result, the machine over the parameter, the journal, and who
+    hears of every point."""
+
+    result: Response
+    machines: Machines
+    journal: Journal
+    tell: Tell
+
+    def problem(self, start: Start) -> Problem:
+        """The equations of a start."""
+        return self.result.task.problem(
+            self.machines,
+            start.at,
+            start.H,
+            turns=start.turns,
+            is_autonomous=self.result.task.is_whirl,
+            omega=start.omega,
+            length=start.length,
+        )
+
+
+def start_at(problem: Problem, x: np.ndarray, value: float, direction: float) -> Start:
+    """A start at unknowns that solve the equations, one way (1, -1), or both (0)."""
+    if problem.is_autonomous:
+        problem.fix_phase(x)
+    ways = []
+    for way in (-1.0, 1.0) if direction == 0 else (direction,):
+        point = arclength.begin(problem, x, value, way)
+        ways.append(np.append(point.tangent, point.by_value))
+    return start_along(problem, x, value, ways)
+
+
+def start_along(problem: Problem, x: np.ndarray, value: float, ways: list[np.ndarray]) -> Start:
+    """A start at unknowns that solve the equations, along tangents."""
+    of_scale = problem.omega_scale, problem.lengths
+    return Start(problem.H, problem.at, problem.turns, *of_scale, x, value, ways)
+
+
+def follow(search: Search, start: Start) -> Branch:
+    """A branch from a start on; it is among the result's at once."""
+    result, task, branch = search.result, search.result.task, Branch()
     result.branches.append(branch)
     label = f"branch {len(result.branches)}"
+    accuracy = replace(task.accuracy, most=task.accuracy.most * start.turns // task.turns)
     ends = ["start", "start"]
-    for side, way in enumerate((-1.0, 1.0) if direction == 0 else (direction,)):
-        tracer = Tracer(
-            problem, x, value, task.low, task.high, steps=task.steps, accuracy=task.accuracy
-        )
-        try:
-            for outcome, passed in tracer.follow(way):
-                tell(label, outcome)
-                if side and not passed and outcome.value == value:
-                    continue  # the start, which is there already
-                branch.points.append(outcome)
-                branch.bifurcations += [b._replace(behind=len(branch.points) - 2) for b in passed]
-            ends[1] = tracer.end
-        except Lost:
-            ends[1] = LOST + _why_lost(tracer, branch)
-            result.notes.append(
-                f"{label} ends at {task.name} = {_last(branch, value):g}: {ends[1]}"
-            )
-        if direction == 0 and side == 0:
+    for side, way in enumerate(start.ways):
+        problem = search.problem(start)
+        point = Point(start.x, start.value, way[:-1], float(way[-1]))
+        tracer = Tracer(problem, task.low, task.high, steps=task.steps, accuracy=accuracy)
+        for passed in _passed(search, tracer, point):
+            search.tell(label, passed.solution)
+            is_start = not passed.bifurcations and passed.solution.value == start.value
+            if side and is_start:
+                continue  # it is there already
+            branch.points.append(passed.solution)
+            behind = len(branch.points) - 2
+            branch.bifurcations += [b._replace(behind=behind) for b in passed.bifurcations]
+            if start.turns > task.turns and _is_joining(branch):
+                tracer.end = JOINED
+                break
+        ended = search.journal.recall(Ended)
+        if ended is None:
+            why = tracer.end or LOST + _why_lost(tracer, branch, accuracy)
+            ended = search.journal.add(Ended(why))
+        ends[1] = ended.why
+        if ended.why.startswith(LOST):
+            said = f"{label} ends at {task.name} = {_last(branch, start.value):g}: {ended.why}"
+            result.notes.append(Message(said, "branch-lost"))
+        if len(start.ways) > 1 and side == 0:
             _turn_round(branch)
             ends = [ends[1], ""]
-            if ends[0] == "the branch is closed":
+            if ends[0] == CLOSED:
                 ends[1] = ends[0]
                 break
     branch.ends = ends[0], ends[1]
-    coarse = [p.value for p in branch.points if p.last_share > task.accuracy.share]
+    coarse = [p.value for p in branch.points if p.last_share > accuracy.share]
     if coarse:
-        result.notes.append(
-            f"{label} has more than {task.accuracy.most} harmonics from {task.name} = "
+        said = (
+            f"{label} has more than {accuracy.most} harmonics from {task.name} = "
             f"{min(coarse):g} to {max(coarse):g}: amplitudes are less exact there"
         )
+        result.notes.append(Message(said, "few-harmonics"))
     return branch
+
+
+def _passed(search: Search, tracer: Tracer, point: Point) -> Iterator[Passed]:
+    """The points of a branch one way: those of an earlier call, then new ones; where it is lost it
+    ends with nothing in `tracer.end`."""
+    first = last = None
+    while (passed := search.journal.recall(Passed)) is not None:
+        first, last = first or passed, passed
+        problem = tracer.problem.like(passed.place.H, at=passed.place.at)
+        yield passed._replace(solution=with_motion(problem, passed.solution))
+    if search.journal.holds(Ended):
+        return
+    if first is None or last is None:
+        walk = tracer.follow(point)
+    else:
+        walk = tracer.go_on(first.place, last.place, last.solution)
+    try:
+        for passed in walk:
+            search.journal.add(passed)
+            yield passed
+    except Lost:
+        tracer.end = ""
+
+
+def _is_joining(branch: Branch) -> bool:
+    """Whether a branch whose period is longer has just passed a motion of the shorter one: what the
+    longer period adds turns into its opposite there."""
+    if len(branch.points) < 2:
+        return False
+    turns = branch.points[-1].orbit.turns
+    first, second = (resized(p.orbit.b, 2 * turns) for p in branch.points[-2:])
+    k = np.arange(1, 2 * turns + 1)
+    odd = np.repeat(k % turns != 0, 2)
+    return float(np.sum(first[1:][odd] * second[1:][odd])) < 0
 
 
 def _last(branch: Branch, value: float) -> float:
@@ -71,12 +155,11 @@ def _turn_round(branch: Branch) -> None:
     branch.bifurcations = [b._replace(behind=last - b.behind) for b in branch.bifurcations[::-1]]
 
 
-def _why_lost(tracer: Tracer, branch: Branch) -> str:
+def _why_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
     """Where a branch that does not converge ends, and why."""
     if not branch.points:
         return "Newton's method does not converge there"
     last = branch.points[-1]
-    accuracy = tracer.accuracy
     if accuracy.most <= last.orbit.H and last.last_share > accuracy.share:
         return (
             f"the motion has more than {accuracy.most} harmonics: the highest are "
@@ -91,15 +174,20 @@ def _why_lost(tracer: Tracer, branch: Branch) -> str:
 
 
 def is_known(branches: Sequence[Branch], orbit: Orbit, value: float) -> bool:
-    """Whether a branch passes through an orbit."""
+    """Whether a branch passes through an orbit, at the same time or whole turns later."""
     for branch in branches:
         for a, b in zip(branch.points, branch.points[1:], strict=False):
             if not min(a.value, b.value) <= value <= max(a.value, b.value) or a.value == b.value:
                 continue
             share = (value - a.value) / (b.value - a.value)
-            H = max(a.orbit.H, b.orbit.H, orbit.H)
-            first, second, own = (resized(o.b, H) for o in (a.orbit, b.orbit, orbit))
-            gap = np.linalg.norm(first + share * (second - first) - own)
-            if gap <= _SAME * np.linalg.norm(own) + 0.5 * np.linalg.norm(second - first):
-                return True
+            turns = math.lcm(a.orbit.turns, orbit.turns)
+            H = max(o.H * turns // o.turns for o in (a.orbit, b.orbit, orbit))
+            first, second, own = (
+                resized(repeated(o.b, turns // o.turns), H) for o in (a.orbit, b.orbit, orbit)
+            )
+            middle, near = first + share * (second - first), 0.5 * np.linalg.norm(second - first)
+            for turn in range(turns):
+                gap = np.linalg.norm(middle - shifted(own, 2 * math.pi * turn / turns))
+                if gap <= _SAME * np.linalg.norm(own) + near:
+                    return True
     return False

@@ -22,6 +22,8 @@ def at(result: Response, value: float) -> list[Solution]:
     for branch in result.branches:
         ends = branch.points[:1] + branch.points[-1:]
         for a, b in zip(branch.points, branch.points[1:], strict=False):
+            if a.value == value and a is not branch.points[0]:
+                continue  # the stretch before ends there
             low, high = sorted((a.value, b.value))
             is_at_end = any(
                 p is end for p in (a, b) for end in ends if abs(end.value - value) <= near
@@ -40,7 +42,7 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
         result.machines(),
         value,
         max(a.orbit.H, b.orbit.H),
-        turns=task.turns,
+        turns=a.orbit.turns,
         is_autonomous=task.is_whirl,
         omega=a.orbit.omega,
     )
@@ -81,7 +83,7 @@ def folds_over(
     for end in (low, high):
         rotor.with_value(name, end)
     first = result.machines()
-    base = task.problem(first, fold.value, fold.orbit.H, turns=task.turns)
+    base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
 
     @cached
     def problem_at(value: float) -> Problem:
@@ -96,7 +98,7 @@ def folds_over(
             machines,
             fold.value,
             fold.orbit.H,
-            turns=task.turns,
+            turns=fold.orbit.turns,
             is_autonomous=task.is_whirl,
             omega=fold.orbit.omega,
             length=base.lengths,

@@ -12,6 +12,7 @@ y: displacements and velocities of the interfaces, and own states; R: the modes 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,10 @@ class Multipliers(NamedTuple):
     shapes: np.ndarray
 
 
-class _Modes(NamedTuple):
+class Modes(NamedTuple):
+    """Modes: roots [1/s], what forces do to them, y of them, y of a force by the modes left out,
+    and displacements and velocities of all coordinates of them."""
+
     roots: np.ndarray
     W: np.ndarray
     V: np.ndarray
@@ -42,25 +46,71 @@ class _Modes(NamedTuple):
     shapes: np.ndarray
 
 
+class Path(NamedTuple):
+    """A motion that the machine is linearized along, at a speed [rad/s].
+
+    at: of times [s], shape (n,), the displacements [m] and velocities [m/s] of the m nonlinear
+    interfaces, x and y in turn, shape (n, 2 m) each, and the own states, shape (n, s), which are of
+    the size `own_scale`; pace: the motion's frequency, fastest: the highest that it holds [rad/s].
+    """
+
+    at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    speed: float
+    pace: float
+    fastest: float
+    own_scale: np.ndarray
+
+
+def path_of(machine: Condensed, orbit: Orbit) -> Path:
+    """The path of an orbit."""
+    d, pace = orbit.b @ machine.B.T, abs(orbit.omega)
+
+    def at(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the motion at times."""
+        value, slope = basis(orbit.H, pace * times)
+        return value @ d, orbit.omega * slope @ d, value @ orbit.own
+
+    own_scale = np.maximum(np.abs(orbit.own).max(axis=0, initial=0.0), 1e-9)
+    return Path(at, orbit.speed, pace, pace * max(orbit.H, orbit.turns), own_scale)
+
+
 def multipliers(machine: Condensed, orbit: Orbit, steps: int = 0) -> Multipliers:
     """Of an orbit; steps: a period, 0: as many as its harmonics need."""
-    period = 2 * math.pi / abs(orbit.omega)
+    path = path_of(machine, orbit)
+    period = 2 * math.pi / path.pace
     steps = steps or min(_MOST, max(_LEAST * orbit.turns, 4 * orbit.H))
     if machine.b == 0:
-        modes = _modes(machine, orbit, np.zeros((0, 0)))
+        modes = _modes(machine, path, np.zeros((0, 0)))
         return Multipliers(*_sorted(np.exp(modes.roots * period), modes.shapes))
-    ends = _grid(machine, orbit, steps)
-    h = np.diff(ends) / abs(orbit.omega)
-    at = (ends[:-1, None] + np.diff(ends)[:, None] * _C).ravel()
-    tangent = _tangents(machine, orbit, at)
-    weights = (np.repeat(h, 3) * np.tile(_weights(), len(h)))[:, None, None]
-    mean = (weights * tangent).sum(axis=0) / weights.sum()
-    mean = _held(machine, orbit, mean)
-    modes = _modes(machine, orbit, mean)
-    change = (tangent - mean).reshape(len(h), 3, *mean.shape)
-    passed = _passed(modes, change, h)
-    values, vectors = np.linalg.eig(passed)
+    part = tangents_along(machine, path, np.linspace(0.0, period, steps + 1))
+    modes, mean = modes_along(machine, path, [part])
+    values, vectors = np.linalg.eig(passed(modes, mean, part))
     return Multipliers(*_sorted(values, modes.shapes @ vectors))
+
+
+class Part(NamedTuple):
+    """A part of a path in steps of lengths h [s], shape (n,), with the tangents at the points of
+    each, shape (n, 3, inputs, outputs)."""
+
+    h: np.ndarray
+    tangent: np.ndarray
+
+
+def tangents_along(machine: Condensed, path: Path, times: np.ndarray) -> Part:
+    """The tangents along a path between times [s], at which steps end, as they do where a contact
+    opens or closes."""
+    ends = _grid(machine, path, times)
+    h = np.diff(ends)
+    tangent = _tangents(machine, path, (ends[:-1, None] + h[:, None] * _C).ravel())
+    return Part(h, tangent.reshape(len(h), 3, *tangent.shape[1:]))
+
+
+def modes_along(machine: Condensed, path: Path, parts: Sequence[Part]) -> tuple[Modes, np.ndarray]:
+    """The modes of the machine with the mean tangents of parts of a path, and these."""
+    weights, length = _weights(), sum(float(part.h.sum()) for part in parts)
+    mean = sum(np.einsum("t,i,tiao->ao", part.h, weights, part.tangent) for part in parts) / length
+    mean = _held(machine, path, mean)
+    return _modes(machine, path, mean), mean
 
 
 def _sorted(values: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -73,42 +123,29 @@ def _weights() -> np.ndarray:
     return np.linalg.solve(powers, 1.0 / np.arange(1, 4))
 
 
-def _motion(machine: Condensed, orbit: Orbit, angles: np.ndarray):
-    value, slope = basis(orbit.H, angles)
-    d = orbit.b @ machine.B.T
-    return value @ d, orbit.omega * slope @ d, value @ orbit.own
-
-
-def _grid(machine: Condensed, orbit: Orbit, steps: int) -> np.ndarray:
-    """Angles at which steps end, over a period: evenly, and where a contact opens or closes."""
-    even = np.linspace(0.0, 2 * math.pi, steps + 1)
-    d, _, _ = _motion(machine, orbit, even)
-    opening = machine.laws.openings(d)
+def _grid(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
+    """Times at which steps end: those given, and where a contact opens or closes."""
+    opening = machine.laws.openings(path.at(times)[0])
     changes = []
     for j in np.flatnonzero(machine.laws.has_wall):
-        for i in np.flatnonzero(opening[:-1, j] * opening[1:, j] < 0):
-            low, high = even[i], even[i + 1]
-            for _ in range(30):
-                middle = 0.5 * (low + high)
-                now = machine.laws.openings(_motion(machine, orbit, np.array([middle]))[0])[0, j]
-                low, high = (middle, high) if now * opening[i, j] > 0 else (low, middle)
-            changes.append(0.5 * (low + high))
-    return np.unique(np.concatenate([even, changes]))
+        at = np.flatnonzero(opening[:-1, j] * opening[1:, j] < 0)
+        low, high, first = times[at], times[at + 1], opening[at, j]
+        for _ in range(30 if len(at) else 0):
+            middle = 0.5 * (low + high)
+            is_before = machine.laws.openings(path.at(middle)[0])[:, j] * first > 0
+            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
+        changes.append(0.5 * (low + high))
+    return np.unique(np.concatenate([times, *changes]))
 
 
-def _tangents(machine: Condensed, orbit: Orbit, angles: np.ndarray) -> np.ndarray:
+def _tangents(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
     """By y, the displacements b, the velocities and the states: of the forces as b sees them, and
     of the rates of the states, shape (n, b + s, 2 b + s)."""
-    d, v, own = _motion(machine, orbit, angles)
-    scale = np.maximum(np.abs(orbit.own).max(axis=0, initial=0.0), 1e-9)
-    along = machine.laws.tangents(d, v, own, scale, orbit.speed)
-    n, m, s, b, B = len(angles), machine.laws.count, machine.laws.states, machine.b, machine.B
+    d, v, own = path.at(times)
+    along = machine.laws.tangents(d, v, own, path.own_scale, path.speed)
+    n, s, b, B = len(times), machine.laws.states, machine.b, machine.B
     out = np.zeros((n, b + s, 2 * b + s))
-    for place, blocks in ((0, along.by_d), (b, along.by_v)):
-        whole = np.zeros((n, 2 * m, 2 * m))
-        for j in range(m):
-            whole[:, 2 * j : 2 * j + 2, 2 * j : 2 * j + 2] = blocks[:, j]
-        out[:, :b, place : place + b] = B.T @ whole @ B
+    out[:, :b, :b], out[:, :b, b : 2 * b] = machine.of_b(along.by_d), machine.of_b(along.by_v)
     out[:, :b, 2 * b :] = B.T @ along.by_rate
     out[:, b:, :b] = along.rates_by_d @ B
     out[:, b:, b : 2 * b] = along.rates_by_v @ B
@@ -116,10 +153,10 @@ def _tangents(machine: Condensed, orbit: Orbit, angles: np.ndarray) -> np.ndarra
     return out
 
 
-def _held(machine: Condensed, orbit: Orbit, mean: np.ndarray) -> np.ndarray:
+def _held(machine: Condensed, path: Path, mean: np.ndarray) -> np.ndarray:
     """With springs where a contact is hardly ever closed: a machine that nothing holds has motions
     as one body, which are no modes."""
-    own = np.diag(machine.matrices(orbit.speed).M)[: machine.b] * orbit.omega**2
+    own = np.diag(machine.matrices(path.speed).M)[: machine.b] * path.pace**2
     diagonal = np.arange(machine.b)
     lacks = np.abs(mean[diagonal, diagonal]) < 0.1 * own
     held = mean.copy()
@@ -127,21 +164,20 @@ def _held(machine: Condensed, orbit: Orbit, mean: np.ndarray) -> np.ndarray:
     return held
 
 
-def _modes(machine: Condensed, orbit: Orbit, mean: np.ndarray) -> _Modes:
+def _modes(machine: Condensed, path: Path, mean: np.ndarray) -> Modes:
     """Of the machine with mean tangents: roots, what forces do to them, y of them, the rest's
     flexibility, displacements and velocities of all coordinates of them."""
-    M, D, K = machine.matrices(orbit.speed)
+    M, D, K = machine.matrices(path.speed)
     N, b, s = machine.size, machine.b, machine.laws.states
     K, D = K.copy(), D.copy()
     if len(mean):
         K[:b, :b] -= mean[:b, :b]
         D[:b, :b] -= mean[:b, b : 2 * b]
     squares, shapes = _real_modes(M, K)
-    fastest = _SLOW * abs(orbit.omega) * max(orbit.H, orbit.turns)
-    slow = squares < fastest**2
+    slow = squares < (_SLOW * path.fastest) ** 2
     P, rest = shapes[:, slow], shapes[:, ~slow]
     n = P.shape[1]
-    pace = abs(orbit.omega)
+    pace = path.pace
     A = np.zeros((2 * n + s, 2 * n + s))
     A[:n, n : 2 * n] = pace * np.eye(n)  # velocities over pace
     A[n : 2 * n, :n] = -(P.T @ K @ P) / pace
@@ -162,7 +198,7 @@ def _modes(machine: Condensed, orbit: Orbit, mean: np.ndarray) -> _Modes:
         R[:b, :b] = rest[:b] @ np.linalg.solve(rest.T @ K @ rest, rest[:b].T)
     whole = np.zeros((2 * N, 2 * n + s))
     whole[:N, :n], whole[N:, n : 2 * n] = P, pace * P
-    return _Modes(roots, W, outputs @ vectors, R, whole @ vectors)
+    return Modes(roots, W, outputs @ vectors, R, whole @ vectors)
 
 
 def _real_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -180,15 +216,16 @@ def _collocation(roots: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     return inverse.sum(axis=2).T, (inverse @ (h * a)).transpose(1, 2, 0)
 
 
-def _passed(modes: _Modes, change: np.ndarray, h: np.ndarray) -> np.ndarray:
-    """The modes' amplitudes after a period by those at its begin; change: of the tangents, shape
-    (steps, 3, inputs, outputs)."""
+def passed(modes: Modes, mean: np.ndarray, part: Part) -> np.ndarray:
+    """The modes' amplitudes at the end of a part of a path by those at its begin; mean: the
+    tangents that are in the modes."""
+    h, change = part.h, part.tangent - mean
     count, n = modes.W.shape[1], len(modes.roots)
     state = np.eye(n, dtype=complex)
     made: dict[float, tuple] = {}
     groups: dict[float, list[int]] = {}
     for i, length in enumerate(h):
-        groups.setdefault(round(float(length), 15), []).append(i)
+        groups.setdefault(float(f"{length:.9e}"), []).append(i)
     gains = np.empty((len(h), 3 * count, n), complex)
     keys = np.empty(len(h))
     for length, members in groups.items():

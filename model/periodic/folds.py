@@ -108,7 +108,7 @@ def fold_curve(
         point = arclength.begin(equations, X, start, direction)
         result, end = [], "end of the range"
         try:
-            for near in arclength.trace(equations, point, scale, low, high, steps):
+            for near, _ in arclength.trace(equations, point, scale, low, high, steps):
                 result.append((near.value, near.x[-1] * problem.parameter.scale))
                 equations.border(near.x, near.value)
         except Lost:

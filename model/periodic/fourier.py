@@ -105,6 +105,22 @@ def after_derivative(matrix: np.ndarray) -> np.ndarray:
     return out
 
 
+def repeated(series: np.ndarray, count: int) -> np.ndarray:
+    """Coefficients of the same motion over so many periods as one, along the first axis."""
+    if count == 1:
+        return series
+    out = np.zeros((count * (len(series) - 1) + 1, *series.shape[1:]))
+    k = count * np.arange(1, len(series) // 2 + 1)
+    out[0], out[2 * k - 1], out[2 * k] = series[0], series[1::2], series[2::2]
+    return out
+
+
+def shifted(series: np.ndarray, angle: float) -> np.ndarray:
+    """Coefficients of the motion by an angle [rad] later, along the first axis."""
+    k = np.arange(len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
+    return coefficients(amplitudes(series) * np.exp(1j * k * angle))
+
+
 def resized(series: np.ndarray, H: int) -> np.ndarray:
     """Coefficients with as many harmonics as wanted, along the first axis."""
     out = np.zeros((2 * H + 1, *series.shape[1:]))

@@ -4,19 +4,21 @@ range and from seeds, each followed as far as it goes."""
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator
 
 import numpy as np
 
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
-from ..simulation import EquilibriumError, StepFailure
+from ..spelling import Message
 from . import arclength
 from .arclength import Lost, Point
 from .balance import Orbit, Problem
 from .branch import Branch, solution
-from .continuation import LOST, Tell, follow, is_known
-from .seeds import time_seed
+from .continuation import LOST, Search, Tell, follow, is_known, start_at
+from .journal import Journal, Start, Started
+from .seeds import guesses
+from .switching import follow_switched
 from .task import SPEED, Machines, PeriodicError, Response, Task, check, machines_of
 from .whirl import rolling
 
@@ -25,9 +27,12 @@ _BEYOND, _MOST_STARTS = 0.02, 12  # of the range: where a lost branch is taken u
 
 
 @on_one_thread
-def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Response:
-    """All branches that a task reaches; `tell` hears of every point. A branch that is lost keeps
-    what it has. KeyboardInterrupt ends it with what there is."""
+def response(
+    rotor: Rotor, task: Task, tell: Tell = lambda _, __: None, journal: Journal | None = None
+) -> Response:
+    """All branches that a task reaches; `tell` hears of every point, and the journal of all that it
+    takes to go on from there. A branch that is lost keeps what it has. KeyboardInterrupt ends it
+    with what there is."""
     check(rotor, task)
     machines = machines_of(rotor, task)
     machines(task.low).check_held()
@@ -36,15 +41,21 @@ def response(rotor: Rotor, task: Task, tell: Tell = lambda _, __: None) -> Respo
     if problem.b == 0:
         result.branches.append(_linear(problem, task, tell))
         return result
+    search = Search(result, machines, journal or Journal(), tell)
     try:
         if task.begin is not None:
-            _from_orbit(result, machines, task.begin, tell)
+            _from_orbit(search, task.begin)
         elif task.is_whirl:
-            _whirl(result, machines, tell)
+            _whirl(search)
         else:
-            _from_ends(result, machines, tell)
+            _from_ends(search)
+        if task.has_branches:
+            follow_switched(search)
     except KeyboardInterrupt:
-        result.notes.append("stopped: what was found until then is kept")
+        result.is_stopped = True
+        result.notes.append(Message("stopped: what was found until then is kept", "stopped"))
+        if result.branches and not result.branches[-1].ends[1]:
+            result.branches[-1].ends = "start", "stopped"
     return result
 
 
@@ -64,36 +75,63 @@ def _linear(problem: Problem, task: Task, tell: Tell) -> Branch:
     return branch
 
 
-def _from_ends(result: Response, machines: Machines, tell: Tell) -> None:
+def _from_ends(search: Search) -> None:
     """From both ends of the range, from the seeds, and, where branches were lost, from beyond."""
-    task = result.task
+    task = search.result.task
     todo = [(task.low, 1.0), (task.high, -1.0), *((s, 0.0) for s in task.seeds)]
     for value, direction in todo:
         if len(todo) < _MOST_STARTS:
-            todo += [(s, 0.0) for s in _beyond(result) if s not in {v for v, _ in todo}]
-        _from_start(result, machines, value, direction, tell)
+            todo += [(s, 0.0) for s in _beyond(search.result) if s not in {v for v, _ in todo}]
+        is_seed = value in task.seeds and direction == 0
+        _follow_all(search, _new_at(search, value, direction, is_seed))
 
 
-def _from_orbit(result: Response, machines: Machines, begin: Orbit, tell: Tell) -> None:
+Notes = list[Message]
+
+
+def _follow_all(search: Search, new: Generator[Start, None, Notes]) -> None:
+    """Follow the branches from starts, each before the next is looked for."""
+    while True:
+        started = search.journal.recall(Started)
+        if started is None:
+            try:
+                started = Started(next(new), [])
+            except StopIteration as end:
+                started = Started(None, end.value)
+            search.journal.add(started)
+        search.result.notes += started.notes
+        if started.start is None:
+            return
+        follow(search, started.start)
+
+
+def _from_orbit(search: Search, begin: Orbit) -> None:
     """Both ways from an orbit that is given."""
-    task = result.task
-    own = {str(n): value for n, _, value in result.rotor.parameters()}
+    task = search.result.task
+    own = {str(n): value for n, _, value in search.result.rotor.parameters()}
     value = begin.speed if task.name == SPEED else own[task.name]
     if not task.low <= value <= task.high:
         raise PeriodicError(
             f"{task.name} = {value:g}, where the orbit begins: must be in the range"
         )
-    problem = _problem(machines, task, value).like(begin.H)
+    problem = _problem(search.machines, task, value).like(begin.H)
     try:
         x = arclength.solve(problem, problem.join(begin), value)
     except Lost as error:
         raise PeriodicError(f"the orbit given is none at {task.name} = {value:g}") from error
-    follow(result, problem, x, value, 0.0, tell)
+    follow(search, start_at(problem, x, value, 0.0))
 
 
-def _whirl(result: Response, machines: Machines, tell: Tell) -> None:
+def _whirl(search: Search) -> None:
     """Whirls that roll along a wall at the ends of the range, in its middle, and at the seeds."""
-    task = result.task
+    _follow_all(search, _new_whirls(search))
+    if not search.result.branches:
+        said = "no whirl was found that rolls along a wall: friction or speed may be too small"
+        search.result.notes.append(Message(said, "no-motion"))
+
+
+def _new_whirls(search: Search) -> Generator[Start, None, Notes]:
+    task, machines = search.result.task, search.machines
     for value in (*task.seeds, 0.5 * (task.low + task.high), task.high, task.low):
         speed = task.speed_at(value)
         of_scale = task.problem(machines, value, 3, is_autonomous=True, omega=speed)
@@ -113,12 +151,9 @@ def _whirl(result: Response, machines: Machines, tell: Tell) -> None:
             except Lost:
                 continue
             orbit = problem.split(x, value)
-            if _moves(problem, orbit) and not is_known(result.branches, orbit, value):
-                follow(result, problem, x, value, 0.0, tell)
-    if not result.branches:
-        result.notes.append(
-            "no whirl was found that rolls along a wall: friction or speed may be too small"
-        )
+            if _moves(problem, orbit) and not is_known(search.result.branches, orbit, value):
+                yield start_at(problem, x, value, 0.0)
+    return []
 
 
 def _moves(problem: Problem, orbit: Orbit) -> bool:
@@ -139,38 +174,34 @@ def _beyond(result: Response) -> list[float]:
     return outcome
 
 
-def _from_start(
-    result: Response, machines: Machines, value: float, direction: float, tell: Tell
-) -> None:
-    """A branch from what is found at a value, unless one passes there already."""
-    task = result.task
-    for guess in _guesses(result, machines, value):
+def _new_at(
+    search: Search, value: float, direction: float, is_seed: bool
+) -> Generator[Start, None, Notes]:
+    """Motions at a value through which no branch passes yet: the first that is found, at a seed all
+    of them."""
+    result, task, machines = search.result, search.result.task, search.machines
+    notes: Notes = []
+    is_found = is_new = False
+    for guess in guesses(result.rotor, task, machines, value, is_seed, notes):
         H = min(max(guess.H, task.accuracy.least), task.accuracy.most)
         problem = _problem(machines, task, value).like(H)
         try:
             x = arclength.solve(problem, problem.join(guess), value)
         except Lost:
             continue
-        orbit = problem.split(x, value)
+        orbit, is_found = problem.split(x, value), True
         if not is_known(result.branches, orbit, value):
-            follow(result, problem, x, value, direction, tell)
-        break
-    else:
-        result.notes.append(
+            is_new = True
+            yield start_at(problem, x, value, direction)
+        if not is_seed:
+            break
+    if not is_found:
+        said = (
             f"no periodic motion was found at {task.name} = {value:g}: neither from rest, nor "
             "from a run in time, which may be no periodic one"
         )
-
-
-def _guesses(result: Response, machines: Machines, value: float) -> Iterator[Orbit]:
-    """Orbits to start from: that of open contacts, then what the machine comes to in time."""
-    task = result.task
-    problem = _problem(machines, task, value)
-    yield problem.split(np.zeros(problem.size), value)
-    rotor, speed = task.rotor_at(result.rotor, value), task.speed_at(value)
-    for turns in (30, 200):
-        try:
-            yield time_seed(rotor, machines(value), speed, task.turns, task.loads, 60, turns)
-        except (StepFailure, EquilibriumError) as error:
-            result.notes.append(str(error))
-            return
+        notes.append(Message(said, "no-motion"))
+    elif is_seed and not is_new:
+        said = f"no further motion was found at the seed {task.name} = {value:g}"
+        notes.append(Message(said, "no-motion"))
+    return notes

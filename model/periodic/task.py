@@ -12,6 +12,7 @@ import numpy as np
 from ..machine.rotor import Rotor
 from ..machine.speed_tables import tables_of
 from ..quantities import QuantityError
+from ..spelling import Message
 from .arclength import Steps
 from .balance import Orbit, Parameter, Problem, cached
 from .branch import Accuracy, Branch
@@ -32,7 +33,9 @@ class Task:
     constant `loads` on the ports [N], `turns` in a period, how exact, how long the steps are,
     values at which runs in time seed further branches; is_whirl: of the machine
     without unbalance, that which whirls by itself; begin: an orbit
-    from which alone branches are followed, at the machine's own value of the parameter."""
+    from which alone branches are followed, at the machine's own value of the parameter;
+    has_branches: whether those are followed too that begin at period doublings and branch
+    points."""
 
     low: float
     high: float
@@ -45,6 +48,7 @@ class Task:
     seeds: tuple[float, ...] = ()
     is_whirl: bool = False
     begin: Orbit | None = None
+    has_branches: bool = False
 
     @property
     def parameter(self) -> Parameter:
@@ -66,12 +70,14 @@ class Task:
 
 @dataclass
 class Response:
-    """Branches of a task, and what is to be said of them, a line each."""
+    """Branches of a task, and what is to be said of them, a line each; is_stopped: whether
+    it was interrupted."""
 
     rotor: Rotor
     task: Task
     branches: list[Branch] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
+    notes: list[Message] = field(default_factory=list)
+    is_stopped: bool = False
 
     def machines(self) -> Machines:
         """The machine over the parameter."""
@@ -82,12 +88,7 @@ def check(rotor: Rotor, task: Task) -> None:
     """Raise `PeriodicError` or `QuantityError` for what cannot be asked of a machine."""
     if not task.low < task.high:
         raise PeriodicError(f"{task.name} = {task.low:g}:{task.high:g}: FROM must be below TO")
-    for where, part in rotor.named_parts():
-        if any(law.bow is not None for law in part.LAWS):
-            raise PeriodicError(
-                f"{where}: its heat bows the shaft more slowly than a motion repeats; a contact in "
-                "its place rubs without heat"
-            )
+    check_parts(rotor)
     speeds = (task.low, task.high) if task.name == SPEED else (task.speed,)
     for speed in speeds:
         if not 0 < speed < math.inf:
@@ -98,6 +99,16 @@ def check(rotor: Rotor, task: Task) -> None:
     if task.name != SPEED:
         for value in (task.low, task.high):
             rotor.with_value(task.name, value)
+
+
+def check_parts(rotor: Rotor) -> None:
+    """Raise `PeriodicError` for a part whose tangents do not hold over a turn."""
+    for where, part in rotor.named_parts():
+        if any(law.bow is not None for law in part.LAWS):
+            raise PeriodicError(
+                f"{where}: its heat bows the shaft more slowly than a motion repeats; a contact in "
+                "its place rubs without heat"
+            )
 
 
 def machines_of(rotor: Rotor, task: Task) -> Machines:

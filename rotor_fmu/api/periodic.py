@@ -9,7 +9,7 @@ from ..model.machine.rotor import Rotor
 from .machine import Machine
 
 if TYPE_CHECKING:
-    from ..periodic.answers import ResponseResult
+    from ..periodic.result import ResponseResult
 
 
 def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseResult:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-import time
+import math
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,16 +13,19 @@ import typer
 from rich.console import Console
 
 from ..errors import InputError, writable_folder
+from ..operation import operating_speeds
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
+from ..screen import progress_of
 from .shared import RotorFile
 from .speeds import one_speed, speed_range
 
 if TYPE_CHECKING:
+    from ..model.machine.rotor import Rotor
     from ..model.periodic.branch import Solution
-    from ..periodic.answers import ResponseResult
+    from ..periodic.result import ResponseResult
 
-_EVERY = 2.0  # seconds between two lines of progress
+_errors = Console(stderr=True)
 _CHECKED = 8  # points that are taken into time
 
 
@@ -27,11 +33,13 @@ _CHECKED = 8  # points that are taken into time
 def response(
     rotor: RotorFile = None,
     speed: Annotated[
-        str,
+        str | None,
         typer.Option(
-            "--speed", help="FROM:TO in rad/s, or with rpm or Hz behind; with --over one."
+            "--speed",
+            help="FROM:TO in rad/s, or with rpm or Hz behind; with --over one. Default: from an "
+            "eighth of the machine's highest speed to that, or its rated speed.",
         ),
-    ] = "50:400",
+    ] = None,
     over: Annotated[
         str | None,
         typer.Option(
@@ -60,6 +68,12 @@ def response(
     whirl: Annotated[
         bool, typer.Option("--whirl", help="Backward whirl by itself, without unbalance.")
     ] = False,
+    branches: Annotated[
+        bool,
+        typer.Option(
+            "--branches", help="Follow what begins at period doublings and branch points too."
+        ),
+    ] = False,
     check: Annotated[
         bool, typer.Option("--check", help="Take points into time and say whether they stay.")
     ] = False,
@@ -71,39 +85,96 @@ def response(
         "out/response"
     ),
 ) -> dict[str, Any]:
-    """Periodic motions with contacts: the whole curve with its jumps and unstable parts."""
-    at, varied = _varied(speed, over)
-    machine = load_rotor(rotor)[1]
-    writable_folder(out)
-    from ..figure_style import save
-    from ..periodic.answers import answer
+    """Periodic motions with contacts: the whole curve with its jumps and unstable parts.
 
-    result = answer(
-        machine,
-        speed=at,
-        over=varied,
-        parameters=_pairs("--set", values),
-        loads=_pairs("--load", load),
-        period=period,
-        harmonics=harmonics,
-        share=share,
-        step=step,
-        seeds=seed or (),
-        whirl=whirl,
-        tell=_Progress(),
-    )
+    A call that was stopped keeps its points in the folder, and the same call continues from there.
+    """
+    toml, machine = load_rotor(rotor)
+    at, varied = _varied(speed or _usual(machine, over), over)
+    asked: dict[str, Any] = {
+        "speed": at,
+        "over": varied,
+        "parameters": _pairs("--set", values),
+        "loads": _pairs("--load", load),
+        "period": period,
+        "harmonics": harmonics,
+        "share": share,
+        "step": step,
+        "seeds": tuple(seed or ()),
+        "whirl": whirl,
+        "branches": branches,
+    }
+    from ..periodic.answers import found, question
+
+    task = question(machine, **asked)
+    writable_folder(out)
+    from ..periodic.saved_events import saved_journal
+
+    length = task.task.high - task.task.low
+    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before) as tell:
+        result = found(task, tell, saved.journal)
     summary = dict(result.summary)
-    if fold_over is not None:
-        summary["folds"] = _folds(result, fold_over)
-    if check:
-        summary["check"] = _checked(result)
-    save(result.figure(), out / "response.png")
-    write_json(summary, out / "response.json")
+    if not result.is_stopped:
+        if fold_over is not None:
+            summary["folds"] = _folds(result, fold_over)
+        if check:
+            summary["check"] = _checked(result)
+    write_response(result, machine.name, summary, out)
     typer.echo(result.table().text())
     for note in result.notes:
         typer.echo(note)
     typer.echo(f"written to {out}")
+    if result.is_stopped:
+        print("response: its points are saved; the same call continues from there", file=sys.stderr)
+        raise KeyboardInterrupt
     return summary
+
+
+def write_response(
+    result: ResponseResult, name: str, summary: dict[str, Any], folder: Path
+) -> None:
+    """Write the picture, the page and the numbers of a response; name: of the machine."""
+    from ..figure_style import save
+
+    if result.points:
+        save(result.figure(), folder / "response.png")
+        _write_page(result, name, folder / "response.html")
+    write_json(summary, folder / "response.json")
+
+
+def _write_page(result: ResponseResult, name: str, path: Path) -> None:
+    """Write the page; where what draws it is not installed a warning says so instead."""
+    from ..files import write_text
+    from ..periodic.response_page import response_page
+
+    try:
+        write_text(response_page(result, name), path)
+    except InputError as error:
+        print(f"warning: {path.name} is not written: {error}", file=sys.stderr)
+
+
+@contextmanager
+def _progress(length: float, before: int) -> Iterator[Callable[[str, Solution], None]]:
+    """Show how much of the range, so long, is covered, and where the curve is; before: points of an
+    earlier call."""
+    count, low, high = 0, math.inf, -math.inf
+    with progress_of("response", length, _errors, first=2.0) as update:
+
+        def tell(label: str, point: Solution) -> None:
+            """Take one more point."""
+            nonlocal count, low, high
+            count, low, high = count + 1, min(low, point.value), max(high, point.value)
+            if count > before:
+                text = f"{label}: {count} points, at {point.value:.5g}, {point.orbit.H} harmonics"
+                update(high - low, lambda: text, False)
+
+        yield tell
+
+
+def _usual(machine: Rotor, over: str | None) -> str:
+    """Return the speeds of a machine's response as an option gives them."""
+    speeds = operating_speeds(machine)
+    return f"{speeds.rated!r}" if over else f"{speeds.highest / 8.0!r}:{speeds.highest!r}"
 
 
 def _varied(
@@ -150,23 +221,6 @@ def _checked(result: ResponseResult) -> list[dict[str, Any]]:
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"
         )
     return rows
-
-
-class _Progress:
-    """A line on standard error every now and then."""
-
-    def __init__(self) -> None:
-        self._said = time.monotonic()
-        self._count = 0
-        self._console = Console(stderr=True)
-
-    def __call__(self, label: str, point: Solution) -> None:
-        self._count += 1
-        if time.monotonic() - self._said > _EVERY:
-            self._said = time.monotonic()
-            self._console.print(
-                f"{label}: {self._count} points, at {point.value:.5g}, {point.orbit.H} harmonics"
-            )
 
 
 def _range(text: str, option: str) -> tuple[str, float, float]:

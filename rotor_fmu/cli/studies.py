@@ -21,6 +21,7 @@ from ..output_options import with_output_options
 from ..screen import progress_of, text_table
 from ..status import FAILED
 from ..studies.executors import ExecutorConfig, engine
+from ..studies.machine.response_runs import ResponseRuns
 from ..studies.machine.runs import MachineRuns
 from ..studies.reading import read_study
 from ..studies.runner import Progress, run_study
@@ -54,6 +55,13 @@ def study(
         bool,
         typer.Option("--analyse", help="Compute quantiles, limits, and Sobol or Morris indices."),
     ] = False,
+    is_drawn: Annotated[
+        bool,
+        typer.Option(
+            "--diagram",
+            help="Draw the Poincare sections over what is varied, over the periodic motions.",
+        ),
+    ] = False,
     select: Annotated[
         str, typer.Option(help="Repeat the run of this id or number and record all its signals.")
     ] = "",
@@ -66,6 +74,8 @@ def study(
     _need_extra()
     definition = read_study(file, is_quick=is_quick)
     where = _where(jobs, scheduler, cluster)
+    if is_drawn:
+        _check_diagram(definition)
     if select:
         return _select(definition, select, out)
     with _progress_bar(definition) as report:
@@ -78,6 +88,8 @@ def study(
     figures = _say_result(definition, out, progress)
     if is_analysed:
         figures["analysis"] = _analyse(out)
+    if is_drawn:
+        figures["diagrams"] = _draw(definition, out)
     return figures
 
 
@@ -209,6 +221,26 @@ def _analyse(out: Path) -> dict[str, Any]:
     return report
 
 
+def _check_diagram(definition: Study) -> None:
+    """Raise `InputError` for a study of which there is no diagram."""
+    from ..studies.machine.diagram import sections_of
+
+    sections_of(definition)
+
+
+def _draw(definition: Study, out: Path) -> list[str]:
+    """Draw the bifurcation diagrams of a study."""
+    from ..figure_style import save
+    from ..studies.dataset import open_dataset
+    from ..studies.machine.diagram import diagrams
+
+    drawn = []
+    for name, figure in diagrams(definition, open_dataset(out), typer.echo).items():
+        drawn.append(str(save(figure, out / f"diagram_{name}.png")))
+        typer.echo(f"written to {drawn[-1]}")
+    return drawn
+
+
 def _counted(result: dict[str, Any]) -> str:
     """Return how many runs pass a limit, and the share."""
     counted = f"{result['above']} of {result['count']} runs"
@@ -230,6 +262,8 @@ def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
     model = definition.model
     if not isinstance(model, MachineRuns):
         raise InputError("--select: only of a machine's runs")
+    if isinstance(model, ResponseRuns):
+        return _select_response(definition, model, select, out)
     number = _number_of(definition, select)
     values = definition.design.settings(definition.design.point(number))
     run_id = definition.row_id(values)
@@ -240,6 +274,24 @@ def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
     about["messages"] = recording.about["messages"]
     write_json(about, folder / "summary.json")
     typer.echo(f"run {number}, {run_id}: {recording.about['status']}")
+    typer.echo(f"written to {folder}")
+    return about | {"out": str(folder)}
+
+
+def _select_response(
+    definition: Study, model: ResponseRuns, select: str, out: Path
+) -> dict[str, Any]:
+    """Make one response again with its picture, page and numbers, in a folder of its own."""
+    from .periodic import write_response
+
+    number = _number_of(definition, select)
+    values = definition.design.settings(definition.design.point(number))
+    run_id = definition.row_id(values)
+    folder = writable_folder(out / "runs" / run_id)
+    result = model.response(values)
+    about = {"run": number, "id": run_id, "values": values}
+    write_response(result, f"{definition.name}, run {number}", about | result.summary, folder)
+    typer.echo(result.table().text())
     typer.echo(f"written to {folder}")
     return about | {"out": str(folder)}
 

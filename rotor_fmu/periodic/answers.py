@@ -2,271 +2,27 @@
 
 from __future__ import annotations
 
-import io
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InputError
 from ..fmi.interface import ports
 from ..linear.answers import rotor_of
-from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
-from ..model.parts.base import BASE, Probe
-from ..model.periodic.arclength import Lost, Steps
-from ..model.periodic.branch import FOLD, Accuracy, Bifurcation, Solution
-from ..model.periodic.evaluation import at, folds_over, stays
-from ..model.periodic.folds import FoldCurve
+from ..model.parts.base import BASE
+from ..model.periodic.arclength import Steps
+from ..model.periodic.branch import Accuracy, Solution
+from ..model.periodic.continuation import Tell
+from ..model.periodic.journal import Journal
 from ..model.periodic.response import response
-from ..model.periodic.seeds import Stay
-from ..model.periodic.task import SPEED, Response, Task
+from ..model.periodic.task import SPEED, Task, check
 from ..model.quantities import QuantityError
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-_LARGEST = 4096  # points of a period that `orbit` gives at most
-QUANTITIES = ("r_amp", "x_amp", "y_amp", "x_1x", "y_1x", "x_1x_phase", "y_1x_phase", "x", "y")
-
-
-class Curve(NamedTuple):
-    """A quantity along the branches, n points: value of the parameter, the quantity [m, rad],
-    whether the motion is stable, and the number of the branch, each of shape (n,)."""
-
-    parameter: np.ndarray
-    value: np.ndarray
-    stable: np.ndarray
-    branch: np.ndarray
-
-
-class OrbitSeries(NamedTuple):
-    """A period of a motion, n samples: t [s], and x, y of each probe [m] by its name, `disc[1]`."""
-
-    t: np.ndarray
-    x: Mapping[str, np.ndarray]
-    y: Mapping[str, np.ndarray]
-
-
-class ResponseResult:
-    """Periodic motions of a machine over a parameter; a notebook shows the picture.
-
-    parameter: its name, unit: of its values; branches: see `model.periodic.branch`; notes: what is
-    to be said of them.
-    """
-
-    def __init__(self, result: Response) -> None:
-        self._found = result
-        self.parameter = result.task.name
-        self.branches, self.notes = result.branches, tuple(result.notes)
-        self.probes = probes(result.rotor)
-
-    def __repr__(self) -> str:
-        count = len(self.branches)
-        return (
-            f"ResponseResult({len(self.points)} points over {self.parameter}, {count} "
-            f"branch{'es' if count != 1 else ''})"
-        )
-
-    @property
-    def unit(self) -> str:
-        """Of the parameter."""
-        if self.parameter == SPEED:
-            return "rad/s"
-        known = {str(name): described.unit for name, described, _ in self._found.rotor.parameters()}
-        return known[self.parameter]
-
-    @property
-    def points(self) -> list[Solution]:
-        """Of all branches, one after another."""
-        return [point for branch in self.branches for point in branch.points]
-
-    @property
-    def bifurcations(self) -> list[Bifurcation]:
-        """Of all branches."""
-        return [b for branch in self.branches for b in branch.bifurcations]
-
-    def curve(self, name: str, quantity: str = "r_amp") -> Curve:
-        """A quantity of a probe along the branches; name: such as `disc[3]`, or with the quantity,
-        `disc[3].x_1x`.
-
-        quantity: r_amp, the largest distance from the mean; x_amp, y_amp, half of the range; x_1x,
-        y_1x, the amplitudes at the speed, with x_1x_phase, y_1x_phase, by which they lead the
-        shaft's mark; x, y, the means. Raises `InputError` for an unknown name.
-        """
-        if name not in self.probes and name.rpartition(".")[0] in self.probes:
-            name, _, quantity = name.rpartition(".")
-        if name not in self.probes:
-            near = get_close_matches(name, self.probes, 1, 0.0)
-            raise InputError(f"{name}: no such place; the nearest is {near[0] if near else 'none'}")
-        if quantity not in QUANTITIES:
-            raise InputError(f"{name}.{quantity}: must be one of {', '.join(QUANTITIES)}")
-        rows = [
-            (p.value, self._quantities(p, name)[quantity], p.is_stable, i)
-            for i, branch in enumerate(self.branches, 1)
-            for p in branch.points
-        ]
-        table = np.array(rows, float).reshape(-1, 4)
-        return Curve(table[:, 0], table[:, 1], table[:, 2] > 0, table[:, 3].astype(int))
-
-    def orbit(self, i: int, samples: int = 256) -> OrbitSeries:
-        """A period of the motion at point i, of all branches one after another."""
-        points = self.points
-        if not -len(points) <= i < len(points):
-            raise InputError(f"i = {i}: must be from 0 to {len(points) - 1}")
-        if not 2 <= samples <= _LARGEST:
-            raise InputError(f"samples = {samples}: must be from 2 to {_LARGEST}")
-        point = points[i]
-        t = 2 * math.pi / abs(point.orbit.omega) * np.arange(samples) / samples
-        places = {name: self._series(point, name, samples) for name in self.probes}
-        return OrbitSeries(
-            t, {n: s[0] for n, s in places.items()}, {n: s[1] for n, s in places.items()}
-        )
-
-    def at(self, value: float) -> list[Solution]:
-        """All motions at a value of the parameter, exact, stable ones and others."""
-        return at(self._found, value)
-
-    def check(self, point: Solution, turns: int = 50) -> Stay:
-        """Start the integrator on a motion: whether it stays there for so many turns."""
-        try:
-            return stays(self._found, point, turns)
-        except QuantityError as error:
-            raise InputError(str(error)) from error
-
-    def amplitude(self, point: Solution, name: str, quantity: str = "r_amp") -> float:
-        """A quantity of a probe, as `curve` has them, of a motion [m, rad]."""
-        return self._quantities(point, name)[quantity]
-
-    def fold_curve(self, name: str, low: float, high: float, i: int = 0) -> FoldCurve:
-        """Where the i-th smooth fold lies over another parameter: the map of jumps.
-
-        Raises `InputError` where there is no such fold or parameter.
-        """
-        folds = [b for b in self.bifurcations if b.kind == FOLD]
-        if not 0 <= i < len(folds):
-            raise InputError(f"i = {i}: there are {len(folds)} folds")
-        _check_names(self._found.rotor, {name: 0.0})
-        try:
-            return folds_over(self._found, folds[i], name, low, high)
-        except Lost as error:
-            raise InputError(f"{name}: no curve of folds begins there: {error}") from error
-
-    def dataframe(self) -> Any:
-        """A row a point: branch, parameter, whether it is stable, the largest multiplier's size,
-        how many harmonics, and the quantities of every probe (pandas)."""
-        import pandas as pd  # type: ignore[import-untyped,unused-ignore]
-
-        rows = []
-        for i, branch in enumerate(self.branches, 1):
-            for p in branch.points:
-                row = {
-                    "branch": i,
-                    self.parameter: p.value,
-                    "stable": p.is_stable,
-                    "multiplier": float(np.abs(p.multipliers[0])) if len(p.multipliers) else np.nan,
-                    "harmonics": p.orbit.H,
-                    "omega": p.orbit.omega,
-                }
-                for name in self.probes:
-                    row |= {f"{name}.{q}": v for q, v in self._quantities(p, name).items()}
-                rows.append(row)
-        return pd.DataFrame(rows)
-
-    def figure(self, names: Sequence[str] | None = None) -> Figure:
-        """Amplitudes over the parameter: stable full, unstable dashed, bifurcations marked."""
-        from .response_plots import response_figure
-
-        return response_figure(self, names)
-
-    def table(self) -> Table:
-        """A row a bifurcation, and the ends of the branches."""
-        rows: list[tuple[object, ...]] = []
-        for i, branch in enumerate(self.branches, 1):
-            for b in branch.bifurcations:
-                rows.append((i, b.kind, float(b.value), float(abs(b.multiplier)), b.orbit.H))
-        heads = ("branch", "bifurcation", f"{self.parameter} [{self.unit}]", "|multiplier|", "H")
-        counts = ", ".join(
-            f"{i}: {len(b.points)} points, {sum(p.is_stable for p in b.points)} stable, "
-            f"{b.ends[0]} to {b.ends[1]}"
-            for i, b in enumerate(self.branches, 1)
-        )
-        return Table(f"Periodic response over {self.parameter}; branch {counts}", heads, rows)
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """The numbers for JSON."""
-        return {
-            "parameter": self.parameter,
-            "unit": self.unit,
-            "bifurcations": [
-                {"kind": b.kind, "value": b.value, "omega": b.orbit.omega}
-                for b in self.bifurcations
-            ],
-            "branches": [
-                {
-                    "ends": branch.ends,
-                    "value": [p.value for p in branch.points],
-                    "stable": [p.is_stable for p in branch.points],
-                    "harmonics": [p.orbit.H for p in branch.points],
-                    "r_amp": {
-                        name: [self._quantities(p, name)["r_amp"] for p in branch.points]
-                        for name in self.probes
-                    },
-                }
-                for branch in self.branches
-            ],
-            "notes": self.notes,
-        }
-
-    def _series(self, point: Solution, name: str, samples: int) -> tuple[np.ndarray, np.ndarray]:
-        X = self._amplitudes(point, name)
-        k = np.arange(len(X))
-        angle = 2 * math.pi * np.arange(samples) / samples
-        result = (np.exp(1j * np.outer(angle, k)) @ X).real
-        return result[:, 0], result[:, 1]
-
-    def _amplitudes(self, point: Solution, name: str) -> np.ndarray:
-        dof, slope, offset = self.probes[name]
-        at = np.array([0, 1])
-        return point.motion[:, 2 * dof + at] + offset * point.motion[:, 2 * slope + at]
-
-    def _quantities(self, point: Solution, name: str) -> dict[str, float]:
-        X = self._amplitudes(point, name)
-        samples = 64 * 2 ** math.ceil(math.log2(max(1, len(X) / 8)))
-        x, y = self._series(point, name, samples)
-        mean = X[0].real
-        once = X[point.orbit.turns] if len(X) > point.orbit.turns else np.zeros(2, complex)
-        values = (
-            np.hypot(x - mean[0], y - mean[1]).max(),
-            np.ptp(x) / 2,
-            np.ptp(y) / 2,
-            *np.abs(once),
-            *np.angle(once),
-            *mean,
-        )
-        return {q: float(v) for q, v in zip(QUANTITIES, values, strict=True)}
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.figure().savefig(buffer, format="png", metadata={"Software": None})
-        return buffer.getvalue()
-
-
-def probes(rotor: Rotor) -> dict[str, tuple[int, int, float]]:
-    """Names of the places that are observed, with dof, slope and offset [m]."""
-    result = {}
-    for where, part in rotor.named_parts():
-        for element in part.elements(where, rotor.material.density):
-            if isinstance(element, Probe):
-                dof = 2 * (element.node - 1)
-                result[where] = (dof, dof + 1, element.offset)
-    return result
+from .result import ResponseResult, check_names
 
 
 def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | None:
@@ -296,6 +52,46 @@ def constant_loads(rotor: Rotor, loads: Mapping[str, float]) -> np.ndarray | Non
 def answer(
     machine: Rotor | Path | str,
     *,
+    tell: Tell = lambda _, __: None,
+    journal: Journal | None = None,
+    **options: Any,
+) -> ResponseResult:
+    """Periodic motions of a machine over its speed, or over another parameter.
+
+    speed: FROM and TO [rad/s], or, with `over`, the one speed; over: a name of `machine.parameters`
+    with FROM and TO; parameters: other values of the machine's; loads: constant forces on ports,
+    such as `disc[2].fy` [N]; period: revolutions in a period; harmonics: at most, share: what the
+    highest may be of the motion; stability: whether Floquet multipliers are computed; step: the
+    longest along the curve, in clearances and shares of the range; seeds: values of the parameter
+    where runs in time look for further branches; whirl: of the machine without its unbalance, the
+    backward whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or
+    `points`, from which alone branches are followed; branches: whether those that begin at period
+    doublings and branch points are followed too; tell: hears of every point; journal: of what an
+    earlier call came to, and of what this one does. Raises `InputError` for what cannot be.
+    """
+    return found(question(machine, **options), tell, journal)
+
+
+class Question(NamedTuple):
+    """A machine, with its parameters as they were asked for, and what is asked of it."""
+
+    rotor: Rotor
+    task: Task
+
+
+def found(
+    asked: Question, tell: Tell = lambda _, __: None, journal: Journal | None = None
+) -> ResponseResult:
+    """The answer to a question; see `answer`."""
+    try:
+        return ResponseResult(response(asked.rotor, asked.task, tell, journal))
+    except QuantityError as error:
+        raise InputError(str(error)) from error
+
+
+def question(
+    machine: Rotor | Path | str,
+    *,
     speed: float | tuple[float, float],
     over: tuple[str, float, float] | None = None,
     parameters: Mapping[str, float] | None = None,
@@ -308,22 +104,13 @@ def answer(
     seeds: Sequence[float] = (),
     whirl: bool = False,
     start: Solution | None = None,
-    tell: Callable[[str, Solution], None] = lambda _, __: None,
-) -> ResponseResult:
-    """Periodic motions of a machine over its speed, or over another parameter.
-
-    speed: FROM and TO [rad/s], or, with `over`, the one speed; over: a name of `machine.parameters`
-    with FROM and TO; parameters: other values of the machine's; loads: constant forces on ports,
-    such as `disc[2].fy` [N]; period: revolutions in a period; harmonics: at most, share: what the
-    highest may be of the motion; stability: whether Floquet multipliers are computed; step: the
-    longest along the curve, in clearances and shares of the range; seeds: values of the parameter
-    where runs in time look for further branches; whirl: of the machine without its unbalance, the
-    backward whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or
-    `points`, from which alone branches are followed. Raises `InputError` for what cannot be.
-    """
+    branches: bool = False,
+) -> Question:
+    """The question of `answer`, with its options, checked before anything is computed. Raises
+    `InputError` for what cannot be."""
     rotor = rotor_of(machine)
     if parameters:
-        _check_names(rotor, parameters)
+        check_names(rotor, parameters)
         try:
             rotor = rotor.with_values({n: float(v) for n, v in parameters.items()})
         except QuantityError as error:
@@ -342,7 +129,7 @@ def answer(
         name = over[0]
         if not isinstance(speed, (int, float)):
             raise InputError("speed: must be one speed where another parameter is varied")
-        _check_names(rotor, {name: 0.0})
+        check_names(rotor, {name: 0.0})
         held, ends = float(speed), (float(over[1]), float(over[2]))
     if not isinstance(ends, tuple) or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")
@@ -362,16 +149,10 @@ def answer(
         tuple(float(s) for s in seeds),
         whirl,
         None if start is None else start.orbit,
+        branches,
     )
     try:
-        return ResponseResult(response(rotor, task, tell))
+        check(rotor, task)
     except QuantityError as error:
         raise InputError(str(error)) from error
-
-
-def _check_names(rotor: Rotor, names: Mapping[str, float]) -> None:
-    known = [str(name) for name, _, _ in rotor.parameters()]
-    for name in names:
-        if name not in known:
-            near = get_close_matches(name, known, 1, 0.0)[0]
-            raise InputError(f"{name}: no quantity of the machine; the nearest is {near}")
+    return Question(rotor, task)

@@ -11,9 +11,10 @@ from matplotlib.lines import Line2D
 
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
+from .result import pieces
 
 if TYPE_CHECKING:
-    from .answers import ResponseResult
+    from .result import ResponseResult
 
 _COLORS = (BLUE, ORANGE, GREEN, "#cc79a7", "#56b4e9")
 _MARKS = {FOLD: "o", GRAZING: "s", DOUBLING: "D", TORUS: "^", BRANCHING: "P"}
@@ -31,19 +32,13 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         for i in range(1, len(result.branches) + 1):
             mine = curve.branch == i
             at, value = curve.parameter[mine], curve.value[mine] * 1e6
-            stable = curve.stable[mine]
-            begin = 0
-            for j in range(1, len(at) + 1):
-                if j == len(at) or stable[j] != stable[begin]:
-                    piece = slice(begin, min(j + 1, len(at)))
-                    style = "-" if stable[begin] else (0, (4, 2))
-                    width = 1.8 if stable[begin] else 1.2
-                    axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
-                    begin = j
+            for piece, is_stable in pieces(curve.stable[mine].tolist()):
+                style, width = ("-", 1.8) if is_stable else ((0, (4, 2)), 1.2)
+                axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
             branch = result.branches[i - 1]
             for b in branch.bifurcations:
                 near = branch.points[max(0, b.behind)]
-                y = result._quantities(near, name)["r_amp"] * 1e6
+                y = result.amplitude(near, name) * 1e6
                 axes.plot(b.value, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))

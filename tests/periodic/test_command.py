@@ -16,9 +16,10 @@ JEFFCOTT = Path(rf.__file__).parents[1] / "examples" / "jeffcott_rub" / "jeffcot
 COMMAND = "from rotor_fmu.cli import main; main()"
 
 
-def command(*arguments):
+def command(*arguments, name="response", first=()):
+    given = [first, *arguments] if first else arguments
     return subprocess.run(
-        [sys.executable, "-c", COMMAND, "response", *map(str, arguments)],
+        [sys.executable, "-c", COMMAND, name, *map(str, given)],
         capture_output=True,
         text=True,
         check=False,
@@ -48,7 +49,9 @@ def test_the_command_writes_curve_and_picture(tmp_path):
         (("--period", "0"), "period = 0: must be"),
         (("--share", "2"), "share = 2: must be"),
         (("--load", "disc=3"), "is no force on a port"),
-        (("--seed", "1000"), "seed = 1000: must be from 50 to 400"),
+        (("--speed", "50:400", "--seed", "1000"), "seed = 1000: must be from 50 to 400"),
+        # of 1 % of paper A's machine: from an eighth of twice its lowest natural frequency
+        (("--seed", "1000"), "seed = 1000: must be from 25 to 200"),
     ],
 )
 def test_what_cannot_be_is_one_line_with_status_2(tmp_path, arguments, words):

@@ -6,12 +6,14 @@ import sys
 
 import numpy as np
 import pytest
+from rotor_fmu.model.machine.toml import rig_toml
 from scipy.signal import lsim
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.runs.recording import load_recording
-from rotor_fmu.studies.machine.metrics import Metric, cells
+from rotor_fmu.studies.machine.metric_cells import cells
+from rotor_fmu.studies.machine.metrics import Metric
 from rotor_fmu.studies.machine.monitor import Samples, Window
 from rotor_fmu.studies.machine.run_excitation import Excitation
 from rotor_fmu.studies.reading import read_study
@@ -193,6 +195,32 @@ def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
     data = studies.open(tmp_path / "out")
     assert data.status.values.tolist() == ["ok"]
     assert float(data.end.values.ravel()[-1]) == pytest.approx(end, rel=2e-2)
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"),
+    [
+        ("run-down", {"from": 130.0, "to": 0.0, "rate": 4.0}),
+        ("run-up", {"from": 0.0, "to": 110.0, "rate": 3.0}),
+        ("up-and-down", {"from": 0.0, "to": 110.0, "rate": 3.0}),
+        ("motor", {"target": 90.0, "ramp": 3.0}),
+    ],
+)
+def test_a_run_is_that_of_the_machines_own_speeds(tmp_path, kind, expected):
+    (tmp_path / "machine.toml").write_text(
+        rig_toml().partition("[operation]")[0]
+        + "[operation]\nrated_speed = 90.0\nmaximum_continuous_speed = 110.0\ntrip_speed = 130.0\n"
+        + "run_up_rate = 3.0\nrun_down_rate = 4.0\n\n[material]"
+        + rig_toml().partition("[material]")[2]
+    )
+    path = tmp_path / "study.toml"
+    needed = "torque = 1\nstop = 1\n" if kind == "motor" else ""
+    path.write_text(
+        f'machine = "machine.toml"\n[run]\nkind = "{kind}"\n{needed}'
+        '[vary]\n"solver.tolerance" = { values = [1e-3] }\n[keep]\nend = { last = "w" }\n'
+    )
+    numbers = read_study(path).model.how.numbers
+    assert {name: numbers[name] for name in expected} == expected
 
 
 def test_loads_of_a_file_are_linear_between_its_points_whatever_the_step(tmp_path):

@@ -29,7 +29,7 @@ from ...model.spelling import Message
 from ...runs.recording import Recording
 from ...status import FAILED, messages_and_codes, status_of
 from ..study import Result
-from .metrics import cells
+from .metric_cells import cells
 from .monitor import Samples, Window
 from .run_excitation import Excitation
 from .runs import RUN, MachineRuns, machine_of

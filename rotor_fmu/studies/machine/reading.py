@@ -12,15 +12,19 @@ from typing import Any
 from ...errors import InputError
 from ...fmi.binding import load_names
 from ...fmi.variables import Variable
+from ...model.periodic.task import check_parts
+from ...operation import operating_speeds
 from ...runs.job import load_rotor
 from ...runs.signals import read_signals
 from ..design import Axis, number, whole
 from ..study import Column
 from ..study_tables import Tables, known_name, nearest, table_of
+from . import response_metrics
 from .coupled import CoupledRuns
 from .metrics import KINDS as METRIC_DEFAULTS
 from .metrics import WAYS, Metric, check, column
-from .run_excitation import COUPLED, FREE, KINDS, WHOLE, Excitation, Kick, check_numbers
+from .response_runs import ResponseRuns
+from .run_excitation import COUPLED, FREE, KINDS, RESPONSE, WHOLE, Excitation, Kick, check_numbers
 from .runs import RUN, VERIFICATION, Machine, MachineRuns, machine_of
 
 
@@ -38,12 +42,19 @@ def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, s
     machine = machine_of(toml, kind in FREE)
     how = _drive(kind, run, machine, folder)
     values = {}
+    known = _settable_names(machine)
+    if kind == RESPONSE:
+        of_rotor = {str(name) for name, _, _ in machine.rotor.parameters()}
+        known = [name for name in known if name in of_rotor]
     for name, value in table_of(tables, "set").items():
-        variable = _settable(machine, known_name("set", name, _settable_names(machine)))
+        variable = _settable(machine, known_name("set", name, known))
         values[name] = _value(f"set {name}", variable, value)
-    make = CoupledRuns if kind == COUPLED else MachineRuns
-    runs = make(toml, values, how, ())
-    units = {name: _settable(machine, name).unit or "1" for name in _settable_names(machine)}
+    runs = _MAKE.get(kind, MachineRuns)(toml, values, how, ())
+    units = {name: _settable(machine, name).unit or "1" for name in known}
+    if isinstance(runs, ResponseRuns):
+        units.pop(how.over, None)
+        units |= {f"{RUN}{name}": runs.unit for name in ("from", "to")}
+        return runs, {f"{RUN}{name}": KINDS[kind][name].unit for name in how.numbers} | units
     return runs, units | {f"{RUN}{name}": KINDS[kind][name].unit for name in how.numbers}
 
 
@@ -57,6 +68,7 @@ def _machine_path(name: str | None, folder: Path) -> Path | None:
     return packaged if packaged.is_file() and not path.is_file() else path
 
 
+_MAKE = {COUPLED: CoupledRuns, RESPONSE: ResponseRuns}
 # What the kind of run decides itself.
 _DRIVEN = ("speed", "speed_rate", "speed_continuation", "w_start", "tau_drive")
 
@@ -86,8 +98,12 @@ def _value(where: str, variable: Variable, value: object) -> float:
 
 
 def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Excitation:
-    kick, file = run.pop("kick", None), run.pop("file", None)
-    numbers = {name: identity.default for name, identity in KINDS[kind].items()}
+    kick, file, over = run.pop("kick", None), run.pop("file", None), run.pop("over", None)
+    speeds = operating_speeds(machine.rotor)
+    numbers = {
+        name: getattr(speeds, of.default) if isinstance(of.default, str) else of.default
+        for name, of in KINDS[kind].items()
+    }
     for name, value in run.items():
         known_name(f"run {kind}:", name, numbers)
         numbers[name] = number(f"run.{name}", value)
@@ -96,6 +112,14 @@ def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Ex
             raise InputError(f"run {kind}: needs {name} [{KINDS[kind][name].unit}]")
     given = {name: float(value) for name, value in numbers.items() if value is not None}
     check_numbers(kind, given)
+    if over is not None:
+        if kind != RESPONSE or not isinstance(over, str):
+            raise InputError(f"run {kind}: over = {over!r}: the name of a quantity, of a response")
+        known_name(
+            "run response: over", over, [str(name) for name, _, _ in machine.rotor.parameters()]
+        )
+    if kind == RESPONSE and (kick is not None or (over is None) != (given["speed"] == 0)):
+        raise InputError("run response: speed is given with over, and only then; it has no kick")
     if (kind == "signals") != isinstance(file, str):
         raise InputError(f"run {kind}: file: only of signals, which need it")
     signals = read_signals(folder / file, machine.table) if isinstance(file, str) else None
@@ -106,7 +130,7 @@ def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Ex
         zeros = 0.0 * signals.t
         named = {name: zeros for pair in loads for name in pair}
         signals = type(signals)(signals.t, named | dict(signals.values))
-    return Excitation(kind, given, signals, _kick(kick, loads), loads)
+    return Excitation(kind, given, signals, _kick(kick, loads), loads, over or "")
 
 
 def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
@@ -139,13 +163,16 @@ def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> Mac
             raise InputError("vary: what decides the length of lists cannot be varied")
         metrics.append(metric)
         unit = units.get(metric.of, units.get(f"{metric.of.removesuffix('.r')}.x", "1"))
-        columns.append(column(metric, unit, runs.how, moved))
+        if isinstance(runs, ResponseRuns):
+            columns.append(response_metrics.column(metric, unit, runs.unit))
+        else:
+            columns.append(column(metric, unit, runs.how, moved))
     is_verified = tables.get("verify", False)
     if not isinstance(is_verified, bool):
         raise InputError(f"verify = {is_verified!r}: must be true or false")
     if is_verified:
-        if runs.how.kind == COUPLED:
-            raise InputError(f"verify: not of runs of the kind {COUPLED}")
+        if runs.how.kind in (COUPLED, RESPONSE):
+            raise InputError(f"verify: not of runs of the kind {runs.how.kind}")
         text = "largest difference of the metrics from the same run, solved more finely"
         columns.append(Column(VERIFICATION, "1", text))
     return replace(runs, metrics=tuple(metrics), columns=tuple(columns), is_verified=is_verified)
@@ -157,9 +184,10 @@ def _metric(
     where = f"keep {name}"
     if not isinstance(given, dict):
         raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
-    kinds = [key for key in given if key in METRIC_DEFAULTS and key != "passing"]
+    known = response_metrics.KINDS if how.kind == RESPONSE else METRIC_DEFAULTS
+    kinds = [key for key in given if key in known and key != "passing"]
     if not kinds and given:
-        known_name(where + ":", next(iter(given)), METRIC_DEFAULTS)
+        known_name(where + ":", next(iter(given)), known)
     kind = kinds[0] if kinds else ""
     # `order = 1, of = OUTPUT`, and likewise of others whose own word is a number or a list
     if "of" in given:
@@ -167,12 +195,12 @@ def _metric(
     elif kind:
         of = given[kind]
     else:
-        raise InputError(f"{where}: must have one of {', '.join(METRIC_DEFAULTS)}")
-    identity = METRIC_DEFAULTS[kind]
+        raise InputError(f"{where}: must have one of {', '.join(known)}")
+    identity = known[kind]
     options = {key: value for key, value in given.items() if key not in (kind, "of")}
     if kind == "order":  # the order itself, unless a speed is to be passed
         kind = "passing" if "speed" in given else kind
-        identity = METRIC_DEFAULTS[kind]
+        identity = known[kind]
         options["order"] = given["order"]
     for key in options:
         known_name(where + ":", key, (*identity.needed, *identity.optional))
@@ -184,7 +212,14 @@ def _metric(
     checked = {key: _option(where, key, value) for key, value in options.items()}
     scale = _radius(machine, of) if kind == "dissipated" else 0.0
     metric = Metric(name, kind, of, tuple(checked.items()), scale)
+    if how.kind == RESPONSE:
+        response_metrics.check(metric, how)
+        if kind != "bifurcation":
+            known_name(f"{where}:", of, units)
+        return metric
     check(metric, how)
+    if kind == "lyapunov":
+        check_parts(machine.rotor)
     for need in metric.needs:
         if need not in units:
             parts = {n.rpartition(".")[0] for n in units if "." in n}
@@ -194,6 +229,8 @@ def _metric(
 
 
 def _option(where: str, key: str, value: object) -> Any:
+    if key == "which":
+        return value
     if key == "way":
         if value not in WAYS:
             raise InputError(f"{where}: way = {value!r}: must be one of {', '.join(WAYS)}")
@@ -226,8 +263,9 @@ def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
             for value in axis.values:
                 if target.startswith(RUN):
                     how = runs.how.changed({target.removeprefix(RUN): value})
+                    is_suited = response_metrics.check if how.kind == RESPONSE else check
                     for metric in runs.metrics:
-                        check(metric, how)
+                        is_suited(metric, how)
                 else:
                     _value(f"vary {axis.name}", _settable(machine, target), value)
             own = target.removeprefix(RUN)

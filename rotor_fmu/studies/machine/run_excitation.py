@@ -22,11 +22,11 @@ from .monitor import Monitor, Window
 
 
 class Number(NamedTuple):
-    """A number of a kind of run: its unit, its default (None: must be given), its bound, and what
-    it is."""
+    """A number of a kind of run: its unit, its default (None: must be given; a name: that of the
+    machine's `OperatingSpeeds`), its bound, and what it is."""
 
     unit: str
-    default: float | None
+    default: float | str | None
     is_positive: bool
     text: str
 
@@ -34,14 +34,15 @@ class Number(NamedTuple):
 _STEP = Number("s", 0.04, True, "communication step, at which the speed is taken up")
 _STOP = Number("s", None, True, "end of the run")
 _RAMP = {
-    "from": Number("rad/s", 400.0, False, "speed at the start"),
+    "from": Number("rad/s", "trip", False, "speed at the start"),
     "to": Number("rad/s", 0.0, False, "speed at the end"),
-    "rate": Number("rad/s2", 10.0, True, "rate of the speed, without sign"),
+    "rate": Number("rad/s2", "run_down_rate", True, "rate of the speed, without sign"),
     "step": _STEP,
 }
 _UP = _RAMP | {
     "from": Number("rad/s", 0.0, False, "speed at the start"),
-    "to": Number("rad/s", 400.0, False, "highest speed"),
+    "to": Number("rad/s", "highest", False, "highest speed"),
+    "rate": Number("rad/s2", "run_up_rate", True, "rate of the speed, without sign"),
 }
 _MEASURED = {
     "settle": Number("s", 1.0, False, "time that each speed is held before it is looked at"),
@@ -71,8 +72,8 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     },
     "motor": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
-        "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
+        "target": Number("rad/s", "rated", True, "speed that the motor is to reach"),
+        "ramp": Number("rad/s2", "run_up_rate", True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "from": Number("rad/s", 1.0, False, "speed at the start"),
         "stop": _STOP,
@@ -91,12 +92,23 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
         "stop": _STOP,
         "step": Number("s", 2e-3, True, "communication step of the two FMUs"),
     },
+    "response": {
+        "from": Number("", None, False, "lowest speed [rad/s], or value of `over`"),
+        "to": Number("", None, False, "highest"),
+        "speed": Number("rad/s", 0.0, False, "the one speed, with `over`"),
+        "period": Number("1", 1.0, True, "revolutions in a period"),
+        "harmonics": Number("1", 60.0, True, "harmonics of the speed, at most"),
+        "share": Number("1", 1e-4, True, "what the highest harmonics may be of the motion"),
+        "length": Number("1", 0.1, True, "longest step along the curve"),
+        "branches": Number("1", 0.0, False, "1: branches from period doublings and branch points"),
+    },
 }
 FREE = ("drop", "motor")  # the rotor's speed is a state
-WHOLE = ("turns", "per_turn", "count", "back")
+WHOLE = ("turns", "per_turn", "count", "back", "period", "harmonics", "branches")
 _NOT_NEGATIVE = ("settle", "measure", "back", "integral", "damping")
 LEVELS = ("constant", "steps")
 COUPLED = "drive-train"  # the kind of which a run is two FMUs
+RESPONSE = "response"  # the kind of which a run is a periodic response, and nothing in time
 _STANDS = 1e-9  # share of the highest speed that rounding leaves of none
 
 
@@ -113,13 +125,15 @@ class Kick:
 
 @dataclass(frozen=True)
 class Excitation:
-    """How a run is driven: its kind, the kind's numbers, recorded signals, a kick."""
+    """How a run is driven: its kind, the kind's numbers, recorded signals, a kick; of a
+    response what is varied along the curve, empty for the speed."""
 
     kind: str
     numbers: Mapping[str, float]
     signals: Signals | None = None
     kick: Kick | None = None
     loads: tuple[tuple[str, str], ...] = field(default=())
+    over: str = ""
 
     def changed(self, values: Mapping[str, float]) -> Excitation:
         """Return the drive with some of its numbers replaced; `InputError` for impossible ones."""
@@ -170,6 +184,10 @@ def check_numbers(kind: str, numbers: Mapping[str, float]) -> None:
             ends = ("speed",) if kind == "constant" else ("from", "to")
             given = ", ".join(f"run.{name} = {numbers[name]:g}" for name in ends)
             raise InputError(f"{given} rad/s: no speed that is held may be 0, to make turns")
+    if kind == RESPONSE and not numbers["from"] < numbers["to"]:
+        raise InputError(
+            f"run.from = {numbers['from']:g}: must be below run.to = {numbers['to']:g}"
+        )
     if "rate" in numbers and numbers["from"] == numbers["to"]:
         raise InputError(f"run.to = {numbers['to']:g} rad/s: must differ from run.from")
 
@@ -227,8 +245,13 @@ def _levels(simulation: Simulation, how: Excitation, monitor: Monitor) -> Iterat
             per_turn = int(n["per_turn"])
             count, interval = int(n["turns"]) * per_turn, math.tau / abs(speed) / per_turn
         monitor.begin()
+        parts = monitor.parts(per_turn) if per_turn else 1
         for k in range(1, count + 1):
+            for j in range(1, parts):
+                simulation.advance(begun + (k - 1 + j / parts) * interval, speed)
+                monitor.sample_interfaces()
             simulation.advance(begun + k * interval, speed)
+            monitor.sample_interfaces()
             monitor.record()
             if per_turn:
                 monitor.sample()

@@ -26,7 +26,8 @@ from ...runs.recording import Recording
 from ...runs.verification import NOT_CONFIRMED_CODE, allowed, finer
 from ...status import FAILED, messages_and_codes, status_of, with_doubt
 from ..study import Cell, Column, Result
-from .metrics import KINDS, Metric, cells
+from .metric_cells import cells
+from .metrics import KINDS, Metric
 from .monitor import RECORDER_ROWS, Monitor
 from .run_excitation import FREE, Excitation, excite
 
@@ -125,7 +126,10 @@ class MachineRuns:
             messages: list[Message] = []
             how, simulation = self._prepared(values, messages, self._needs(False))
             settings = simulation.settings
-            monitor = Monitor(simulation, self._needs(False), self._needs(True))
+            has_exponent = any(metric.kind == "lyapunov" for metric in self.metrics)
+            monitor = Monitor(
+                simulation, self._needs(False), self._needs(True), has_exponent=has_exponent
+            )
             windows = list(excite(simulation, how, monitor))
         except StepFailure as error:
             return Result(f"{FAILED}{error}", {}), settings

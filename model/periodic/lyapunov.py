@@ -1,0 +1,103 @@
+"""The largest Lyapunov exponent of a motion in time: how fast neighbouring motions part.
+
+The machine linearized along the motion, by the laws' tangents, takes a difference from turn to turn
+as it does along an orbit (`floquet`). The exponent is the mean of the growth a turn, weighted by
+
+    w(s) = exp(-1 / (s (1 - s))),    0 < s < 1
+
+which leaves out how the difference turns into the fastest direction at the start, and converges
+faster than a plain mean where the motion is regular (Das, Saiki, Sander, Yorke 2017).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from ..one_thread import on_one_thread
+from ..simulation import Simulation
+from ..step.laws import relative
+from .condensed import Condensed
+from .floquet import Path, modes_along, passed, tangents_along
+from .task import check_parts
+
+LEAST_TURNS = 4
+_RESOLVED = 8.0  # samples a period of the fastest motion that is looked at
+
+
+class InterfaceSamples(NamedTuple):
+    """What all m interfaces with s own states do at n instants: t [s], shape (n,); complex relative
+    displacements d [m] and velocities v [m/s], shape (n, m); own states, shape (n, s)."""
+
+    t: np.ndarray
+    d: np.ndarray
+    v: np.ndarray
+    own: np.ndarray
+
+
+def sample(run: Simulation) -> tuple[float, list[complex], list[complex], np.ndarray]:
+    """The interfaces of a run at the time reached: a row of `InterfaceSamples`."""
+    motion, interfaces = run.motion, run.structure.interfaces
+    d = [relative(i, motion.q) for i in interfaces]
+    v = [relative(i, motion.v) for i in interfaces]
+    return run.time, d, v, motion.internal_state.copy()
+
+
+@on_one_thread
+def largest_exponent(rotor: Rotor, samples: InterfaceSamples, speed: float, per_turn: int) -> float:
+    """The largest Lyapunov exponent [1/s] of a motion at a constant speed [rad/s] that was sampled
+    evenly, `per_turn` times a turn, over whole turns.
+
+    Raises `ValueError` for fewer than `LEAST_TURNS` turns, and `PeriodicError` for a machine whose
+    parts have no tangents.
+    """
+    turns = (len(samples.t) - 1) // per_turn
+    if turns < LEAST_TURNS:
+        raise ValueError(f"turns = {turns}: must be >= {LEAST_TURNS}")
+    check_parts(rotor)
+    machine = Condensed(rotor)
+    path = _path(machine, samples, speed, per_turn)
+    cuts = [samples.t[k * per_turn : (k + 1) * per_turn + 1] for k in range(turns)]
+    parts = [tangents_along(machine, path, times) for times in cuts]
+    modes, mean = modes_along(machine, path, parts)
+    state = np.random.default_rng(0).standard_normal(len(modes.roots)) + 0j
+    state /= np.linalg.norm(state)
+    growth = np.empty(turns)
+    for k, part in enumerate(parts):
+        state = passed(modes, mean, part) @ state
+        size = float(np.linalg.norm(state))
+        growth[k] = np.log(size) / part.h.sum()
+        state /= size
+    s = (np.arange(turns) + 0.5) / turns
+    return float(np.average(growth, weights=np.exp(-1.0 / (s * (1.0 - s)))))
+
+
+def _path(machine: Condensed, samples: InterfaceSamples, speed: float, per_turn: int) -> Path:
+    """The path between the samples: of displacements by cubic polynomials that have the velocities
+    at both ends, of own states by lines."""
+    t, step = samples.t, samples.t[1] - samples.t[0]
+    places = machine.state_places
+    d, v = (_plane(z[:, machine.is_in]) for z in (samples.d, samples.v))
+    own = samples.own[:, places]
+
+    def at(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the motion at times."""
+        i = np.clip(np.searchsorted(t, times, "right") - 1, 0, len(t) - 2)
+        h = (t[i + 1] - t[i])[:, None]
+        x = ((times - t[i])[:, None]) / h
+        a, b, va, vb = d[i], d[i + 1], h * v[i], h * v[i + 1]
+        where = a + x * (va + x * (3 * (b - a) - 2 * va - vb + x * (2 * (a - b) + va + vb)))
+        slope = va + x * (2 * (3 * (b - a) - 2 * va - vb) + 3 * x * (2 * (a - b) + va + vb))
+        return where, slope / h, own[i] + x * (own[i + 1] - own[i])
+
+    own_scale = np.maximum(np.abs(own).max(axis=0, initial=0.0), 1e-9)
+    fastest = 2 * np.pi / (_RESOLVED * step)
+    return Path(at, speed, abs(speed), max(fastest, abs(speed)), own_scale)
+
+
+def _plane(z: np.ndarray) -> np.ndarray:
+    out = np.empty((len(z), 2 * z.shape[1]))
+    out[:, ::2], out[:, 1::2] = z.real, z.imag
+    return out

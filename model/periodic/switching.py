@@ -1,0 +1,113 @@
+"""Branches that begin at bifurcations of others: at period doublings and branch points.
+
+There the Jacobian has a null vector v. The motion a little along it, x_0 + eps v, is corrected at
+right angles to v, and to the branch that is left: of a doubled period v holds but what alternates
+from turn to turn, and the arms along v and -v are one motion, a period apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..spelling import Message
+from . import arclength
+from .arclength import Lost, Point
+from .balance import Orbit, Problem
+from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
+from .continuation import Search, follow, is_known, start_along
+from .fourier import repeated
+from .journal import Start, Started
+
+_AWAY = (0.05, 0.02, 0.1, 0.2)  # in lengths of the interfaces: how far the first motion is
+_MOST_BRANCHES = 24
+
+
+def follow_switched(search: Search) -> None:
+    """Follow the branches from all bifurcations, from those on the new ones too."""
+    branches = search.result.branches
+    for branch in branches:  # which grows
+        for bifurcation in branch.bifurcations:
+            if bifurcation.kind not in (DOUBLING, BRANCHING):
+                continue
+            if len(branches) >= _MOST_BRANCHES:
+                said = f"there are more than {_MOST_BRANCHES} branches: not all were followed"
+                search.result.notes.append(Message(said, "few-branches"))
+                return
+            _follow_from(search, branch, bifurcation)
+
+
+def _follow_from(search: Search, branch: Branch, bifurcation: Bifurcation) -> None:
+    """Follow what begins at a bifurcation of a branch."""
+    if search.result.task.is_whirl:
+        said = f"{bifurcation.kind} at {bifurcation.value:g}: not followed, of a whirl by itself"
+        search.result.notes.append(Message(said, "few-branches"))
+        return
+    new = _new(search, branch, bifurcation)
+    while True:
+        started = search.journal.recall(Started)
+        if started is None:
+            started = search.journal.add(Started(next(new, None), []))
+        if started.start is None:
+            return
+        follow(search, started.start)
+
+
+def _new(search: Search, branch: Branch, bifurcation: Bifurcation) -> Iterator[Start]:
+    """Starts of branches at a bifurcation that no branch has come through yet."""
+    task, orbit, value = search.result.task, bifurcation.orbit, bifurcation.value
+    is_doubling = bifurcation.kind == DOUBLING
+    if is_doubling:
+        both = repeated(orbit.b, 2), repeated(orbit.own, 2)
+        orbit = Orbit(*both, 0.5 * orbit.omega, 2 * orbit.turns, orbit.speed, orbit.parameter)
+    problem = task.problem(search.machines, value, orbit.H, turns=orbit.turns)
+    x = problem.join(orbit)
+    across = np.append(_null_vector(problem, x, value, is_doubling), 0.0)
+    if not is_doubling:
+        a, b = branch.points[bifurcation.behind : bifurcation.behind + 2]
+        along = np.append(
+            problem.join(b.orbit) - problem.join(a.orbit),
+            (b.value - a.value) / problem.parameter.scale,
+        )
+        along /= np.linalg.norm(along)
+        across -= (across @ along) * along
+        across /= np.linalg.norm(across)
+    for sign in (1.0,) if is_doubling else (1.0, -1.0):
+        point = _beside(problem, x, value, sign * across)
+        if point is None or not task.low <= point.value <= task.high:
+            continue
+        if not is_known(search.result.branches, problem.split(point.x, point.value), point.value):
+            way = np.append(point.tangent, point.by_value)
+            yield start_along(problem, point.x, point.value, [way])
+
+
+def _beside(problem: Problem, x: np.ndarray, value: float, across: np.ndarray) -> Point | None:
+    """A motion a little away, its tangent further away."""
+    scale = problem.parameter.scale
+    for away in _AWAY:
+        try:
+            return arclength.correct(
+                problem,
+                x + away * across[:-1],
+                value + away * scale * across[-1],
+                across,
+                scale,
+                across,
+            )
+        except Lost:
+            continue
+    return None
+
+
+def _null_vector(problem: Problem, x: np.ndarray, value: float, alternates: bool) -> np.ndarray:
+    """The unit vector that the Jacobian takes to 0; alternates: of odd harmonics alone."""
+    _, jacobian = problem.linearized(x, value)
+    which = np.ones(problem.size, bool)
+    if alternates:
+        k = (np.arange(2 * problem.H + 1) + 1) // 2
+        which = np.concatenate([np.repeat(k % 2 == 1, n) for n in (problem.b, problem.s)])
+    _, _, right = np.linalg.svd(jacobian[np.ix_(which, which)])
+    vector = np.zeros(problem.size)
+    vector[which] = right[-1]
+    return vector

@@ -1,0 +1,82 @@
+"""The page of a periodic response: curves, and the orbit of the point under the pointer."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..report.packed import COARSE, packed
+from ..report.page import page, template
+from ..report.report_tables import table
+
+if TYPE_CHECKING:
+    from .result import ResponseResult
+
+_SAMPLES = 96  # of a turn of an orbit
+_MOST_VALUES = 3_000_000  # of all orbits
+_SHOWN = {"m": (1e6, "µm"), "rad": (180.0 / np.pi, "deg")}
+
+
+def response_page(result: ResponseResult, name: str) -> str:
+    """Return the page as HTML; name: of the machine."""
+    from .result import UNITS
+
+    points = result.points
+    places = list(result.probes)
+    branch = [i for i, b in enumerate(result.branches) for _ in b.points]
+    sizes = [np.abs(p.multipliers[0]) if len(p.multipliers) else np.nan for p in points]
+    turns = max((p.orbit.turns for p in points), default=1)
+    samples = _SAMPLES * turns
+    while samples > 32 and 2 * samples * len(points) * len(places) > _MOST_VALUES:
+        samples //= 2
+    data: dict[str, Any] = {
+        "parameter": result.parameter,
+        "unit": result.unit,
+        "value": packed(np.array([p.value for p in points])),
+        "branch": branch,
+        "stable": [int(p.is_stable) for p in points],
+        "multiplier": packed(np.array(sizes)),
+        "harmonics": [p.orbit.H for p in points],
+        "turns": [p.orbit.turns for p in points],
+        "omega": packed(np.array([p.orbit.omega for p in points])),
+        "samples": samples,
+        "quantities": {q: _SHOWN[unit][1] for q, unit in UNITS.items()},
+        "places": [_place(result, place, samples) for place in places],
+        "bifurcations": [
+            {"kind": b.kind, "value": b.value, "point": _before(result, i, b.behind)}
+            for i, each in enumerate(result.branches)
+            for b in each.bifurcations
+        ],
+    }
+    found = result.table()
+    body = template("response.html").substitute(
+        notices="\n".join(f'<p class="notice">{escape(str(n))}</p>' for n in result.notes),
+        tables=table("Bifurcations", list(found.heads), [list(row) for row in found.rows]),
+    )
+    return page(
+        title=name,
+        about=found.title,
+        body=body,
+        data=data,
+        signals=None,
+        scripts=("response.js",),
+    )
+
+
+def _before(result: ResponseResult, branch: int, behind: int) -> int:
+    """Return the point behind which a bifurcation lies, among those of all branches."""
+    return sum(len(b.points) for b in result.branches[:branch]) + max(0, behind)
+
+
+def _place(result: ResponseResult, place: str, samples: int) -> dict[str, Any]:
+    """Return the curves of a place and its orbits, one after another."""
+    from .result import UNITS
+
+    curves = {
+        q: packed(_SHOWN[unit][0] * result.curve(place, q).value) for q, unit in UNITS.items()
+    }
+    orbits = [result.series(point, place, samples) for point in result.points]
+    x, y = np.array(orbits).reshape(-1, 2, samples).transpose(1, 0, 2) * 1e6
+    return {"name": place, "curves": curves, "x": packed(x, COARSE), "y": packed(y, COARSE)}

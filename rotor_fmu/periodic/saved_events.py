@@ -1,0 +1,99 @@
+"""The events of a response in a file, so that the same call goes on where an earlier one stopped.
+
+FOLDER/points.jsonl     first what the response is of, then an event a line, whole or not counted
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..about import __version__
+from ..model.periodic.arclength import Point
+from ..model.periodic.balance import Orbit
+from ..model.periodic.branch import Bifurcation, Passed, Place, Solution
+from ..model.periodic.journal import Ended, Event, Journal, Start, Started
+from ..model.spelling import Message
+
+FILE = "points.jsonl"
+_KINDS: Mapping[str, Callable[..., Any]] = {
+    kind.__name__: kind
+    for kind in (Orbit, Point, Place, Solution, Bifurcation, Passed, Start, Started, Ended)
+}
+
+
+class Saved(NamedTuple):
+    """A journal that is saved, and how many points an earlier call had come to."""
+
+    journal: Journal
+    before: int
+
+
+@contextmanager
+def saved_journal(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
+    """The journal of a response in a folder; one of another machine, options or version is begun
+    anew. A line that an earlier call did not finish is dropped."""
+    path = folder / FILE
+    given = json.dumps([__version__, toml, options], sort_keys=True, default=str)
+    head = json.dumps({"response": sha256(given.encode()).hexdigest()})
+    events: list[Event] = []
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True) if path.exists() else []
+    whole = [head + "\n"]
+    if lines and lines[0] == whole[0]:
+        for line in lines[1:]:
+            try:
+                events.append(_decoded(json.loads(line)))
+            except (ValueError, KeyError, TypeError):
+                break
+            whole.append(line)
+    with path.open("w", encoding="utf-8") as file:
+        file.writelines(whole)
+        file.flush()
+
+        def write(event: Event) -> None:
+            """Add a line and hand it to the system."""
+            file.write(json.dumps(_encoded(event)) + "\n")
+            file.flush()
+
+        before = sum(isinstance(event, Passed) for event in events)
+        yield Saved(Journal(events, write), before)
+
+
+def _encoded(thing: Any) -> Any:
+    if isinstance(thing, Message):
+        return {"message": [str(thing), thing.code]}
+    if isinstance(thing, Solution):  # the motion of all dofs follows from the orbit
+        thing = thing._replace(motion=np.zeros((0, 0)))
+    if isinstance(thing, tuple) and type(thing).__name__ in _KINDS:
+        return {type(thing).__name__: [_encoded(field) for field in thing]}
+    if isinstance(thing, np.ndarray):
+        data = base64.b64encode(np.ascontiguousarray(thing).tobytes()).decode("ascii")
+        return {"array": [thing.dtype.str, thing.shape, data]}
+    if isinstance(thing, (list, tuple)):
+        return [_encoded(each) for each in thing]
+    if isinstance(thing, complex):
+        return {"complex": [thing.real, thing.imag]}
+    return thing.item() if isinstance(thing, np.generic) else thing
+
+
+def _decoded(thing: Any) -> Any:
+    if isinstance(thing, list):
+        return [_decoded(each) for each in thing]
+    if not isinstance(thing, dict):
+        return thing
+    ((kind, value),) = thing.items()
+    if kind == "message":
+        return Message(*value)
+    if kind == "array":
+        dtype, shape, data = value
+        return np.frombuffer(base64.b64decode(data), np.dtype(dtype)).reshape(shape).copy()
+    if kind == "complex":
+        return complex(*value)
+    return _KINDS[kind](*_decoded(value))

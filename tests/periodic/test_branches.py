@@ -1,0 +1,127 @@
+"""Branches that hang together with neither end of the range, and those that begin at bifurcations
+of others."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+
+from ..parts.machines import bearings, rigid
+from .machines import BETA, CLEARANCE, OMEGA, ZETA, jeffcott
+
+FAINT = 0.195  # eccentricity in clearances whose whirl, e / (2 zeta) at most, touches nothing
+ISOLA = jeffcott(e=FAINT, mu=0.0)
+
+
+def radii(omega):
+    """Radii of the frictionless rub of T1 in clearances, the smaller first; none without one."""
+    s, d = 1 + BETA - omega**2, 2 * ZETA * omega
+    a, b, c = s * s + d * d, BETA * s, BETA**2 - (FAINT * omega**2) ** 2
+    if b * b < a * c:
+        return []
+    return [(b + sign * math.sqrt(b * b - a * c)) / a for sign in (-1, 1)]
+
+
+def sagging():
+    """A Jeffcott rotor whose weight nearly closes the clearance: half of each turn it rubs."""
+    return rf.parse(
+        rigid(
+            gravity=9.81,
+            parts=bearings(OMEGA**2, 0.1 * OMEGA)
+            + f"""
+[[contact]]
+node = 2
+journal_radius = 0.05
+clearance = {CLEARANCE}
+mu = 0.0
+k = {4 * OMEGA**2}
+c = 0.0
+[[sensor]]
+node = 2
+name = "disc"
+[[unbalance]]
+node = 2
+amount = {0.3 * CLEARANCE}
+""",
+        )
+    )
+
+
+@pytest.fixture(scope="module")
+def isola():
+    return rf.response(ISOLA, speed=(60.0, 240.0), seeds=(130.0,))
+
+
+def test_without_a_seed_the_isolated_rub_is_not_there():
+    (branch,) = rf.response(ISOLA, speed=(60.0, 240.0)).branches
+    assert all(p.is_stable for p in branch.points)
+
+
+@pytest.mark.parametrize("omega", [1.1, 1.2, 1.3, 1.4, 1.5])
+def test_an_isolated_branch_is_found_by_a_seed_with_the_radii_of_the_closed_form(isola, omega):
+    whirl, *rub = sorted(
+        (isola.amplitude(p, "disc") / CLEARANCE, p.is_stable) for p in isola.at(omega * OMEGA)
+    )
+    assert whirl[0] < 1
+    assert [r for r, _ in rub] == pytest.approx(radii(omega), rel=1e-6)
+    assert [stable for _, stable in rub] == [False, True]
+
+
+def test_the_isolated_branch_is_closed_and_folds_where_the_closed_form_begins_and_ends(isola):
+    assert isola.branches[1].ends == ("the branch is closed",) * 2
+    folds = sorted(b.value / OMEGA for b in isola.branches[1].bifurcations)
+    for fold, inward in zip(folds, (1, -1), strict=True):
+        assert not radii(fold * (1 - inward * 1e-4))
+        assert radii(fold * (1 + inward * 1e-4))
+
+
+def test_a_seed_where_nothing_else_is_says_so():
+    result = rf.response(ISOLA, speed=(60.0, 100.0), seeds=(80.0,))
+    assert len(result.branches) == 1
+    assert "no further motion was found at the seed speed = 80" in result.notes
+
+
+@pytest.fixture(scope="module")
+def doubled():
+    return rf.response(sagging(), speed=(240.0, 400.0), branches=True, harmonics=40)
+
+
+def test_a_branch_of_twice_the_period_begins_at_each_period_doubling(doubled):
+    first, second = (branch.points for branch in doubled.branches)
+    ends = sorted(b.value for b in doubled.branches[0].bifurcations if b.kind == "period doubling")
+    assert {p.orbit.turns for p in first} == {1}
+    assert {p.orbit.turns for p in second} == {2}
+    assert len(ends) == 2
+    # it leaves one and joins at the other, where what alternates is nothing
+    assert doubled.branches[1].ends[1] == "joins a branch of a shorter period"
+    reached = sorted((second[0], second[-1]), key=lambda p: p.value)
+    for point, end in zip(reached, ends, strict=True):
+        halves = np.abs(point.orbit.b[1:3]).max()
+        assert abs(point.value - end) < 0.02 * end
+        assert halves < 0.2 * np.abs(point.orbit.b[3:5]).max()
+    # between them the period of one turn is unstable
+    between = [p for p in first if ends[0] < p.value < ends[1]]
+    assert not any(p.is_stable for p in between)
+
+
+def test_the_integrator_stays_on_a_doubled_period_and_comes_round_in_two_turns(doubled):
+    stable = [p for p in doubled.branches[1].points if p.is_stable]
+    apart = []
+    for point in stable[:: len(stable) // 4]:
+        assert doubled.check(point, 60).distance < 1e-3
+        y = doubled.series(point, "disc", 128)[1]
+        apart.append(np.abs(y - np.roll(y, 64)).max() / np.ptp(y))
+    assert max(apart) > 0.2
+
+
+def test_all_motions_at_a_speed_are_those_of_both_periods(doubled):
+    points = doubled.at(330.0)
+    assert sorted(p.orbit.turns for p in points)[0] == 1
+    assert sorted(p.orbit.turns for p in points)[-1] == 2
+    # and the one looked for by its period is the same
+    direct = rf.response(sagging(), speed=(320.0, 330.0), period=2, harmonics=40, seeds=(325.0,))
+    sizes = [direct.amplitude(p, "disc") for p in direct.at(326.0) if p.is_stable]
+    expected = [doubled.amplitude(p, "disc") for p in doubled.at(326.0) if p.is_stable]
+    assert min(abs(s / expected[0] - 1) for s in sizes) < 1e-4

@@ -1,0 +1,178 @@
+"""Studies whose runs are periodic responses, and diagrams with these under their sections."""
+
+import json
+
+import numpy as np
+import pytest
+
+from rotor_fmu import studies
+from rotor_fmu.errors import InputError
+from rotor_fmu.studies.dataset import open_dataset
+from rotor_fmu.studies.machine.diagram import diagrams
+from rotor_fmu.studies.reading import read_study
+from rotor_fmu.studies.runner import run_study
+
+from ..periodic.machines import OMEGA, rub
+from ..periodic.test_command import command
+from .functions import here, quiet
+
+JEFFCOTT = "jeffcott_rub/jeffcott.toml"
+RUN = "kind = 'response'\nfrom = 60\nto = 240"
+KEEP = """
+fold = { bifurcation = "fold" }
+end = { bifurcation = "grazing", which = "highest" }
+doubled = { bifurcation = "period doubling" }
+peak = { peak = "disc.r_amp" }
+here = { value = "disc.r_amp", at = 140 }
+curve = { amplitude = "disc.r_amp", bins = { from = 60, to = 240, count = 90 } }
+speed = { curve = "parameter" }
+r = { curve = "disc.r_amp" }
+stable = { curve = "stable" }
+"""
+
+
+def read(folder, run=RUN, keep=KEEP, vary='"contact[1].mu" = { values = [0.02, 0.05] }', more=""):
+    path = folder / "study.toml"
+    path.write_text(f"machine = '{JEFFCOTT}'\n{more}[run]\n{run}\n[vary]\n{vary}\n[keep]\n{keep}\n")
+    return read_study(path)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    run_study(read(folder), folder / "out", here, quiet)
+    return studies.open(folder / "out")
+
+
+@pytest.mark.parametrize(("i", "mu"), [(0, 0.02), (1, 0.05)])
+def test_a_run_is_a_response_with_the_folds_and_radii_of_the_closed_form(data, i, mu):
+    row = data.isel(run=i)
+    assert row.status == "ok"
+    fold = float(row.fold) / OMEGA
+    assert rub(fold * (1 - 1e-5), mu) > 1
+    with pytest.raises(ValueError, match="domain"):
+        rub(fold * (1 + 1e-5), mu)
+    assert float(row.here) == pytest.approx(1e-3 * rub(1.4, mu), rel=1e-6)
+    assert np.isnan(float(row.doubled))
+    assert float(row.end) / OMEGA == pytest.approx(1.385, rel=1e-3)
+    # the largest of the rub before its end, at which the motion is still stable
+    speeds = np.linspace(1.0, fold * (1 - 1e-6), 4000)
+    largest = max(rub(s, mu) for s in speeds)
+    assert float(row.peak) == pytest.approx(1e-3 * largest, rel=1e-3)
+
+
+def test_a_curve_over_bins_is_the_largest_stable_motion_in_each(data):
+    row = data.isel(run=1)
+    middles = row["curve parameter"].values
+    for speed, r in zip(middles, row.curve.values, strict=True):
+        if 100 < speed < 190:
+            near = max(rub((speed + d) / OMEGA) for d in (-1, 0, 1))
+            assert r == pytest.approx(1e-3 * near, rel=2e-3)
+        if speed > 204:
+            assert r < 1e-3
+
+
+def test_the_whole_curve_is_there_with_its_unstable_points(data):
+    row = data.isel(run=1)
+    known = np.isfinite(row.r.values)
+    speed, r, stable = (row[n].values[known] for n in ("speed", "r", "stable"))
+    assert {0.0, 1.0} == set(stable)
+    unstable = (stable == 0) & (speed > 140) & (speed < 202)
+    for s, value in zip(speed[unstable], r[unstable], strict=True):
+        assert value == pytest.approx(1e-3 * rub(s / OMEGA, sign=-1), rel=1e-6)
+
+
+def test_another_parameter_is_gone_over_at_one_speed(tmp_path):
+    study = read(
+        tmp_path,
+        "kind = 'response'\nover = 'contact[1].mu'\nfrom = 0.0\nto = 0.1\nspeed = 140",
+        'mu = { curve = "parameter" }\nr = { curve = "disc.r_amp" }',
+        '"run.speed" = { values = [140] }',
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    row = studies.open(tmp_path / "out").isel(run=0)
+    assert study.model.columns[0].unit == "1"
+    assert row.mu.values.min() == 0.0
+    assert row.mu.values.max() == 0.1
+
+
+def test_a_run_of_what_no_machine_can_be_is_a_failed_row(tmp_path):
+    study = read(
+        tmp_path,
+        keep='fold = { bifurcation = "fold" }',
+        vary='"run.harmonics" = { values = [3, 900] }',
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    status = studies.open(tmp_path / "out").status.values.astype(str)
+    assert status[0] == "ok"
+    assert status[1].startswith("failed: harmonics = 900")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"run": "kind = 'response'\nfrom = 60"}, "run response: needs to"),
+        ({"run": "kind = 'response'\nfrom = 60\nto = 50"}, "must be below run.to"),
+        ({"run": RUN + "\nspeed = 100"}, "speed is given with over, and only then"),
+        ({"run": RUN + "\nover = 'contact[1].nu'\nspeed = 9"}, "did you mean contact"),
+        ({"keep": "a = { bifurcation = 'folds' }"}, "must be one of fold,"),
+        ({"keep": "a = { bifurcation = 'fold', which = 'any' }"}, "must be one of lowest, highest"),
+        ({"keep": "a = { peak = 'disc.x_2x' }"}, "disc.x_2x: unknown name; did you mean disc.x"),
+        ({"keep": "a = { value = 'disc.x', at = 500 }"}, "at = 500: must be from 60 to 240"),
+        ({"keep": "a = { peak = 'stable' }"}, "stable: only of a curve"),
+        ({"keep": "a = { poincare = 'disc.x' }"}, "poincare: unknown name"),
+        ({"more": "verify = true\n"}, "verify: not of runs of the kind response"),
+        ({"more": "[set]\n'solver.tolerance' = 1e-3\n"}, "solver.tolerance: unknown name"),
+    ],
+)
+def test_what_cannot_be_is_one_line(tmp_path, options, words):
+    with pytest.raises(InputError, match=words.replace("[", r"\[")):
+        read(tmp_path, **options)
+
+
+def test_sections_of_both_ways_lie_on_the_stable_motions(tmp_path):
+    study = read(
+        tmp_path,
+        "kind = 'steps'\nfrom = 130\nto = 220\ncount = 10\nback = 1\nsettle = 3\nturns = 4",
+        'x = { poincare = "disc.x" }\ny = { poincare = "disc.y" }',
+        '"contact[1].mu" = { values = [0.05] }',
+        '[set]\n"solver.tolerance" = 1e-6\n',
+    )
+    run_study(study, tmp_path / "out", here, quiet)
+    said = []
+    drawn = diagrams(study, open_dataset(tmp_path / "out"), said.append)
+    assert sorted(drawn) == ["x", "y"]
+    assert said == ["periodic motions from 130 to 220 rad/s"]
+    for figure in drawn.values():
+        (axes,) = figure.axes
+        lines = [line.get_xydata() for line in axes.lines if len(line.get_xydata())]
+        full = [line.get_xydata() for line in axes.lines if line.get_linestyle() == "-"]
+        curve = np.concatenate([f for f in full if len(f) > 1])
+        points = np.concatenate([d for d in lines if len(d) == 40 or len(d) == 36])
+        assert len(points) == 19 * 4
+        span = np.ptp(curve, axis=0)
+        for point in points[np.abs(points[:, 0] - 138.5) > 5]:
+            # on the polygon through the curve's points
+            a, b = curve[:-1] / span, curve[1:] / span
+            along = np.clip(((point / span - a) * (b - a)).sum(1) / ((b - a) ** 2).sum(1), 0, 1)
+            gap = np.abs(a + along[:, None] * (b - a) - point / span).sum(1).min()
+            assert gap < 5e-3
+        titles = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert titles == ["rising", "falling", "periodic, stable", "periodic, unstable"]
+
+
+def test_a_study_without_sections_has_no_diagram(tmp_path):
+    with pytest.raises(InputError, match="keeps no poincare"):
+        diagrams(read(tmp_path), None, print)
+
+
+def test_a_run_selected_is_written_with_picture_and_page(tmp_path):
+    read(tmp_path, keep='fold = { bifurcation = "fold" }')
+    path = tmp_path / "study.toml"
+    done = command("--out", tmp_path / "out", "--select", "1", name="study", first=path)
+    assert done.returncode == 0, done.stderr
+    (folder,) = (tmp_path / "out" / "runs").iterdir()
+    about = json.loads((folder / "response.json").read_text())
+    assert about["run"] == 1
+    assert about["values"] == {"contact[1].mu": 0.05}
+    assert {f.name for f in folder.iterdir()} >= {"response.png", "response.html"}
