@@ -58,3 +58,50 @@ def test_multipliers_are_those_of_a_fine_integration():
         sizes = -np.sort(-np.abs(shooting(linear, point.orbit)))
         seen = np.abs(point.multipliers)
         assert seen[:4] == pytest.approx(sizes[:4], rel=1e-4), point.value / OMEGA
+
+
+def hill(machine, orbit, H=20):
+    """Multipliers by Hill's method: the eigenvalues of the harmonics of the linearized machine,
+    those whose eigenvectors are centred about the mean (Moore 2005)."""
+    M, D, K = machine.matrices(orbit.speed)
+    N, n = machine.size, 8 * H
+    angles = 2 * math.pi * np.arange(n) / n
+    value, slope = basis(orbit.H, angles)
+    along = machine.laws.tangents(
+        value @ orbit.b, orbit.omega * slope @ orbit.b, value @ orbit.own, np.ones(0), orbit.speed
+    )
+    of_d, of_v = (np.fft.fft(machine.of_b(by), axis=0) / n for by in (along.by_d, along.by_v))
+    k = np.arange(-H, H + 1)
+    size = N * len(k)
+    stiff, damping = np.zeros((2, size, size), complex)
+    for i, row in enumerate(k):
+        for j, column in enumerate(k):
+            at = slice(i * N, (i + 1) * N), slice(j * N, (j + 1) * N)
+            d, v = np.zeros((2, N, N), complex)
+            d[: machine.b, : machine.b] = -of_d[row - column]
+            v[: machine.b, : machine.b] = -of_v[row - column]
+            if row == column:
+                d, v = d + K, v + D
+            w = 1j * column * orbit.omega
+            stiff[at] = d + w * v + (w * w * M if row == column else 0)
+            damping[at] = v + (2 * w * M if row == column else 0)
+    inverse = np.kron(np.eye(len(k)), np.linalg.inv(M))
+    state = np.block(
+        [[np.zeros((size, size)), np.eye(size)], [-inverse @ stiff, -inverse @ damping]]
+    )
+    exponents, shapes = np.linalg.eig(state)
+    weights = (np.abs(shapes[:size]) ** 2).reshape(len(k), N, -1).sum(axis=1)
+    centre = np.abs((k[:, None] * weights).sum(axis=0) / weights.sum(axis=0))
+    chosen = exponents[np.argsort(centre)[: 2 * N]]
+    return np.exp(chosen * 2 * math.pi / orbit.omega)
+
+
+def test_multipliers_are_those_of_hills_method():
+    """Of the rub, whose tangents turn with twice the speed."""
+    machine = jeffcott()
+    result = rf.response(machine, speed=(60.0, 240.0))
+    linear = Condensed(machine.rotor)
+    rubbing = [p for p in result.points if result.amplitude(p, "disc") > 1.01e-3]
+    for point in rubbing[:: len(rubbing) // 5]:
+        sizes = -np.sort(-np.abs(hill(linear, point.orbit, 6)))
+        assert np.abs(point.multipliers[:4]) == pytest.approx(sizes[:4], rel=1e-4)

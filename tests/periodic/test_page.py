@@ -1,0 +1,65 @@
+"""The page of a response: its curve, and the orbit of the point under the pointer."""
+
+import numpy as np
+import pytest
+
+import rotor_fmu as rf
+from rotor_fmu.periodic.response_page import response_page
+
+from ..browser import NASTY, NEEDED, Page, driver, silent  # noqa: F401
+from .machines import CLEARANCE, OMEGA, jeffcott, rub
+
+
+@pytest.fixture(scope="module")
+def result():
+    return rf.response(jeffcott(), speed=(60.0, 240.0))
+
+
+def test_the_page_is_one_file_with_tables_and_a_name_that_is_text(result):
+    html = response_page(result, NASTY)
+    assert NASTY not in html
+    assert "<td>fold</td>" in html
+
+
+@NEEDED
+def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_path):  # noqa: F811
+    path = tmp_path / "response.html"
+    path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
+    page = Page(silent, path)
+    assert page.run("return curves.place.name") == "disc"
+    omega = 1.8
+    for sign, words in ((1, "stable"), (-1, "unstable")):
+        radius = 1e6 * CLEARANCE * rub(omega, sign=sign)
+        page.run("curves.follow(arguments[0], arguments[1])", omega * OMEGA, radius)
+        said = page.text("reading")
+        assert f", {words}, " in said
+        x, y = page.run("return [curves.path.data.x, curves.path.data.y]")
+        i = page.run("return curves.row")
+        at = result.points[i]
+        assert abs(at.value - omega * OMEGA) < 0.03 * omega * OMEGA
+        expected = 1e6 * result.amplitude(at, "disc")
+        assert np.hypot(x, y) == pytest.approx(np.full(len(x), expected), rel=1e-3)
+    # a motion of the mouse itself
+    page.click_at("curves.chart", 1.2 * OMEGA, 1e6 * CLEARANCE * rub(1.2))
+    assert abs(result.points[page.run("return curves.row")].value - 1.2 * OMEGA) < 0.1 * OMEGA
+    page.find("after").click()
+    before = page.run("return curves.row")
+    page.find("before").click()
+    assert page.run("return curves.row") == before - 1
+    page.set("quantity", "x_1x", "change")
+    assert "disc.x_1x" in page.text("reading")
+
+
+@NEEDED
+def test_unstable_motions_are_dashed(silent, result, tmp_path):  # noqa: F811
+    path = tmp_path / "response.html"
+    path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
+    page = Page(silent, path)
+    full, dashed = page.run(
+        "return curves.lines[0].map((s) => s.data.y.map((v) => Number.isFinite(v) ? v : null))"
+    )
+    curve = result.curve("disc")
+    for drawn, wanted in ((full, curve.stable), (dashed, ~curve.stable)):
+        shown = {round(v, 1) for v in drawn if v is not None}
+        assert {round(1e6 * v, 1) for v in curve.value[wanted]} <= shown
+        assert len(shown) <= wanted.sum() + 2  # and the points that join them
