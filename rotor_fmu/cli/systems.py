@@ -11,9 +11,11 @@ import typer
 from ..cosimulation import ALGORITHMS
 from ..errors import InputError, writable_folder
 from ..model.kernels.library import here
+from ..operation import operating_speeds
 from ..output_options import with_output_options
 from .fmus import Native
 from .shared import RotorFile
+from .speeds import one_speed
 
 _DRIVE = "drive_train"
 
@@ -23,7 +25,13 @@ def ssp(
     rotor: RotorFile = None,
     is_native: Native = False,
     tau_max: Annotated[float, typer.Option(help="Torque limit of the motor, in N.m.")] = 0.2,
-    target: Annotated[float, typer.Option(help="Speed to run up to, in rad/s.")] = 400.0,
+    target: Annotated[
+        str | None,
+        typer.Option(
+            help="Speed to run up to, in rad/s, or with rpm or Hz added; default: the machine's "
+            "rated speed."
+        ),
+    ] = None,
     step: Annotated[float, typer.Option(help="Communication step, in seconds.")] = 0.002,
     stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = 60.0,
     algorithm: Annotated[
@@ -43,7 +51,7 @@ def ssp(
     from ..fmi.packing.python_fmu import build as build_python
     from ..runs.job import load_rotor
 
-    toml, _ = load_rotor(rotor)
+    toml, machine = load_rotor(rotor)
     for name, value, most in (
         ("--tau-max", tau_max, 1e6),
         ("--step", step, 1.0),
@@ -51,8 +59,9 @@ def ssp(
     ):
         if not 0 < value <= most:
             raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
-    if not abs(target) <= 1e6:
-        raise InputError(f"--target {target:g} rad/s: must be at most 1e+06 in size")
+    speed = operating_speeds(machine).rated if target is None else one_speed(target, "--target")
+    if not abs(speed) <= 1e6:
+        raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
     if algorithm not in ALGORITHMS:
         raise InputError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
     platform = here()
@@ -65,7 +74,7 @@ def ssp(
         if is_native
         else build_python(folder, toml)
     )
-    values = {"tau_max": tau_max, "w_target": target, "w_start": 0.0}
+    values = {"tau_max": tau_max, "w_target": speed, "w_start": 0.0}
     if algorithm == "ecco":  # whose longer steps need a load that goes on
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)

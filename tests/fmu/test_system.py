@@ -120,12 +120,24 @@ def test_libcosim_opens_the_package_and_steps_as_osps_file_says(folder, tmp_path
 
 
 def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_path):
-    ssp.__wrapped__(rotor=MACHINE, is_native=True, algorithm="ecco", target=200.0, out=tmp_path)
+    ssp.__wrapped__(rotor=MACHINE, is_native=True, algorithm="ecco", target="200", out=tmp_path)
     root = etree.parse(tmp_path / "OspSystemStructure.xml").getroot()
     values = {v.get("variable"): float(v[0].get("value")) for v in root.iter("{*}InitialValue")}
     assert values["continuation"] == 1.0
     (tolerance,) = root.iter("{*}AbsoluteTolerance")
     assert float(tolerance.text) == pytest.approx(1e-8 * 0.5 * values["J_rotor"] * 200.0**2)
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"), [({}, 523.598776), ({"target": "3000rpm"}, 314.159265)]
+)
+def test_the_drive_runs_up_to_the_machines_own_speed(tmp_path, given, expected):
+    machine = tmp_path / "fan.toml"
+    machine.write_text(f'{MACHINE.read_text()}[operation]\nrated_speed = "5000 rpm"\n')
+    ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path, **given)
+    root = etree.parse(tmp_path / "OspSystemStructure.xml").getroot()
+    values = {v.get("variable"): float(v[0].get("value")) for v in root.iter("{*}InitialValue")}
+    assert values["w_target"] == pytest.approx(expected, rel=1e-8)
 
 
 @needs("libcosimpy", "pip install libcosimpy")
@@ -142,6 +154,8 @@ def test_osps_file_is_valid(folder):
     [
         ({"step": 0.0}, "--step 0: must be > 0 and at most 1"),
         ({"tau_max": -1.0}, "--tau-max -1: must be > 0"),
+        ({"target": "20 mm"}, "--target 20 mm: must be a speed"),
+        ({"target": "1e7"}, "--target 1e7: must be at most 1e+06 rad/s in size"),
         ({"algorithm": "eco"}, "--algorithm eco: must be one of fixedStep, ecco"),
     ],
 )
