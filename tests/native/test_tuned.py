@@ -43,14 +43,14 @@ def test_a_lubricant_that_warms_up_is_that_of_a_machine_with_the_warm_one(oil):
     start = {"speed": 100.0, "solver.tolerance": 1e-6, "body[1].e": 0.0}
     start = {name: value for name, value in start.items() if name in oil.refs}
     warm = {f"journal_bearing[{i}].viscosity": 0.01 for i in (1, 2)}
-    host, other = far(Host(oil, start), 200), far(Host(oil, start | warm), 600)
+    host, other = far(Host(oil, start), 100), far(Host(oil, start | warm), 300)
     cold = dict(zip(FILM, host.get(*FILM), strict=True))
     state, t = host.fmu.state(), host.t
     host.put(warm)
     again = host.fmu.state()
     host.step()
     first = host.get(*FILM, "energy.residual")
-    far(host, 599)
+    far(host, 199)
     seen = dict(zip(FILM, host.get(*FILM), strict=True))
     expected = dict(zip(FILM, other.get(*FILM), strict=True))
     for name in ("journal_bearing[1].eccentricity", "journal_bearing[2].eccentricity"):
