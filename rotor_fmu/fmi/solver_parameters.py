@@ -95,6 +95,9 @@ def chosen_at_build(
     fixed: dict[str, float] = {REDUCTION.name: reduction}
     if step is not None:
         fixed |= {_PRESET.name: list(PRESETS).index(REALTIME), _H.name: step}
+    for name in starts:
+        if name in fixed:
+            raise SettingsError(f"{name}: is chosen with the step for real time")
     chosen = tuple(
         replace(v, start=fixed[v.name], is_unset_at_start=False, text=_TEXTS.get(v.name, v.text))
         if v.name in fixed

@@ -136,3 +136,15 @@ def test_a_start_value_that_cannot_be_is_refused(tmp_path, given, sentence):
     with pytest.raises(InputError, match=re.escape(sentence)):
         build.__wrapped__(sets=[given], out=tmp_path / "x")
     assert not (tmp_path / "x").exists()
+
+
+def test_what_the_step_for_real_time_chooses_is_not_chosen_twice(tmp_path):
+    with pytest.raises(ValueError, match=r"solver\.preset: is chosen with the step for real time"):
+        build.__wrapped__(
+            sets=["solver.preset=paper"],
+            is_native=True,
+            platforms=["here"],
+            realtime="0.05ms",
+            out=tmp_path,
+        )
+    assert not list(tmp_path.iterdir())

@@ -5,7 +5,7 @@ import re
 import fmpy
 import numpy as np
 import pytest
-from rotor_fmu.examples.drive_train import by_energy, compare
+from rotor_fmu.examples.drive_train import by_energy, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -25,43 +25,43 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def reference(folder):
-    return compare.couple(folder, compare.monolithic, SHORT, STOP).w
+    return ways.couple(folder, ways.monolithic, SHORT, STOP).w
 
 
 def test_at_ten_radians_of_the_joint_a_step_one_newton_iteration_holds(folder, reference):
     """Where explicit coupling, with derivatives and iterated too, diverges."""
-    frequency = np.sqrt(compare.STIFFNESS * (1 / compare.J_MOTOR + 1 / 0.00954))
+    frequency = np.sqrt(ways.STIFFNESS * (1 / ways.J_MOTOR + 1 / 0.00954))
     assert frequency * LONG == pytest.approx(10.0, rel=0.01)
     for way in ("explicit", "explicit with derivatives", "iterated"):
-        assert not np.isfinite(compare.couple(folder, way, LONG, STOP).w).all(), way
-    newton = compare.couple(folder, "one Newton iteration", LONG, STOP)
+        assert not np.isfinite(ways.couple(folder, way, LONG, STOP).w).all(), way
+    newton = ways.couple(folder, "one Newton iteration", LONG, STOP)
     assert np.max(np.abs(newton.w / reference - 1)) < 1e-3
     assert newton.lost < 1e-4
 
 
 def test_derivatives_take_most_of_an_explicit_couplings_error_away(folder, reference):
-    plain = compare.couple(folder, "explicit", SHORT, STOP)
-    better = compare.couple(folder, "explicit with derivatives", SHORT, STOP)
+    plain = ways.couple(folder, "explicit", SHORT, STOP)
+    better = ways.couple(folder, "explicit with derivatives", SHORT, STOP)
     assert better.lost < 0.1 * plain.lost
 
 
 def test_a_line_is_stable_at_every_step_and_loses_little(folder):
     for h in (5e-4, 3e-3, LONG):
-        assert np.isfinite(compare.couple(folder, "transmission line", h, STOP).w).all()
-    assert compare.couple(folder, "transmission line", 5e-4, STOP).lost < 1e-4
+        assert np.isfinite(ways.couple(folder, "transmission line", h, STOP).w).all()
+    assert ways.couple(folder, "transmission line", 5e-4, STOP).lost < 1e-4
 
 
 def two_masses(t, inertia):
     """Speed [rad/s] of the rotor as an inertia on the shaft, and the amplitude of its oscillation,
     from the closed form of two masses on a spring with a damper."""
-    one, stiffness, damping = compare.J_MOTOR, compare.STIFFNESS, compare.DAMPING
+    one, stiffness, damping = ways.J_MOTOR, ways.STIFFNESS, ways.DAMPING
     reduced = one * inertia / (one + inertia)
     decay = damping / (2 * reduced)
     frequency = np.sqrt(stiffness / reduced - decay**2)
-    slip = compare.TORQUE / (one * frequency) * np.exp(-decay * t) * np.sin(frequency * t)
+    slip = ways.TORQUE / (one * frequency) * np.exp(-decay * t) * np.sin(frequency * t)
     share = one / (one + inertia)
-    steady = compare.START + compare.TORQUE * t / (one + inertia)
-    return steady - share * slip, share * compare.TORQUE / (one * frequency)
+    steady = ways.START + ways.TORQUE * t / (one + inertia)
+    return steady - share * slip, share * ways.TORQUE / (one * frequency)
 
 
 def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is_unbalanced(
@@ -77,7 +77,7 @@ def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is
     inertia = float(assemble(parse_rotor(toml)).numbers[0].inertia)
     expected, amplitude = two_masses(t, inertia)
     errors = [
-        np.max(np.abs(compare.couple(folder, compare.monolithic, h, stop, every).w - expected))
+        np.max(np.abs(ways.couple(folder, ways.monolithic, h, stop, every).w - expected))
         for h in (1e-4, 5e-5, 2.5e-5)
     ]
     assert errors[-1] < 2e-4 * amplitude
@@ -87,7 +87,7 @@ def test_the_monolithic_run_is_the_closed_form_where_nothing_rubs_and_nothing_is
 
 def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, reference):
     errors = [
-        np.max(np.abs(compare.couple(folder, "one Newton iteration", h, STOP).w / reference - 1))
+        np.max(np.abs(ways.couple(folder, "one Newton iteration", h, STOP).w / reference - 1))
         for h in (LONG, SHORT)
     ]
     assert errors[1] < 0.5 * errors[0] < 5e-4
@@ -96,10 +96,10 @@ def test_one_newton_iteration_nears_the_monolithic_run_with_its_step(folder, ref
 @needs("libcosimpy", "pip install libcosimpy")
 def test_libcosims_ecco_has_a_fifth_of_the_error_of_as_many_fixed_steps(folder, tmp_path):
     """Of a motor that is switched on, whose shaft rings for a while."""
-    stop, every = 1.8, compare.FINE
-    expected = compare.couple(folder, compare.monolithic, SHORT, stop, every).w
-    given = {"torque": compare.TORQUE, "J": compare.J_MOTOR, "k": compare.STIFFNESS}
-    given |= {"c": compare.DAMPING, "w_start": compare.START}
+    stop, every = 1.8, ways.FINE
+    expected = ways.couple(folder, ways.monolithic, SHORT, stop, every).w
+    given = {"torque": ways.TORQUE, "J": ways.J_MOTOR, "k": ways.STIFFNESS}
+    given |= {"c": ways.DAMPING, "w_start": ways.START}
     system = by_energy.motor_and_rotor(tmp_path, given)
     ecco, fixed = by_energy.by_energy(system, 1e-5, stop)
     assert len(fixed.t) == pytest.approx(len(ecco.t), rel=1e-3)

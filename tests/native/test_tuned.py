@@ -11,7 +11,7 @@ from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.cosimulation.partner import example_folder
 from rotor_fmu.machine_file.reading import machine_text
 
-from ..fmu.skins import Extracted, Refused
+from ..fmu.skins import Discarded, Extracted, Refused
 from .test_coupling_calls import H, Host
 
 OIL = machine_text("", example_folder("oil_film") / "rotor.toml")
@@ -43,14 +43,14 @@ def test_a_lubricant_that_warms_up_is_that_of_a_machine_with_the_warm_one(oil):
     start = {"speed": 100.0, "solver.tolerance": 1e-6, "body[1].e": 0.0}
     start = {name: value for name, value in start.items() if name in oil.refs}
     warm = {f"journal_bearing[{i}].viscosity": 0.01 for i in (1, 2)}
-    host, other = far(Host(oil, start), 200), far(Host(oil, start | warm), 600)
+    host, other = far(Host(oil, start), 100), far(Host(oil, start | warm), 300)
     cold = dict(zip(FILM, host.get(*FILM), strict=True))
     state, t = host.fmu.state(), host.t
     host.put(warm)
     again = host.fmu.state()
     host.step()
     first = host.get(*FILM, "energy.residual")
-    far(host, 599)
+    far(host, 199)
     seen = dict(zip(FILM, host.get(*FILM), strict=True))
     expected = dict(zip(FILM, other.get(*FILM), strict=True))
     for name in ("journal_bearing[1].eccentricity", "journal_bearing[2].eccentricity"):
@@ -148,3 +148,46 @@ def test_it_stays_at_rest_below_the_friction_of_its_bearings(make):
     assert abs(w) < 0.1
     moved = far(Host(extracted, {"w_start": 0.0, "tau_drive": 0.3}), 100).get("w")[0]
     assert moved > 1.0
+
+
+# --- the way back with everything on --------------------------------------------------------------
+
+
+def test_a_step_made_again_is_bit_for_bit_the_same_with_all_that_masters_may_ask_for(make):
+    """A line at a node and one that drives, sensitivities, a tuned clearance, energies of steps,
+    steps that end at contacts and at a limit."""
+    toml = rig_toml() + '[[line]]\nnode = 2\nimpedance = 20.0\nname = "joint"\n'
+    toml += "[start]\nx = 0.0\ny = 0.0\n"
+    extracted = Extracted(make(rotor_toml=toml, is_free=True))
+    asked = {"w_start": 100.0, "tau_drive": 40.0, "tau_impedance": 0.4, "limit.force": 60.0}
+    asked |= {"limit.contact": True, "solver.sensitivities": True, "joint.fx": 5.0}
+    host, ended = Host(extracted, asked), 0
+    reals = [v for v in extracted.description.modelVariables if v.type == "Real"]
+    refs = [v.valueReference for v in reals]
+    knows = [extracted.refs[name] for name in ("tau_drive", "joint.fx", "disc[2].fy")]
+
+    def step(h):
+        try:
+            host.fmu.step(host.t, h)
+        except Discarded:
+            return host.fmu.last_successful_time
+        return host.t + h
+
+    def all_read():
+        along = host.fmu.directional([extracted.refs["disc[3].x"]], knows, [1.0, 2.0, 3.0])
+        return [*host.fmu.get("Real", refs), *along]
+
+    for i in range(60):
+        if i == 20:
+            host.put({"bearing[1].clearance": 45e-6})
+        state = host.fmu.state()
+        reached = step(H)
+        read = all_read()
+        host.fmu.restore(state)
+        assert step(H) == reached
+        assert all_read() == read
+        ended += reached < host.t + H
+        host.t = reached
+    assert ended > 5
+    waves = host.get("tau_wave", "joint.wave_x", "step_work", "joint.step_work", "dw_ddrive")
+    assert all(waves)
