@@ -26,6 +26,7 @@ from .rubbing import Friction, contact_tangent, friction
 
 _ITERATIONS = 80
 _CONVERGED = 1e-7  # of the search's scale: the error left is of second order in it
+_NOTHING = 1e-12  # of a film's force
 _REACH = 0.2  # of a clearance, that a step of Newton's method tilts a pad
 
 
@@ -57,7 +58,8 @@ class Balance(NamedTuple):
 
 class Search(NamedTuple):
     """How a pad moves with an unknown y, and what G has to be: tilt + by_tilt y [m], rate +
-    by_rate y [m/s], G = inertia (y - free); scale: a y that counts; reach: of a step, at first."""
+    by_rate y [m/s], G = inertia (y - free); scale: a y that counts; reach: of a step, at first;
+    none: a G that is as good as 0 [N]."""
 
     tilt: float
     by_tilt: float
@@ -67,6 +69,7 @@ class Search(NamedTuple):
     free: float
     scale: float
     reach: float
+    none: float
 
 
 @jit
@@ -160,7 +163,7 @@ def find(bearing, tables, kinematics, i, search):
         at = pad_balance(bearing, tables, kinematics, i)
         left = at.moment - search.inertia * (y - search.free)
         slope = search.by_tilt * at.by_tilt + search.by_rate * at.by_rate - search.inertia
-        if left == 0.0:
+        if abs(left) <= search.none:
             return y, slope, at
         if left > 0.0:
             low = y
@@ -196,22 +199,35 @@ def _moved(at, change):
 
 
 @jit
+def _speed_of(bearing, kinematics):
+    """Return a velocity of the size of those in the film [m/s]."""
+    return bearing.clearance * abs(kinematics.speed) + modulus(kinematics.velocity)
+
+
+@jit
+def _none(bearing, speed):
+    """Return a force that is nothing beside that of a film whose surfaces move so fast [N]."""
+    slender = bearing.journal_radius / bearing.clearance
+    return _NOTHING * bearing.viscosity * speed * bearing.length * slender * slender * slender
+
+
+@jit
 def free_of_inertia(bearing, kinematics, tilt, b):
     """Return the `Search` for the rate of a pad without inertia at the tilt + b rate [m]."""
-    scale = bearing.clearance * abs(kinematics.speed) + modulus(kinematics.velocity)
+    scale = _speed_of(bearing, kinematics)
     reach = scale
     if b > 0.0:
         reach = min(reach, _REACH * bearing.clearance / b)
-    return Search(tilt, b, 0.0, 1.0, 0.0, 0.0, scale, reach)
+    return Search(tilt, b, 0.0, 1.0, 0.0, 0.0, scale, reach, _none(bearing, scale))
 
 
 @jit
 def with_inertia(bearing, kinematics, tilt, free, b, mass):
     """Return the `Search` for the rate of a pad of J / R^2 = mass [kg] at the end of a step of
     weight b > 0 [s], its tilt and its rate known before it."""
-    scale = bearing.clearance * abs(kinematics.speed) + modulus(kinematics.velocity) + abs(free)
+    scale = _speed_of(bearing, kinematics) + abs(free)
     reach = min(scale, _REACH * bearing.clearance / b)
-    return Search(tilt, b, 0.0, 1.0, mass / b, free, scale, reach)
+    return Search(tilt, b, 0.0, 1.0, mass / b, free, scale, reach, _none(bearing, scale))
 
 
 @jit
@@ -220,7 +236,9 @@ def at_rest(bearing, tables, kinematics, i):
     a pad that is tilted so far that nothing presses on it would stay."""
     across = across_of(bearing, tables, i)
     tilt = -(across.conjugate() * kinematics.displacement).real
-    return Search(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, bearing.clearance, _REACH * bearing.clearance)
+    none = _none(bearing, _speed_of(bearing, kinematics))
+    c = bearing.clearance
+    return Search(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, c, _REACH * c, none)
 
 
 @jit

@@ -21,7 +21,7 @@ from .linearized import LinearError
 _BY_D = Weights(1.0, 0.0, 0.0)
 _ITERATIONS, _CHANGE = 200, 1e-12
 _SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
-_HALVINGS = 30
+_HALVINGS, _FEW_HALVINGS = 30, 16
 
 
 class BearingAlone(LawAlone):
@@ -134,10 +134,14 @@ class BearingAlone(LawAlone):
         if isinstance(self.part, SqueezeFilmDamper):
             return self.part.stiffness * (self.part.clearance - self.part.roughness)
         low, high = 0.0, 1.0
-        for _ in range(_HALVINGS):
+        start = None
+        follows = self._law.vibrate is not None  # each force takes a while then
+        for _ in range(_FEW_HALVINGS if follows else _HALVINGS):
             middle = 0.5 * (low + high)
-            d = self._rest(middle * load)
-            low, high = (low, middle) if d is None or self.is_broken(d) else (middle, high)
+            d = self._rest(middle * load, start)
+            is_carried = d is not None and not self.is_broken(d)
+            low, high = (middle, high) if is_carried else (low, middle)
+            start = d if follows and is_carried else start
         return low * abs(load)
 
 

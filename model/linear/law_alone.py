@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..kernels.jit import interpreted
@@ -32,6 +34,7 @@ class LawAlone:
             numbers += [0, len(self._tables)]
         self._record = np.array([tuple(numbers)], self._law.dtype).view(np.recarray)[0]
         self._states = np.array(self._law.states_of(part), dtype=float)
+        self._settled: tuple[Any, Any] | None = None  # where the states rest, and the result there
 
     def _moving(self, d: complex, v: complex) -> Kinematics:
         return Kinematics(complex(d), complex(v), self.speed, self._sliding, 0.0)
@@ -39,10 +42,13 @@ class LawAlone:
     def settle(self, d: complex, frequency: float = 0.0) -> tuple[complex, np.ndarray, np.ndarray]:
         """Let the law's states rest where the node does; return the force [N] and its derivatives
         by displacement and velocity as the node vibrates at a frequency [rad/s]."""
-        vibrate = interpreted(self._law.vibrate)
-        moving, free = self._moving(d, 0j), self._states.copy()
-        force, *by = vibrate(self._record, self._tables, moving, frequency, free, self._states)
-        return complex(force), _matrix(*by[:2]), _matrix(*by[2:])
+        if self._settled is None or self._settled[0] != (d, frequency):
+            vibrate = interpreted(self._law.vibrate)
+            moving, free = self._moving(d, 0j), self._states.copy()
+            force, *by = vibrate(self._record, self._tables, moving, frequency, free, self._states)
+            result = complex(force), _matrix(*by[:2]), _matrix(*by[2:])
+            self._settled = (d, frequency), result
+        return self._settled[1]
 
     def _settle_at(self, d: complex, v: complex) -> None:
         if self._law.vibrate is not None and v == 0.0:
@@ -51,7 +57,8 @@ class LawAlone:
     def force(self, d: complex, v: complex = 0j) -> complex:
         """Return the force on the node [N] at a displacement [m] and a velocity [m/s]; the law's
         states rest where the node does."""
-        self._settle_at(d, v)
+        if self._law.vibrate is not None and v == 0.0:
+            return self.settle(d)[0]
         force = interpreted(self._law.force)
         return complex(force(self._record, self._tables, self._moving(d, v), self._states))
 
