@@ -6,27 +6,17 @@
    sets. Measures every communication step by CLOCK, `wall` or `cpu`, in each of RUNS equal runs, and
    takes the least of them, step for step. Prints the median, the quantiles 0.99, 0.999, 0.9999 and
    the longest, then the mean [us]. */
-#include <dlfcn.h>
-#include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <time.h>
 
+#include "fmi3.h"
+
 enum { MOST = 8 };
 /* The controller of examples/magnetic_bearing, without its filter and its integral part. */
 static const double KP = 12000.0, KD = 16.0, BIAS = 3.0, K = 5.5e-6, GAP = 5e-4;
-
-static void *library;
-static void *find(const char *name)
-{
-    void *found = dlsym(library, name);
-    if (!found)
-        exit(2);
-    return found;
-}
 
 static double now(clockid_t clock)
 {
@@ -51,19 +41,9 @@ static double force(double s, double rate, double d)
 
 int main(int argc, char **argv)
 {
-    if (argc < 10 || !(library = dlopen(argv[1], RTLD_NOW)))
+    if (argc < 10)
         return 2;
-    void *(*instantiate)(const char *, const char *, const char *, bool, bool, bool, bool,
-                         const uint32_t *, size_t, void *, void *, void *)
-        = find("fmi3InstantiateCoSimulation");
-    int (*enter)(void *, bool, double, double, bool, double) = find("fmi3EnterInitializationMode");
-    int (*leave)(void *) = find("fmi3ExitInitializationMode");
-    int (*choose)(void *, const uint32_t *, size_t, const int32_t *, size_t) = find("fmi3SetInt32");
-    int (*set)(void *, const uint32_t *, size_t, const double *, size_t) = find("fmi3SetFloat64");
-    int (*get)(void *, const uint32_t *, size_t, double *, size_t) = find("fmi3GetFloat64");
-    int (*step)(void *, double, double, bool, bool *, bool *, bool *, double *)
-        = find("fmi3DoStep");
-    void (*release)(void *) = find("fmi3FreeInstance");
+    struct fmi3 fmu = load_fmi3(argv[1]);
     double h = atof(argv[4]), low, high, rate, values[2 * MOST], forces[MOST + 1];
     long steps = atol(argv[5]);
     clockid_t clock = strcmp(argv[7], "cpu") ? CLOCK_MONOTONIC : CLOCK_THREAD_CPUTIME_ID;
@@ -87,21 +67,23 @@ int main(int argc, char **argv)
     for (int run = 0; run < atoi(argv[6]); run++) {
         double speed = low, change = rate * h, before[MOST] = {0};
         forces[0] = low;
-        void *m = instantiate("real_time", argv[3], argv[2], 0, 0, 0, 1, NULL, 0, NULL, NULL, NULL);
-        if (!m || choose(m, &mode, 1, &chosen, 1) || set(m, driven, 1, forces, 1)
-            || enter(m, 0, 0.0, 0.0, 0, 0.0) || leave(m))
+        void *m
+            = fmu.instantiate("real_time", argv[3], argv[2], 0, 0, 0, 1, NULL, 0, NULL, NULL, NULL);
+        if (!m || fmu.choose(m, &mode, 1, &chosen, 1) || fmu.set(m, driven, 1, forces, 1)
+            || fmu.enter(m, 0, 0.0, 0.0, 0, 0.0) || fmu.leave(m))
             return 3;
         for (long n = 0; n < steps; n++) {
             double begun = now(clock);
             forces[0] = speed;
-            if (axes && get(m, seen, 2 * axes, values, 2 * axes))
+            if (axes && fmu.get(m, seen, 2 * axes, values, 2 * axes))
                 return 5;
             for (size_t i = 0; i < axes; i++) {
-                forces[1 + i] = force(values[2 * i], (values[2 * i] - before[i]) / h, values[2 * i + 1]);
+                double rate_of_change = (values[2 * i] - before[i]) / h;
+                forces[1 + i] = force(values[2 * i], rate_of_change, values[2 * i + 1]);
                 before[i] = values[2 * i];
             }
-            if (set(m, driven, 1 + axes, forces, 1 + axes)
-                || step(m, (double)n * h, h, 1, &event, &ended, &early, &last))
+            if (fmu.set(m, driven, 1 + axes, forces, 1 + axes)
+                || fmu.step(m, (double)n * h, h, 1, &event, &ended, &early, &last))
                 return 6;
             float time = (float)((now(clock) - begun) * 1e6);
             taken[n] = time < taken[n] ? time : taken[n];
@@ -109,7 +91,7 @@ int main(int argc, char **argv)
             if ((change > 0 && speed > high) || (change < 0 && speed < low))
                 change = -change;
         }
-        release(m);
+        fmu.release(m);
     }
     double sum = 0.0;
     for (long n = 0; n < steps; n++)

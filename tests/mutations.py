@@ -79,6 +79,12 @@ def outcome_of(text, use):
     return None
 
 
+def outcomes(bases, use, seeds):
+    """The outcomes of the mutated files of some seeds; a file that takes too long ends them."""
+    with ending_hangs():
+        return [outcome_of(mutated(bases, seed), use) for seed in seeds]
+
+
 @contextmanager
 def ending_hangs():
     """A file that takes too long ends what runs within."""
@@ -87,5 +93,7 @@ def ending_hangs():
         raise TimeoutError(f"a file took more than {LIMIT} s")
 
     before = signal.signal(signal.SIGALRM, end)
-    yield
-    signal.signal(signal.SIGALRM, before)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGALRM, before)

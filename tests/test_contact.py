@@ -29,14 +29,19 @@ BRANCHES = {
 
 def contact_force(part, d, d_dot, omega):
     """Force, normal force, penetration, its rate and sliding speed."""
-    result = interpreted(clearance_contact.contact_force)(part, Kinematics(d, d_dot, omega, omega))
+    result = interpreted(clearance_contact.contact_force)(
+        part, Kinematics(d, d_dot, omega, omega, 0.0)
+    )
     return result.force, result.normal, result.penetration, result.rate, result.sliding
 
 
 def contact_tangent(part, d, d_dot, omega, by_position, by_velocity):
     """Force and tangent (p, q) of the law, which has no states of its own."""
     none = np.zeros(0)
-    kinematics, weights = Kinematics(d, d_dot, omega, omega), Weights(by_position, by_velocity, 0.0)
+    kinematics, weights = (
+        Kinematics(d, d_dot, omega, omega, 0.0),
+        Weights(by_position, by_velocity, 0.0),
+    )
     return interpreted(CLEARANCE_CONTACT.tangent)(part, none, kinematics, weights, none, none)
 
 

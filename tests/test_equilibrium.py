@@ -236,6 +236,20 @@ def test_a_start_beyond_what_a_machine_reaches_is_refused(start, node, distance)
     assert message.endswith("must be within 0.033 m, a tenth of the shaft's length")
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("vx", "1e9", "start.vx = 1e+09 m/s: must be from -5000 to 5000"),
+        ("vy", "-5001.0", "start.vy = -5001 m/s: must be from -5000 to 5000"),
+        ("rate_y", "1e6", "start.rate_y = 1e+06 rad/s: must be from -100000 to 100000"),
+    ],
+)
+def test_a_start_faster_than_a_machine_can_move_is_refused(key, value, words):
+    with pytest.raises(QuantityError) as refused:
+        parse_rotor(f"{rig_toml()}\n[start]\n{key} = {value}\n")
+    assert str(refused.value) == words
+
+
 def test_a_start_within_the_bound_is_taken():
     rotor = parse_rotor(f"{rig_toml()}[start]\ny = 0.03\n")
     simulation = Simulation(rotor)

@@ -14,6 +14,7 @@ from rotor_fmu.model.schemes.family import chung_hulbert, generalized_alpha, hht
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.step import fitting
+from rotor_fmu.model.structure.structure import WEIGHT
 from rotor_fmu.model.time_loop import error_control
 
 from .machines import disc_dofs, overhung, unbalance_vector
@@ -114,7 +115,8 @@ def test_a_rotor_that_swings_freely_below_its_lowest_frequency_has_the_pace_of_t
 def turning(slowest):
     """What a pace asks of a machine: one mass, and the pace of its slowest motion [rad/s]."""
     return SimpleNamespace(
-        weights=np.ones((1, 1)), numbers=np.rec.array([(slowest,)], dtype=[("slowest", float)])
+        weights=np.rec.array([(0, 0, 1.0)], dtype=WEIGHT),
+        numbers=np.rec.array([(slowest,)], dtype=[("slowest", float)]),
     )
 
 

@@ -72,7 +72,7 @@ def out_of_balance(problem, omega, b_d, b_v):
     """w - w_free - W F(w), as displacements in units of the clearance."""
     forces = np.array(
         [
-            interpreted(contact_force)(bearing, Kinematics(d, d_dot, omega, omega)).force
+            interpreted(contact_force)(bearing, Kinematics(d, d_dot, omega, omega, 0.0)).force
             for bearing, d, d_dot in zip(
                 BEARINGS,
                 problem.d0 + b_d * problem.w,

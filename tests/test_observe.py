@@ -57,7 +57,7 @@ def test_contact_forces_are_those_of_the_law():
         for j, bearing in enumerate(clearance_contacts(sim.structure)):
             d, d_dot = q[bearing.dof] - q[bearing.end], v[bearing.dof] - v[bearing.end]
             omega = sim.read("w")
-            contact = contact_force(bearing, Kinematics(d, d_dot, omega, omega))
+            contact = contact_force(bearing, Kinematics(d, d_dot, omega, omega, 0.0))
             force, normal = contact.force, contact.normal
             name = f"bearing[{j + 1}]"
             friction = math.sqrt(max(0.0, abs(force) ** 2 - normal**2))

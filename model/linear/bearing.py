@@ -17,7 +17,7 @@ from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from .bearing_alone import BearingAlone, critical_mass
 from .film_in_plane import film_in_plane
 from .linearized import LinearError
-from .static import loads_on
+from .static import speeds_and_loads
 
 AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing
 _HALVINGS = 30
@@ -95,16 +95,8 @@ def bearing_curves(
     name = bearing or next(iter(known))
     if name not in known:
         raise LinearError(f"bearing = {name}: must be one of {', '.join(known)}")
-    loads: Sequence[complex]
-    if load is None:
-        loads = loads_on(rotor, name, speeds)
-    else:
-        loads = [complex(0.0, -each) for each in np.atleast_1d(load)]
-        if len(loads) > 1 < len(speeds):
-            raise LinearError(f"{len(speeds)} speeds and {len(loads)} loads: one of both may vary")
-        loads = loads * len(speeds) if len(loads) == 1 else loads
-    is_over_load = len(loads) > len(speeds)
-    speeds = np.broadcast_to(np.asarray(speeds, dtype=float), len(loads))
+    is_over_load = load is not None and np.size(load) > 1
+    speeds, loads = speeds_and_loads(rotor, name, speeds, load)
     rows = []
     start = None
     for speed, on in zip(speeds, loads, strict=True):
@@ -130,8 +122,8 @@ def bearing_curves(
     return BearingCurves(
         bearing=name,
         clearance=known[name].clearance,
-        speeds=np.array(speeds, dtype=float),
-        load=np.array([[on.real, on.imag] for on in loads]),
+        speeds=np.array(speeds),
+        load=np.column_stack([loads.real, loads.imag]),
         mass=mass,
         threshold=threshold,
         threshold_load=threshold_load,
@@ -163,7 +155,7 @@ def _threshold(
     name: str,
     varied: np.ndarray,
     speeds: np.ndarray,
-    loads: Sequence[complex],
+    loads: np.ndarray,
     masses: np.ndarray,
     stable: np.ndarray,
 ) -> float:

@@ -12,7 +12,7 @@ from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from .bearing_alone import BearingAlone
 from .law_alone import cleared
 from .linearized import LinearError
-from .static import loads_on
+from .static import speeds_and_loads
 
 _ORBITS = np.linspace(0.05, 0.95, 19)
 
@@ -58,7 +58,7 @@ def damper_curves(
         raise LinearError(f"frequency of the orbit = {frequency:g} rad/s: must be > 0 and finite")
     part = dict(rotor.named_parts())[bearing]
     assert isinstance(part, SqueezeFilmDamper)
-    on = loads_on(rotor, bearing, [frequency])[0] if load is None else complex(0.0, -load)
+    on = complex(speeds_and_loads(rotor, bearing, [frequency], load)[1][0])
     alone = BearingAlone(part, 0.0, bearing)
     d = alone.rest(on)
     K, C = alone.coefficients(d)

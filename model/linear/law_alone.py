@@ -33,7 +33,7 @@ class LawAlone:
         self._states = np.array(self._law.states, dtype=float)
 
     def _moving(self, d: complex, v: complex) -> Kinematics:
-        return Kinematics(complex(d), complex(v), self.speed, self._sliding)
+        return Kinematics(complex(d), complex(v), self.speed, self._sliding, 0.0)
 
     def force(self, d: complex, v: complex = 0j) -> complex:
         """Return the force on the node [N] at a displacement [m] and a velocity [m/s]."""

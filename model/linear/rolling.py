@@ -16,7 +16,7 @@ from ..parts.law import Weights
 from ..parts.rolling_bearing import RollingBearing, cage_ratio
 from .law_alone import LawAlone, cleared
 from .linearized import LinearError
-from .static import loads_on
+from .static import speeds_and_loads
 
 _BY_D = Weights(1.0, 0.0, 0.0)
 _ITERATIONS, _LEFT, _OPEN = 1000, 1e-10, 1e-6  # forces over the load
@@ -142,25 +142,21 @@ def rolling_curves(
 
     speeds: of the machine [rad/s]; bearing: its name; load: downwards [N], by default what the
     machine's weight puts on it at each speed, on which nothing else depends. Raises `LinearError`
-    if there is no equilibrium.
+    if there is no equilibrium, or if there are several of both.
     """
     part = dict(rotor.named_parts())[bearing]
     assert isinstance(part, RollingBearing)
-    if load is None:
-        loads = loads_on(rotor, bearing, speeds)
-    else:
-        loads = [complex(0.0, -each) for each in np.atleast_1d(load)]
-        speeds = np.broadcast_to(np.asarray(speeds, dtype=float), len(loads))
+    speeds, loads = speeds_and_loads(rotor, bearing, speeds, load)
     pitch = 2.0 * math.pi / part.count
     places = [RollingAlone(part, bearing, i * pitch / _PLACES) for i in range(_PLACES)]
     alone = places[0]
-    rows = [_row(places, on) for on in loads]
+    rows = [_row(places, complex(on)) for on in loads]
     return RollingCurves(
         bearing=bearing,
         clearance=part.clearance,
         ratio=alone.ratio,
-        speeds=np.array(speeds, dtype=float),
-        load=np.array([[on.real, on.imag] for on in loads]),
+        speeds=np.array(speeds),
+        load=np.column_stack([loads.real, loads.imag]),
         angles=part.cage_angle + pitch * np.arange(int(part.count)),
         **{key: np.array([row[key] for row in rows]) for key in rows[0]},
     )

@@ -80,11 +80,28 @@ def static(
     )
 
 
-def loads_on(rotor: Rotor, name: str, speeds: Sequence[float] | np.ndarray) -> list[complex]:
-    """Return the load on an interface at each speed [rad/s], as the machine rests [N]."""
-    machine = LinearMachine(rotor)
-    place = machine.supports.interfaces.index(name)
-    return [-complex(machine.loaded(float(s)).laws.force[place]) for s in speeds]
+def speeds_and_loads(
+    rotor: Rotor,
+    name: str,
+    speeds: Sequence[float] | np.ndarray,
+    load: float | Sequence[float] | np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return speeds [rad/s] and the load on an interface at each [N], to the right and upwards as a
+    complex number.
+
+    load: downwards [N], one or several; None: what the machine's weight puts on it at rest. Raises
+    `LinearError` if there are several of both.
+    """
+    given = np.asarray(speeds, dtype=float)
+    if load is None:
+        machine = LinearMachine(rotor)
+        place = machine.supports.interfaces.index(name)
+        return given, np.array([-machine.loaded(float(s)).laws.force[place] for s in given])
+    loads = 0.0 - 1j * np.atleast_1d(load)
+    if len(loads) > 1 < len(given):
+        raise LinearError(f"{len(given)} speeds and {len(loads)} loads: one of both may vary")
+    given, loads = np.broadcast_arrays(given, loads)
+    return given, loads
 
 
 def check_node(machine: LinearMachine, node: int) -> int:

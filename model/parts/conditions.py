@@ -6,8 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..quantities import ANY, quantity
+from ..quantities import ANY, Rule, quantity
 from .base import BASE, Element, Part, Port, Release
+
+# sound in steel is no faster, and a shaft whose ends leave each other faster breaks
+_VELOCITY = Rule(-5e3, False, "must be from -5000 to 5000", most=5e3)
+_RATE = Rule(-1e5, False, "must be from -100000 to 100000", most=1e5)
 
 
 @dataclass(frozen=True)
@@ -37,12 +41,14 @@ class Start(Part):
 
     x: float = quantity("m", "displacement to the right at the start", ANY, 0.0, is_parameter=True)
     y: float = quantity("m", "displacement upwards at the start", ANY, 0.0, is_parameter=True)
-    vx: float = quantity("m/s", "velocity to the right at the start", ANY, 0.0, is_parameter=True)
-    vy: float = quantity("m/s", "velocity upwards at the start", ANY, 0.0, is_parameter=True)
+    vx: float = quantity(
+        "m/s", "velocity to the right at the start", _VELOCITY, 0.0, is_parameter=True
+    )
+    vy: float = quantity("m/s", "velocity upwards at the start", _VELOCITY, 0.0, is_parameter=True)
     tilt_x: float = quantity("1", "slope dx/dz at the start", ANY, 0.0, is_parameter=True)
     tilt_y: float = quantity("1", "slope dy/dz at the start", ANY, 0.0, is_parameter=True)
-    rate_x: float = quantity("rad/s", "rate of tilt_x at the start", ANY, 0.0, is_parameter=True)
-    rate_y: float = quantity("rad/s", "rate of tilt_y at the start", ANY, 0.0, is_parameter=True)
+    rate_x: float = quantity("rad/s", "rate of tilt_x at the start", _RATE, 0.0, is_parameter=True)
+    rate_y: float = quantity("rad/s", "rate of tilt_y at the start", _RATE, 0.0, is_parameter=True)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One release."""

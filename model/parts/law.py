@@ -55,7 +55,7 @@ class Kinematics(NamedTuple):
     velocity: complex
     speed: float
     sliding_speed: float
-    angle: float = 0.0
+    angle: float
 
 
 class Weights(NamedTuple):

@@ -55,6 +55,7 @@ from .structure import (
     RELEASE,
     SPRING,
     UNBALANCE,
+    WEIGHT,
     Structure,
 )
 
@@ -252,11 +253,12 @@ def _one_body(rotor: Rotor, M: np.ndarray) -> np.ndarray:
     return np.array([along, tilt])
 
 
-def _weights(M: np.ndarray) -> np.ndarray:
-    lumped = np.zeros((len(M), 1))
-    lumped[::2, 0] = M[::2, 0] + M[::2, 2]
-    lumped[2::2, 0] += M[:-2:2, 2]
-    return lumped / lumped.sum()
+def _weights(M: np.ndarray) -> np.recarray:
+    lumped = np.zeros(len(M))
+    lumped[::2] = M[::2, 0] + M[::2, 2]
+    lumped[2::2] += M[:-2:2, 2]
+    lumped /= lumped.sum()
+    return _rows(WEIGHT, [(i, i, lumped[i]) for i in np.flatnonzero(lumped)])
 
 
 def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.ndarray:

@@ -20,7 +20,7 @@ from ..machine.speed_tables import SpeedRange, tables_of
 from ..one_thread import on_one_thread
 from .assembly import assemble, machine_elements, moved, soft_stiffness
 from .long_shafts import LONG, held_modes, sparse
-from .structure import Structure
+from .structure import WEIGHT, Structure
 
 # A frequency may move by this share; excited are those up to so many times the speed; of those that
 # move so many are said. A share of the lowest elastic one below which the shaft moves as one body.
@@ -93,18 +93,25 @@ def reduced(structure: Structure, modes: int) -> Structure:
     # a motion as one body needs no mode
     one_body = np.zeros((2, size))
     one_body[:, : len(retained)] = structure.one_body[:, retained]
-    weights = T.T @ to_dense(structure.weights) @ T
+    weights = np.zeros((n, n))
+    weights[structure.weights.i, structure.weights.k] = structure.weights.weight
     return structure._replace(
         **bands,
         **at,
         M_factors=M_factors,
-        weights=to_band(weights, size - 1),
+        weights=_weights(T.T @ weights @ T),
         mass_sum=T.T @ structure.mass_sum,
         weight=T.T @ structure.weight,
         one_body=one_body,
         bow_forces=structure.bow_forces @ T,
         deflections=deflections,
     )
+
+
+def _weights(matrix: np.ndarray) -> np.recarray:
+    i, k = np.triu_indices(len(matrix))
+    weights = np.where(i == k, 1.0, 2.0) * matrix[i, k]
+    return np.rec.array(list(zip(i, k, weights, strict=True)), dtype=WEIGHT)
 
 
 def assembled(rotor: Rotor, modes: int) -> tuple[Structure, list[SpeedRange]]:

@@ -16,6 +16,8 @@ def _record(integers: str, numbers: str) -> np.dtype:
     return np.dtype([(n, "i8") for n in integers.split()] + [(n, "f8") for n in numbers.split()])
 
 
+# of the product of two dofs, both ways if they differ
+WEIGHT = _record("i k", "weight")
 SPRING = _record("dof", "stiffness damping")
 # `slope`: of the node, where there is an offset, otherwise `dof` again
 UNBALANCE = _record("dof slope", "mass spinning_mass e phase offset")
@@ -52,8 +54,8 @@ class Structure(NamedTuple):
     part, K_axial: that of its axial forces; each in band storage, shape (n, width);
     M_factors: M's, from `band.factorize`.
     weights: of the norm by which motions and errors are measured, the mean square of the
-    deflections weighted with their lumped masses [1], shape (n, weights_width); mass_sum: force of
-    a unit acceleration [kg, kg.m]; weight: gravity's force [N, N.m].
+    deflections weighted with their lumped masses [1]; mass_sum: force of a unit acceleration [kg,
+    kg.m]; weight: gravity's force [N, N.m].
     releases: what the machine starts with in the place of equilibrium, if at all; one_body: its
     motions as one body, by a unit displacement and by a unit tilt about the centre of mass.
     deflections: dof and node number, from 1, of every deflection.
@@ -74,7 +76,7 @@ class Structure(NamedTuple):
     K_shaft: Annotated[np.ndarray, float, "n", "width"]
     K_axial: Annotated[np.ndarray, float, "n", "width"]
     M_factors: Annotated[np.ndarray, float, "n", "width"]
-    weights: Annotated[np.ndarray, float, "n", "weights_width"]
+    weights: Annotated[np.recarray, WEIGHT, "weights"]
     mass_sum: Annotated[np.ndarray, float, "n"]
     weight: Annotated[np.ndarray, complex, "n"]
     releases: Annotated[np.ndarray, RELEASE, "releases"]
@@ -105,7 +107,7 @@ def sizes_of(structure: Structure) -> dict[str, int]:
     return {
         "n": n,
         "width": width,
-        "weights_width": structure.weights.shape[1],
+        "weights": len(structure.weights),
         "housings": housings,
         "size": n + housings + 1,
         "deflections": len(structure.deflections),

@@ -71,7 +71,7 @@ _SIZES = (
     *(
         "n",
         "width",
-        "weights_width",
+        "weights",
         "housings",
         "size",
         "deflections",

@@ -58,19 +58,12 @@ def measure(weights, turned, old, new):
     """Return the `Measures` of a step; turned: by what a whirl of the motion's characteristic
     frequency turns in it, e^(i p h)."""
     change, beside, acceleration, velocity = 0.0, 0.0, 0.0, 0.0
-    n, width = weights.shape
-    for i in range(n):
-        for d in range(min(width, n - i)):
-            weight = weights[i, d]
-            if weight == 0.0:
-                continue
-            if d > 0:
-                weight *= 2.0
-            k = i + d
-            change += weight * _product(new.a[i] - old.a[i], new.a[k] - old.a[k])
-            beside += weight * _product(new.a[i] - turned * old.a[i], new.a[k] - turned * old.a[k])
-            acceleration += weight * _product(new.a[i] + old.a[i], new.a[k] + old.a[k])
-            velocity += weight * _product(new.v[i] + old.v[i], new.v[k] + old.v[k])
+    for j in range(len(weights)):
+        i, k, weight = weights[j].i, weights[j].k, weights[j].weight
+        change += weight * _product(new.a[i] - old.a[i], new.a[k] - old.a[k])
+        beside += weight * _product(new.a[i] - turned * old.a[i], new.a[k] - turned * old.a[k])
+        acceleration += weight * _product(new.a[i] + old.a[i], new.a[k] + old.a[k])
+        velocity += weight * _product(new.v[i] + old.v[i], new.v[k] + old.v[k])
     return Measures(change, beside, 0.25 * acceleration, 0.25 * velocity)
 
 
@@ -96,17 +89,10 @@ def update_size(structure, omega, h, new, memory):
         center[i] += share * (new.q[i] - center[i])
     apart, velocity = 0.0, 0.0
     weights = structure.weights
-    n, width = weights.shape
-    for i in range(n):
-        for d in range(min(width, n - i)):
-            weight = weights[i, d]
-            if weight == 0.0:
-                continue
-            if d > 0:
-                weight *= 2.0
-            k = i + d
-            apart += weight * _product(new.q[i] - center[i], new.q[k] - center[k])
-            velocity += weight * _product(new.v[i], new.v[k])
+    for j in range(len(weights)):
+        i, k, weight = weights[j].i, weights[j].k, weights[j].weight
+        apart += weight * _product(new.q[i] - center[i], new.q[k] - center[k])
+        velocity += weight * _product(new.v[i], new.v[k])
     seen = math.sqrt(0.5 * (apart + velocity / (fastest * fastest)))
     floor = FLOOR * min(numbers.clearance, numbers.small)
     r.motion_size = max(floor, seen, (1.0 - share) * r.motion_size)

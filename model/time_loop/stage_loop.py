@@ -106,8 +106,7 @@ def stage_error(structure, control, size, frequency, h, motion, stages):
     the masses of its last acceleration less that which its start and its first two stages lead one
     to expect."""
     weights, difference = structure.weights, stages.scratch[0]
-    n, width = weights.shape
-    for i in range(n):
+    for i in range(len(difference)):
         difference[i] = (
             EXPECTED[0] * motion.v_dot[i]
             + EXPECTED[1] * stages.v_dot[0, i]
@@ -115,12 +114,9 @@ def stage_error(structure, control, size, frequency, h, motion, stages):
             - stages.v_dot[2, i]
         )
     total = 0.0
-    for i in range(n):
-        for d in range(min(width, n - i)):
-            weight = weights[i, d]
-            if weight != 0.0:
-                x, y = difference[i], difference[i + d]
-                total += (1.0 if d == 0 else 2.0) * weight * (x.real * y.real + x.imag * y.imag)
+    for j in range(len(weights)):
+        x, y = difference[weights[j].i], difference[weights[j].k]
+        total += weights[j].weight * (x.real * y.real + x.imag * y.imag)
     tolerated = tolerated_error(structure, control, size, frequency, h)
     return control.error_constant * h * h * math.sqrt(max(0.0, total)) / tolerated
 

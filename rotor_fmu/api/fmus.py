@@ -72,30 +72,16 @@ def build_fmu(
     ...     rf.build_fmu(rf.load(), folder).name
     'RotorBearing.fmu'
     """
-    from ..fmi.packing.native_fmu import build_native
-    from ..fmi.packing.python_fmu import SYSTEMS, build
-    from ..library.platforms import PLATFORMS
+    from ..fmi.packing.any_fmu import FmuKind
 
-    if fmi not in (2, 3):
-        raise InputError(f"fmi = {fmi}: must be 2 or 3")
-    if fmi == 3 and not (is_native or is_source):
-        raise InputError("fmi = 3: only with is_native or is_source")
-    if is_source and (is_native or platforms):
-        raise InputError("is_source: an FMU without libraries; leave out is_native and platforms")
-    if step is not None and not (is_native or is_source):
-        raise InputError(f"step = {step:g} s: only with is_native or is_source")
-    allowed = tuple(PLATFORMS) if is_native else SYSTEMS
+    kind = FmuKind(is_native, is_source, fmi)
+    chosen_step = None if step is None else f"step = {step:g} s"
+    options = ("is_native", "is_source", "platforms")
+    kind.check(f"fmi = {fmi}", chosen_step, bool(platforms), options)
     for name in platforms or ():
-        if name not in allowed:
-            raise InputError(f"platforms: {name!r}: must be one of {', '.join(allowed)}")
-    if is_source:
-        from ..fmi.packing.source_fmu import build_source
-
-        return build_source(Path(folder), machine.toml, is_free, fmi, reduction, step)
-    if is_native:
-        names = platforms or allowed
-        return build_native(Path(folder), machine.toml, is_free, fmi, names, reduction, step)
-    return build(Path(folder), machine.toml, is_free, reduction, platforms)
+        if name not in kind.platforms:
+            raise InputError(f"platforms: {name!r}: must be one of {', '.join(kind.platforms)}")
+    return kind.build(Path(folder), machine.toml, is_free, reduction, platforms, step)
 
 
 def simulate_fmu(

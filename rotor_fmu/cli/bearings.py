@@ -126,15 +126,18 @@ def _linear_bearing(
     values: dict[str, Any] = {"node": part.node}
     if part.housing:
         values["housing"] = part.housing
-    is_film = isinstance(result, BearingCurves)
-    is_table = isinstance(result, BearingCurves) and len(result.speeds) > 1
-    if isinstance(result, BearingCurves) and is_table:
-        values["speed"] = result.speeds.tolist()
-    for letter, of in (("k", result.K), ("c", result.C)):
+    what, rests = "", "it rests"
+    K, C = (np.reshape(of, (-1, 2, 2)) for of in (result.K, result.C))
+    if isinstance(result, BearingCurves):
+        what, rests = "The film of ", "its journal rests"
+        if len(K) > 1:
+            values["speed"] = result.speeds.tolist()
+    for letter, of in (("k", K), ("c", C)):
         for i, row in enumerate("xy"):
             for j, column in enumerate("xy"):
-                column_values = np.reshape(of, (-1, 2, 2))[:, i, j].tolist()
-                values[f"{letter}{row}{column}"] = column_values if is_table else column_values[0]
-    what, rests = ("The film of ", "its journal rests") if is_film else ("", "it rests")
+                over_speed = of[:, i, j].tolist()
+                values[f"{letter}{row}{column}"] = (
+                    over_speed if "speed" in values else over_speed[0]
+                )
     head = f"# {what}{result.bearing} of {file.name}, linearized where {rests}.\n"
     return f"{head}\n{toml_text({'linear_bearing': [values]})}"

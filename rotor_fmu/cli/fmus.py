@@ -80,33 +80,21 @@ def build(
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     # imported when it is called: the help needs none of it
-    from ..fmi.packing.native_fmu import build_native
-    from ..fmi.packing.python_fmu import build as build_python
+    from ..fmi.packing.any_fmu import FmuKind
     from ..linear.machine_warnings import machine_warnings
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)
-    if fmi not in (2, 3):
-        raise InputError(f"--fmi {fmi}: must be 2 or 3")
-    if fmi == 3 and not (is_native or is_source):
-        raise InputError("--fmi 3: only with --native or --source")
-    if is_source and (is_native or platforms):
-        raise InputError("--source: an FMU without libraries; leave out --native and --platform")
-    if realtime is not None and not (is_native or is_source):
-        raise InputError(f"--realtime {realtime}: only with --native or --source")
+    kind = FmuKind(is_native, is_source, fmi)
+    chosen_step = None if realtime is None else f"--realtime {realtime}"
+    options = ("--native", "--source", "--platform")
+    kind.check(f"--fmi {fmi}", chosen_step, bool(platforms), options)
     step = None if realtime is None else _step(realtime)
-    names = _known(platforms, tuple(PLATFORMS) if is_native else SYSTEMS)
+    names = _known(platforms, kind.platforms)
     folder, result = writable_folder(out), machine_warnings(machine)
     for warning in result:
         typer.echo(f"warning: {warning}", err=True)
-    if is_source:
-        from ..fmi.packing.source_fmu import build_source
-
-        fmu = build_source(folder, toml, is_free, fmi, reduction, step)
-    elif is_native:
-        fmu = build_native(folder, toml, is_free, fmi, names or tuple(PLATFORMS), reduction, step)
-    else:
-        fmu = build_python(folder, toml, is_free, reduction, names or None)
+    fmu = kind.build(folder, toml, is_free, reduction, names, step)
     typer.echo(fmu)
     return {"fmu": fmu, "bytes": fmu.stat().st_size, "warnings": result}
 

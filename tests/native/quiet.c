@@ -4,17 +4,15 @@
    OUTPUT the kernel ends the process at any other call. Prints the count, and the output at the end,
    bit for bit. */
 #define _GNU_SOURCE
-#include <dlfcn.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
-#include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/prctl.h>
 #include <sys/syscall.h>
-#include <unistd.h>
+
+#include "fmi3.h"
 
 extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
 extern void __libc_free(void *);
@@ -56,34 +54,19 @@ static int guard(void)
     return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) || prctl(PR_SET_SECCOMP, 2, &program);
 }
 
-static void *library;
-static void *find(const char *name)
-{
-    void *found = dlsym(library, name);
-    if (!found)
-        _exit(2);
-    return found;
-}
-
 int main(int argc, char **argv)
 {
-    if (argc < 10 || !(library = dlopen(argv[1], RTLD_NOW)))
+    if (argc < 10)
         return 2;
-    void *(*instantiate)(const char *, const char *, const char *, bool, bool, bool, bool,
-                         const uint32_t *, size_t, void *, void *, void *)
-        = find("fmi3InstantiateCoSimulation");
-    int (*enter)(void *, bool, double, double, bool, double) = find("fmi3EnterInitializationMode");
-    int (*leave)(void *) = find("fmi3ExitInitializationMode");
-    int (*set)(void *, const uint32_t *, size_t, const double *, size_t) = find("fmi3SetFloat64");
-    int (*get)(void *, const uint32_t *, size_t, double *, size_t) = find("fmi3GetFloat64");
-    int (*step)(void *, double, double, bool, bool *, bool *, bool *, double *)
-        = find("fmi3DoStep");
+    struct fmi3 fmu = load_fmi3(argv[1]);
     double h = atof(argv[5]), speed = atof(argv[7]), rate = atof(argv[8]), value = 0.0, last;
     long steps = atol(argv[6]);
     uint32_t drive = 0, output = (uint32_t)atoi(argv[9]);
     bool event, ended, early;
-    void *m = instantiate("quiet", argv[3], argv[2], 0, 0, 0, atoi(argv[4]), NULL, 0, NULL, NULL, NULL);
-    if (!m || set(m, &drive, 1, &speed, 1) || enter(m, 0, 0.0, 0.0, 0, 0.0) || leave(m))
+    void *m
+        = fmu.instantiate("quiet", argv[3], argv[2], 0, 0, 0, atoi(argv[4]), NULL, 0, NULL, NULL,
+                          NULL);
+    if (!m || fmu.set(m, &drive, 1, &speed, 1) || fmu.enter(m, 0, 0.0, 0.0, 0, 0.0) || fmu.leave(m))
         return 3;
     if (argc > 10 && guard())
         return 4;
@@ -91,9 +74,9 @@ int main(int argc, char **argv)
     write(1, "begin\n", 6);
     for (long i = 0; i < steps; i++) {
         double now = speed + rate * (double)i;
-        if (set(m, &drive, 1, &now, 1)
-            || step(m, (double)i * h, h, 1, &event, &ended, &early, &last)
-            || get(m, &output, 1, &value, 1))
+        if (fmu.set(m, &drive, 1, &now, 1)
+            || fmu.step(m, (double)i * h, h, 1, &event, &ended, &early, &last)
+            || fmu.get(m, &output, 1, &value, 1))
             _exit(5);
     }
     write(1, "end\n", 4);

@@ -43,14 +43,16 @@ def derivative(record, d, d_dot, dz, by_d, by_v, size=1e-9):
 
     def force(side):
         moved = d + side * size * by_d * dz, d_dot + side * size * by_v * dz
-        return CUBIC.force(record, (), Kinematics(*moved, 0.0, 0.0), ())
+        return CUBIC.force(record, (), Kinematics(*moved, 0.0, 0.0, 0.0), ())
 
     return (force(1) - force(-1)) / (2 * size)
 
 
 record = np.array([(4e12, 25.0)], CUBIC.dtype).view(np.recarray)[0]
 d, d_dot, dz = 3e-4 - 2e-4j, 0.1 + 0.3j, 0.6 + 0.8j
-_, p, q = CUBIC.tangent(record, (), Kinematics(d, d_dot, 0.0, 0.0), Weights(1.0, 0.02, 0.0), (), ())
+_, p, q = CUBIC.tangent(
+    record, (), Kinematics(d, d_dot, 0.0, 0.0, 0.0), Weights(1.0, 0.02, 0.0), (), ()
+)
 linear = derivative(record, d, d_dot, dz, 1.0, 0.02)
 runs = [run(steps) for steps in (40, 80, 160)]
 variables = interface(parse_rotor(TOML))

@@ -75,19 +75,21 @@ def test_the_contacts_tangent_is_the_derivative_of_its_force(name, spin):
         f, p, q = CLEARANCE_CONTACT.tangent(
             part,
             TABLES,
-            Kinematics(d, v, spin, spin),
+            Kinematics(d, v, spin, spin, 0.0),
             Weights(by_d, by_v, 0.0),
             internal_state,
             internal_state,
         )
-        again = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, v, spin, spin), internal_state)
+        again = CLEARANCE_CONTACT.force(
+            part, TABLES, Kinematics(d, v, spin, spin, 0.0), internal_state
+        )
         assert f == pytest.approx(again, rel=1e-12)
         for z in (1e-9 + 0j, 1e-9j):
             ahead, behind = (
                 CLEARANCE_CONTACT.force(
                     part,
                     TABLES,
-                    Kinematics(d + s * by_d * z, v + s * by_v * z, spin, spin),
+                    Kinematics(d + s * by_d * z, v + s * by_v * z, spin, spin, 0.0),
                     internal_state,
                 )
                 for s in (1, -1)
@@ -103,7 +105,7 @@ def test_the_touchdown_bearings_tangent_lets_the_race_follow(name, spin):
     law, by_d, by_v, by_rate, free = TOUCHDOWN_BEARING, 0.7, 40.0, 2e-4, np.array([5.0, 0.0])
 
     def force(d, v):
-        motion, weights = Kinematics(d, v, spin, spin), Weights(by_d, by_v, by_rate)
+        motion, weights = Kinematics(d, v, spin, spin, 0.0), Weights(by_d, by_v, by_rate)
         seen, internal_state, rate = force_and_tangent(law, part, motion, weights, free)
         # the race's own equation holds
         assert internal_state[0] - free[0] - by_rate * rate[0] == pytest.approx(0, abs=1e-9)
@@ -124,7 +126,12 @@ def test_the_race_alone_slows_down_by_its_drag():
     free, internal_state, none = np.array([100.0, 0.0]), np.array([100.0, 0.0]), 0j
     b = 1e-3
     TOUCHDOWN_BEARING.tangent(
-        part, TABLES, Kinematics(none, none, 0.0, 0.0), Weights(1.0, 1.0, b), free, internal_state
+        part,
+        TABLES,
+        Kinematics(none, none, 0.0, 0.0, 0.0),
+        Weights(1.0, 1.0, b),
+        free,
+        internal_state,
     )
     expected = (100.0 - b * 0.05 / 1e-4) / (1 + b * 1e-4 / 1e-4)
     assert internal_state[0] == pytest.approx(expected, rel=1e-12)
@@ -139,7 +146,7 @@ def test_without_friction_and_damping_the_force_is_that_of_the_energy(name):
             ahead, behind = (
                 CLEARANCE_CONTACT.energy(part, TABLES, d + s * z, none)[0] for s in (1, -1)
             )
-            f = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, 0j, 0.0, 0.0), none)
+            f = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(d, 0j, 0.0, 0.0, 0.0), none)
             assert -(f.conjugate() * z).real == pytest.approx(
                 (ahead - behind) / 2, rel=1e-4, abs=1e-9
             )
@@ -160,7 +167,9 @@ def test_wear_is_deepest_in_its_direction_and_narrow_with_its_power():
 def test_the_force_is_that_of_the_exponent_of_its_contact(exponent):
     """Hertz: 3/2; Palmgren for the line contact of a cylinder: 10/9."""
     part = record(ClearanceContact, exponent=exponent, k=1e9)
-    f = CLEARANCE_CONTACT.force(part, TABLES, Kinematics(2.1e-4 + 0j, 0j, 0.0, 0.0), np.zeros(0))
+    f = CLEARANCE_CONTACT.force(
+        part, TABLES, Kinematics(2.1e-4 + 0j, 0j, 0.0, 0.0, 0.0), np.zeros(0)
+    )
     assert f.real == pytest.approx(-1e9 * 1e-5**exponent, rel=1e-9)
 
 
@@ -169,7 +178,7 @@ def test_stribecks_friction_falls_from_rest_to_sliding():
 
     def ratio(spin):
         f = CLEARANCE_CONTACT.force(
-            part, TABLES, Kinematics(2.1e-4 + 0j, 0j, spin, spin), np.zeros(0)
+            part, TABLES, Kinematics(2.1e-4 + 0j, 0j, spin, spin, 0.0), np.zeros(0)
         )
         return f.imag / f.real
 

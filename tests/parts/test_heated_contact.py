@@ -1,4 +1,4 @@
-"""Bows of the shaft by the heat of a rub: growth, spiral, ledger, what they have to be equal to."""
+"""Bows of the shaft by the heat of a rub: ledger, shape, what they have to be equal to."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.kernels.band import to_dense
 from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.linear import modes
 from rotor_fmu.model.machine.toml import parse_rotor
@@ -22,173 +21,7 @@ from rotor_fmu.model.structure.bow import bow_shape
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
 
-_MASS, _DAMPING, _RATIO = 40.0, 0.02, 0.5
-_MU, _SOFT, _RADIUS = 0.1, 1.0, 0.05
-_SLOW = 4e-3  # rate of growth and spiral [1/s]: against some 100 rad/s
-_JEFFCOTT = f"""
-gravity = 0.0
-[material]
-young = 2.1e11
-density = 1e-3
-[shaft]
-nodes = [0.0, 0.2, 0.5, 0.75, 1.0]
-diameters = [0.03, 0.03, 0.03, 0.03]
-[[support]]
-node = 1
-stiffness = 1e9
-damping = 0.0
-[[support]]
-node = 5
-stiffness = 1e9
-damping = 0.0
-[[point_mass]]
-node = 3
-mass = {_MASS}
-[[unbalance]]
-node = 3
-amount = {_MASS * 1e-6}
-"""
-_DAMPER = """
-[[linear_bearing]]
-node = 3
-kxx = 0.0
-kyy = 0.0
-cxx = {c}
-cyy = {c}
-"""
-_BRUSH = f"""
-[[heated_contact]]
-node = 3
-journal_radius = {_RADIUS}
-clearance = 1e-10
-mu = {_MU}
-k = {_SOFT}
-c = 0.0
-bow_per_heat = {{p}}
-bow_decay = {{q}}
-"""
-
-
-def _natural(text):
-    """The lowest natural frequency of a machine [rad/s]."""
-    return float(modes(parse_rotor(text), 0.0, count=1).eigenvalues[0].imag)
-
-
-def _jeffcott(s, q, ratio=_RATIO):
-    """A Jeffcott rotor and the speed s times its natural frequency, with a brush so soft that it
-    does nothing but heat: by its deflection r times mu k R Omega."""
-    natural = abs(_natural(_JEFFCOTT))
-    speed = s * natural
-    heat = _MU * _SOFT * _RADIUS * speed
-    damper = _DAMPER.format(c=2.0 * _DAMPING * _MASS * natural)
-    return _JEFFCOTT + damper + _BRUSH.format(p=ratio * q / heat, q=q), speed
-
-
-def _bow(sim):
-    return cmath.rect(sim.read("heated_contact[1].bow"), sim.read("heated_contact[1].bow_angle"))
-
-
-def _rate(text, speed, lasting, **settings):
-    """The rate of growth and spiral of a bow [1/s], c exp(rate t) + rest, at three even times."""
-    sim = Simulation(parse_rotor(text), choose(**settings), speed=speed, warn=lambda _: None)
-    bows = []
-    for i in range(3):
-        sim.advance((i + 1) * lasting, speed)
-        bows.append(_bow(sim))
-    return cmath.log((bows[2] - bows[1]) / (bows[1] - bows[0])) / lasting
-
-
-# Reference B5: growth and spiral over q, of p/q = 0.5 and a damping of 0.02
-SPIRALS = {
-    0.8: complex(0.3780, -0.1225),
-    0.95: complex(3.4520, -1.7351),
-    1.05: complex(-5.1768, -1.7115),
-    1.2: complex(-2.1230, -0.1225),
-}
-
-
-@pytest.mark.parametrize(("s", "expected"), SPIRALS.items())
-def test_a_bow_grows_and_turns_as_kellenbergers_closed_form(s, expected):
-    """A = 1 / (1 - s^2 + 2 i z s), rate = q (A / 2 - 1), for a bow that is slow."""
-    q = _SLOW / abs(expected)
-    text, speed = _jeffcott(s, q)
-    rate = _rate(text, speed, 0.5 / _SLOW) / q
-    assert rate.real == pytest.approx(expected.real, rel=1e-2)
-    assert rate.imag == pytest.approx(expected.imag, rel=1e-2)
-
-
-_DAMPED = "cxx = 2e3\ncyy = 2e3\n"
-_SEAT = f"[[linear_bearing]]\nnode = {{}}\nkxx = 3e6\nkyy = 3e6\n{_DAMPED}"
-_FLEXIBLE = f"""
-gravity = 0.0
-[material]
-young = 2.1e11
-density = 7850.0
-[shaft]
-nodes = [0.0, 0.1, 0.3, 0.45, 0.6]
-diameters = [0.03, 0.04, 0.03, 0.025]
-eta_v = 1e-5
-rotating_damping = true
-[[disc]]
-node = 3
-diameter = 0.25
-width = 0.03
-e = 1e-7
-{_SEAT.format(1)}
-{_SEAT.format(5)}
-[[heated_contact]]
-node = 4
-journal_radius = 0.05
-clearance = 1e-11
-mu = 0.2
-k = 1e4
-c = 0.0
-bow_per_heat = 2e-6
-bow_decay = 0.1
-"""
-
-
-def _eigenvalue(text, speed):
-    """The slow root [1/s] of shaft and bow together, seen from the shaft, by dense matrices."""
-    s = assemble(parse_rotor(text))
-    n = len(s.M)
-    M, C, K, G, K_shaft = (
-        to_dense(band).astype(complex) for band in (s.M, s.C, s.K, s.G, s.K_shaft)
-    )
-    K += -1j * 1e-5 * speed * K_shaft
-    for end in (0, n - 2):
-        K[end, end] += 3e6
-        C[end, end] += 2e3
-    ring = 6
-    K[ring, ring] += 1e4 * (1.0 + 0.2j)
-    D = C - 1j * speed * G
-    A = np.zeros((2 * n + 1, 2 * n + 1), complex)
-    A[:n, n : 2 * n] = np.eye(n)
-    A[n : 2 * n, :n] = -np.linalg.solve(M, K + 1j * speed * D - speed**2 * M)
-    A[n : 2 * n, n : 2 * n] = -np.linalg.solve(M, D + 2j * speed * M)
-    A[n : 2 * n, -1] = np.linalg.solve(M, s.bow_forces[0])
-    A[-1, ring], A[-1, -1] = 2e-6 * 0.2 * 1e4 * 0.05 * speed, -0.1
-    roots = np.linalg.eigvals(A)
-    return roots[np.argmin(abs(roots))]
-
-
-@pytest.mark.parametrize("share", [0.9, 1.1])
-def test_a_flexible_shaft_grows_it_as_the_eigenvalues_of_shaft_and_bow_say(share):
-    """Masses, gyroscopics, bearings, damping that turns and the ring's own friction included."""
-    speed = share * abs(_natural(_FLEXIBLE))
-    expected = _eigenvalue(_FLEXIBLE, speed)
-    assert (expected.real > 0.0) == (share < 1.0)
-    rate = _rate(_FLEXIBLE, speed, 0.7 / abs(expected), tolerance=1e-4)
-    assert rate == pytest.approx(expected, rel=1e-3)
-
-
-def test_a_step_in_stages_grows_it_alike():
-    expected = SPIRALS[0.95]
-    q = _SLOW / abs(expected)
-    text, speed = _jeffcott(0.95, q)
-    rate = _rate(text, speed, 0.5 / _SLOW, method="radau5") / q
-    assert rate == pytest.approx(expected, rel=1e-2)
-
+from .heated import SPEED, bow, run
 
 # A disc on a flexible shaft that rubs in a hard ring beside it, under gravity.
 _RUBBING = """
@@ -229,21 +62,12 @@ _HEATED = f"[[heated_contact]]{_RING}bow_per_heat = {{p}}\nbow_decay = {{q}}\n"
 _SECOND = "[[heated_contact]]" + _RING.replace("node = 4", "node = 2") + "bow_per_heat = 2e-7\n"
 _HOT = _RUBBING + _HEATED.format(p=1e-6, q=2.0)
 _TWICE = _HOT + _SECOND + "bow_decay = 1.0\n"
-_SPEED = 120.0
-
-
-def _run(text, duration, speed=_SPEED, settings=None, **options):
-    sim = Simulation(
-        parse_rotor(text), settings or choose(), speed=speed, warn=lambda _: None, **options
-    )
-    sim.advance(duration, options.get("drive_torque", speed))
-    return sim
 
 
 @pytest.mark.parametrize("more", ["", "k_t = 1e6\n"])
 def test_without_heat_it_is_a_contact_bit_for_bit(more):
-    heated = _run(_RUBBING + _HEATED.format(p=0.0, q=0.5) + more, 0.5)
-    plain = _run(f"{_RUBBING}[[contact]]{_RING}{more}", 0.5)
+    heated = run(_RUBBING + _HEATED.format(p=0.0, q=0.5) + more, 0.5)
+    plain = run(f"{_RUBBING}[[contact]]{_RING}{more}", 0.5)
     assert plain.read("energy.friction_loss") > 0.1
     assert (heated.motion.q == plain.motion.q).all()
     assert (heated.motion.v == plain.motion.v).all()
@@ -257,32 +81,18 @@ def test_the_heat_is_what_friction_loses_and_bows_towards_the_point_of_contact()
     """A journal pressed down in a ring turns a hot spot past it: one side after another; stuck to
     the rotor, by a whirl at its speed, the same side is heated. The bow is p times the heat."""
     p = 1e-9
-    sim = _run(_RUBBING + _HEATED.format(p=p, q=0.0), 0.3)
+    sim = run(_RUBBING + _HEATED.format(p=p, q=0.0), 0.3)
     assert sim.read("energy.friction_loss") > 1.0
-    before, lost = _bow(sim), sim.read("energy.friction_loss")
+    before, lost = bow(sim), sim.read("energy.friction_loss")
     # a thousandth of a turn, in which the contact moves on the rotor by no more than that
-    duration = 1e-3 * 2.0 * math.pi / _SPEED
+    duration = 1e-3 * 2.0 * math.pi / SPEED
     assert sim.read("heated_contact[1].contact") == 1.0
     seen = sim.read("heated_contact[1].psi") - sim.read("phi")
-    sim.advance(0.3 + duration, _SPEED)
+    sim.advance(0.3 + duration, SPEED)
     heat = sim.read("energy.friction_loss") - lost
     assert heat > 0.0
-    assert _bow(sim) - before == pytest.approx(cmath.rect(p * heat, seen), rel=0.02)
+    assert bow(sim) - before == pytest.approx(cmath.rect(p * heat, seen), rel=0.02)
     assert sim.read("heated_contact[1].heat") * duration == pytest.approx(heat, rel=0.1)
-
-
-def test_a_bow_that_is_no_longer_heated_decays_over_hours():
-    """A clearance out of reach, a decay over 10^6 revolutions: exp(-q t), not a digit of it lost in
-    all the steps."""
-    q, hours = 1e-4, 2.0
-    text, _ = _jeffcott(0.8, q)
-    sim = _run(text.replace("clearance = 1e-10", "clearance = 1.0"), 0.0, 10.0)
-    sim.motion.internal_state[1:3] = 1e-5, -2e-5
-    sim.advance(1.0, 10.0)
-    sim.advance(hours * 3600.0, 10.0)
-    expected = complex(1e-5, -2e-5) * math.exp(-q * hours * 3600.0)
-    assert sim.read("solver.steps") > 1e5
-    assert _bow(sim) == pytest.approx(expected, rel=1e-8)
 
 
 def test_a_shaft_that_turns_slowly_lies_in_its_bow():
@@ -291,7 +101,7 @@ def test_a_shaft_that_turns_slowly_lies_in_its_bow():
     sensors = "".join(f"[[sensor]]\nnode = {n}\n" for n in range(1, 6))
     text = _RUBBING.replace("e = 5e-5", "e = 0.0").replace("diameter = 0.25", "diameter = 0.05")
     text = "gravity = 0.0\n" + text + _HEATED.format(p=0.0, q=0.0) + sensors
-    sim = _run(text, 0.0, 0.5, choose(method="radau5"))
+    sim = run(text, 0.0, 0.5, choose(method="radau5"))
     sim.motion.internal_state[1:3] = 3e-5, 4e-5
     sim.advance(30.0, 0.5)
     seen = [complex(*(sim.read(f"sensor[{n}].{a}") for a in "xy")) for n in range(1, 6)]
@@ -322,7 +132,7 @@ def test_the_pull_towards_a_bow_is_a_pair_of_moments():
 @pytest.mark.parametrize("drive", [{}, {"drive_torque": 3.0}], ids=["speed", "torque"])
 def test_the_ledger_closes(text, settings, drive):
     """Within a hundredth of the bow's own entry, which is itself more than 1e-5 of all losses."""
-    sim = _run(text, 1.0, settings=choose(**settings), **drive)
+    sim = run(text, 1.0, settings=choose(**settings), **drive)
     lost = sum(sim.read(n) for n in sim.names if n.endswith("_loss"))
     worked = abs(sim.read("energy.bow_loss"))
     assert worked > 1e-5 * lost
@@ -333,10 +143,10 @@ def test_the_ledger_closes(text, settings, drive):
 def test_what_the_ledger_lacks_falls_with_the_step(drive):
     """Of two bows that cool down without any rub."""
     text = _TWICE.replace("clearance = 1e-4", "clearance = 1.0")
-    given = drive.get("drive_torque", _SPEED)
+    given = drive.get("drive_torque", SPEED)
 
     def lacks(h):
-        sim = Simulation(parse_rotor(text), choose("robust", h=h), speed=_SPEED, **drive)
+        sim = Simulation(parse_rotor(text), choose("robust", h=h), speed=SPEED, **drive)
         sim.motion.internal_state[:] = 0.0, 1e-4, 0.0, 0.0, 3e-5, 5e-5
         sim.advance(0.5, given)  # what the jump to these bows has set in motion is gone
         first = sim.observed.copy()
@@ -351,25 +161,25 @@ def test_what_the_ledger_lacks_falls_with_the_step(drive):
 
 
 def test_a_snapshot_has_the_bow():
-    sim = _run(_HOT, 0.5)
+    sim = run(_HOT, 0.5)
     state = sim.snapshot()
     ends = []
     for _ in range(2):
-        sim.advance(0.7, _SPEED)
+        sim.advance(0.7, SPEED)
         ends.append(sim.observed.copy())
         sim.restore(state)
     assert (ends[0] == ends[1]).all()
-    other = Simulation(parse_rotor(_HOT), choose(), speed=_SPEED, warn=lambda _: None)
+    other = Simulation(parse_rotor(_HOT), choose(), speed=SPEED, warn=lambda _: None)
     other.restore(state.tobytes())
-    other.advance(0.7, _SPEED)
+    other.advance(0.7, SPEED)
     assert (other.observed == ends[0]).all()
-    assert _bow(other) != 0.0
+    assert bow(other) != 0.0
 
 
 def test_all_component_modes_bow_as_the_shaft_does():
-    whole, reduced = (_run(_HOT, 0.2, settings=choose("robust", reduction=n)) for n in (0, 50))
+    whole, reduced = (run(_HOT, 0.2, settings=choose("robust", reduction=n)) for n in (0, 50))
     assert len(reduced.structure.M) == len(whole.structure.M)
-    assert _bow(reduced) == pytest.approx(_bow(whole), rel=1e-6)
+    assert bow(reduced) == pytest.approx(bow(whole), rel=1e-6)
     assert reduced.read("disc[1].x") == pytest.approx(whole.read("disc[1].x"), rel=1e-6)
 
 
@@ -454,11 +264,11 @@ def test_sensitivities_see_the_bow():
     sim = Simulation(
         parse_rotor(_HOT.replace("clearance = 1e-4", "clearance = 1.0")),
         *(choose("robust"),),
-        speed=_SPEED,
+        speed=SPEED,
         coupling=options,
     )
     sim.motion.internal_state[1:3] = 1e-3, 2e-4
-    sim.advance(0.01, _SPEED)
+    sim.advance(0.01, SPEED)
     start, at = sim.snapshot(), sim.names.index("disc[1].x")
 
     def end(speed):
@@ -466,6 +276,6 @@ def test_sensitivities_see_the_bow():
         sim.advance(0.012, speed)
         return sim.observed[at]
 
-    expected = (end(_SPEED + 0.01) - end(_SPEED - 0.01)) / 0.02
-    end(_SPEED)
+    expected = (end(SPEED + 0.01) - end(SPEED - 0.01)) / 0.02
+    end(SPEED)
     assert sim.sensitivities(0)[at] == pytest.approx(expected, rel=1e-4)

@@ -92,11 +92,11 @@ def test_the_tangent_is_the_derivative_of_the_force():
     records, tables = laws_of(parse_rotor(FLEXIBLE + TABLE))
     d, v, none = 3e-5 - 1e-5j, 0.01 + 0.02j, np.zeros(0)
     f, p, q = LINEAR_BEARING.tangent(
-        records[0], tables, Kinematics(d, v, 130.0, 0.0), Weights(2.0, 7.0, 0.0), none, none
+        records[0], tables, Kinematics(d, v, 130.0, 0.0, 0.0), Weights(2.0, 7.0, 0.0), none, none
     )
     for z in (1e-6 + 0j, 1e-6j):
         moved = LINEAR_BEARING.force(
-            records[0], tables, Kinematics(d + 2 * z, v + 7 * z, 130.0, 0.0), none
+            records[0], tables, Kinematics(d + 2 * z, v + 7 * z, 130.0, 0.0, 0.0), none
         )
         assert moved - f == pytest.approx(p * z + q * z.conjugate(), rel=1e-9)
 

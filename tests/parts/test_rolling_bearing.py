@@ -141,7 +141,7 @@ def test_the_tangent_is_the_derivative_of_the_force():
     for _ in range(300):
         d, v, speed, states = _drawn(rng)
         for weights, size in ((Weights(1.0, 0.0, 0.0), 1e-11), (Weights(0.0, 1.0, 0.0), 1e-8)):
-            here = Kinematics(d, v, speed, speed)
+            here = Kinematics(d, v, speed, speed, 0.0)
             at, p, q = tangent(record, _NONE, here, weights, states, np.zeros(2))
             assert at == pytest.approx(force(record, _NONE, here, states), rel=1e-12)
             for z in (1.0, 1.0j):
@@ -151,7 +151,7 @@ def test_the_tangent_is_the_derivative_of_the_force():
                         Kinematics(
                             d + sign * size * z * weights.displacement,
                             v + sign * size * z * weights.velocity,
-                            *(speed, speed),
+                            *(speed, speed, 0.0),
                         ),
                         states,
                     )
@@ -169,7 +169,7 @@ def test_what_enters_is_stored_or_dissipated():
     loaded = 0
     for _ in range(300):
         d, v, speed, states = _drawn(rng)
-        here, lost = Kinematics(d, v, speed, speed), np.zeros(1)
+        here, lost = Kinematics(d, v, speed, speed, 0.0), np.zeros(1)
         torque = interpreted(law.dissipate)(record, _NONE, here, states, lost)
         f = interpreted(law.force)(record, _NONE, here, states)
         entering = torque * speed - (f * v.conjugate()).real
@@ -217,7 +217,7 @@ def test_a_preload_makes_it_as_stiff_as_the_closed_form():
     rotor = _rotor(f"{_BALLS}\nclearance = -5e-6")
     stiffness = 8 / 2 * 1.5 * 8e9 * math.sqrt(5e-6)
     record = _record(rotor.of_kind(RollingBearing)[0])
-    here = Kinematics(0j, 0j, 0.0, 0.0)
+    here = Kinematics(0j, 0j, 0.0, 0.0, 0.0)
     tangent = interpreted(ROLLING_BEARING.tangent)
     _, p, q = tangent(record, _NONE, here, Weights(1.0, 0.0, 0.0), np.zeros(2), np.zeros(2))
     assert -p.real == pytest.approx(stiffness, rel=1e-12)

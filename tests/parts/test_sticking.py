@@ -219,7 +219,7 @@ def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_hol
         free[-1] = rng.normal() * 1e-6
 
         def force(d, v, free=free):
-            motion, weights = Kinematics(d, v, spin, spin), Weights(by_d, by_v, b)
+            motion, weights = Kinematics(d, v, spin, spin, 0.0), Weights(by_d, by_v, b)
             (result, p, q), internal_state, rate = force_and_tangent(
                 law, part, motion, weights, free
             )
@@ -230,7 +230,7 @@ def test_the_tangent_is_the_derivative_of_the_force_and_the_springs_equation_hol
 
         _, p, q, internal_state = force(d, v)
         out = np.zeros(len(law.outputs))
-        law.observe(part, TABLES, Kinematics(d, v, spin, spin), internal_state, out)
+        law.observe(part, TABLES, Kinematics(d, v, spin, spin, 0.0), internal_state, out)
         normal, rubbing = out[1], out[2]
         assert abs(rubbing) <= (part.mu + part.mu_rise) * normal * (1 + 1e-12)
         stuck += abs(rubbing) < 0.999 * part.mu * normal
@@ -249,7 +249,7 @@ def test_friction_never_gives_energy():
     out = np.zeros(2)
     for d, v in states(rng, 100):
         internal_state = np.array([rng.normal() * 2e-4])
-        law.dissipate(part, TABLES, Kinematics(d, v, 3.0, 3.0), internal_state, out)
+        law.dissipate(part, TABLES, Kinematics(d, v, 3.0, 3.0, 0.0), internal_state, out)
         assert out[1] >= 0
 
 
@@ -262,7 +262,12 @@ def test_the_elongation_is_gone_once_the_journal_is_in_the_air():
         1e-4,
     )
     law.tangent(
-        part, TABLES, Kinematics(1e-5j, 0j, 0.0, 0.0), Weights(1.0, 1.0, b), free, internal_state
+        part,
+        TABLES,
+        Kinematics(1e-5j, 0j, 0.0, 0.0, 0.0),
+        Weights(1.0, 1.0, b),
+        free,
+        internal_state,
     )
     assert internal_state[0] == pytest.approx(1e-6 / (1 + b * 1e7 / 100.0))
 

@@ -1,0 +1,92 @@
+"""Which FMU is built of a machine: in Python, of libraries or of C source."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...errors import InputError
+from ...library.platforms import PLATFORMS
+from .python_fmu import SYSTEMS
+
+
+@dataclass(frozen=True)
+class FmuKind:
+    """An FMU as it was asked for.
+
+    Attributes
+    ----------
+    is_native, is_source : bool
+        Whether it carries libraries, or C source, and needs no Python.
+    fmi : int
+        Version of FMI, 2 or 3.
+    """
+
+    is_native: bool = False
+    is_source: bool = False
+    fmi: int = 2
+
+    @property
+    def platforms(self) -> tuple[str, ...]:
+        """Platforms whose libraries it may carry."""
+        return tuple(PLATFORMS) if self.is_native else SYSTEMS
+
+    def check(
+        self, fmi: str, step: str | None, has_platforms: bool, options: Sequence[str]
+    ) -> None:
+        """Raise where the choices do not go together.
+
+        Parameters
+        ----------
+        fmi : str
+            The choice of the version, in the words of who asked, such as `fmi = 3`.
+        step : str or None
+            The choice of a step for real time, likewise, if there is one.
+        has_platforms : bool
+            Whether platforms were chosen.
+        options : sequence of str
+            What the choices of native, source and platforms are called.
+
+        Raises
+        ------
+        InputError
+            If they do not.
+        """
+        native, source, platforms = options
+        needs_no_python = self.is_native or self.is_source
+        if self.fmi not in (2, 3):
+            raise InputError(f"{fmi}: must be 2 or 3")
+        for choice in (fmi if self.fmi == 3 else None, step):
+            if choice is not None and not needs_no_python:
+                raise InputError(f"{choice}: only with {native} or {source}")
+        if self.is_source and (self.is_native or has_platforms):
+            raise InputError(
+                f"{source}: an FMU without libraries; leave out {native} and {platforms}"
+            )
+
+    def build(
+        self,
+        folder: Path,
+        toml: str | None,
+        is_free: bool,
+        reduction: int,
+        platforms: Sequence[str] | None,
+        step: float | None,
+    ) -> Path:
+        """Build it of a machine file's text (None: the paper's rig), and return its path.
+
+        Parameters are those of `rotor_fmu.build_fmu`, whose errors are raised.
+        """
+        if self.is_source:
+            from .source_fmu import build_source
+
+            return build_source(folder, toml, is_free, self.fmi, reduction, step)
+        if self.is_native:
+            from .native_fmu import build_native
+
+            chosen = platforms or self.platforms
+            return build_native(folder, toml, is_free, self.fmi, chosen, reduction, step)
+        from .python_fmu import build
+
+        return build(folder, toml, is_free, reduction, platforms or None)
