@@ -52,7 +52,7 @@ def main() -> None:
     for name, machine, low, high, counts in (
         ("Jeffcott rub", rf.load(JEFFCOTT), 60.0, 240.0, [60]),
         ("rig", rf.load(), 100.0, 180.0, [int(a) for a in sys.argv[1:]] or [20, 40, 60]),
-        ("rig", rf.load(), 260.0, 400.0, [60]),
+        ("rig", rf.load(), 100.0, 400.0, [60]),
     ):
         for harmonics in counts:
             spent, points, most = traced(machine, low, high, harmonics)

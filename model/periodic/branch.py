@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from . import arclength
+from .accuracy import Accuracy, refined, thinned
 from .arclength import Lost, Point, Steps
 from .balance import Orbit, Problem
 from .floquet import multipliers
@@ -32,17 +33,6 @@ CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
-
-
-@dataclass(frozen=True)
-class Accuracy:
-    """How many harmonics: `least` to `most`, so that the highest are below `share` of the motion;
-    whether multipliers are computed."""
-
-    share: float = 1e-5
-    least: int = 3
-    most: int = 60
-    has_stability: bool = True
 
 
 class Solution(NamedTuple):
@@ -108,47 +98,6 @@ def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
     return values
 
 
-def refined(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
-    """With as many harmonics as the point needs; raises `Lost`."""
-    while True:
-        share = problem.last_share(point.x)
-        H = problem.H
-        if share > accuracy.share and accuracy.most > H:
-            H = min(accuracy.most, math.ceil(1.4 * H) + problem.turns)
-        else:
-            return problem, point
-        other = problem.like(H, at=point.value)
-        plane = np.append(problem.moved(point.tangent, other), point.by_value)
-        before = plane / np.linalg.norm(plane)
-        result = arclength.correct(
-            other, problem.moved(point.x, other), point.value, before, other.parameter.scale, before
-        )
-        problem, point = other, result._replace(corrections=point.corrections)
-
-
-def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
-    """With fewer harmonics where the highest are far below what is asked for."""
-    H = max(accuracy.least * problem.turns, math.ceil(0.6 * problem.H))
-    if H < problem.H and problem.last_share(point.x) < 1e-3 * accuracy.share:
-        other = problem.like(H, at=point.value)
-        if other.last_share(problem.moved(point.x, other)) < 0.1 * accuracy.share:
-            plane = np.append(problem.moved(point.tangent, other), point.by_value)
-            before = plane / np.linalg.norm(plane)
-            try:
-                result = arclength.correct(
-                    other,
-                    problem.moved(point.x, other),
-                    point.value,
-                    before,
-                    other.parameter.scale,
-                    before,
-                )
-            except Lost:
-                return problem, point
-            return other, result._replace(corrections=point.corrections)
-    return problem, point
-
-
 class Place(NamedTuple):
     """Where on a branch a tracer is, with all that it takes to go on from there: the value about
     which the equations are scaled, harmonics, the point, and the length of the next step."""
@@ -211,7 +160,10 @@ class Tracer:
             problem_here = problem
             now = solution(problem_here, result, accuracy)
             passed = self._between(problem_here, before, result, last, now)
-            problem, point = thinned(*refined(problem_here, result, accuracy), accuracy)
+            is_end = result.value in (self.low, self.high)
+            problem, point = refined(problem_here, result, accuracy, is_end)
+            if not is_end:
+                problem, point = thinned(problem, point, accuracy)
             if problem.is_autonomous:
                 problem.fix_phase(point.x)
             if problem is not problem_here:

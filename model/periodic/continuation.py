@@ -10,9 +10,10 @@ import numpy as np
 
 from ..spelling import Message
 from . import arclength
+from .accuracy import Accuracy
 from .arclength import Lost, Point
 from .balance import Orbit, Problem
-from .branch import CLOSED, Accuracy, Branch, Passed, Solution, Tracer, with_motion
+from .branch import CLOSED, Branch, Passed, Solution, Tracer, with_motion
 from .fourier import basis, repeated, resized, shifted
 from .journal import Ended, Journal, Start
 from .task import Machines, Response

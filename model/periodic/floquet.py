@@ -218,21 +218,23 @@ def _collocation(roots: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
 
 def passed(modes: Modes, mean: np.ndarray, part: Part) -> np.ndarray:
     """The modes' amplitudes at the end of a part of a path by those at its begin; mean: the
-    tangents that are in the modes."""
+    tangents that are in the modes. A pair of modes is taken by the real and the imaginary part of
+    its amplitude, since what is complex takes four times as long."""
     h, change = part.h, part.tangent - mean
     count, n = modes.W.shape[1], len(modes.roots)
-    state = np.eye(n, dtype=complex)
-    made: dict[float, tuple] = {}
+    T, inverse, other = _real_amplitudes(modes.roots)
     groups: dict[float, list[int]] = {}
     for i, length in enumerate(h):
         groups.setdefault(float(f"{length:.9e}"), []).append(i)
-    gains = np.empty((len(h), 3 * count, n), complex)
+    made: dict[float, tuple[np.ndarray, ...]] = {}
+    gains = np.empty((len(h), 3 * count, n))
     keys = np.empty(len(h))
     for length, members in groups.items():
         grown, weight = _collocation(modes.roots, length)
         forced = np.concatenate([weight[2, j][:, None] * modes.W for j in range(3)], axis=1)
-        made[length] = grown[2], forced
-        among = np.einsum("om,ijm,mq->iojq", modes.V, weight, modes.W, optimize=True)
+        # g (a + i b): -Im g b in the row of a, Im g a in that of b, whose own g is conj g
+        made[length] = grown[2].real, -grown[2].imag, (inverse @ forced).real
+        among = np.einsum("om,ijm,mq->iojq", modes.V, weight, modes.W, optimize=True).real
         for i in range(3):
             among[i, :, i] += modes.R
         at = np.array(members)
@@ -240,10 +242,25 @@ def passed(modes: Modes, mean: np.ndarray, part: Part) -> np.ndarray:
         of = change[at]
         left = np.einsum("tiao,iojq->tiajq", of, among, optimize=True)
         left = np.eye(3 * count) - left.reshape(len(at), 3 * count, 3 * count)
-        seen = np.einsum("om,im->iom", modes.V, grown)
+        seen = (np.einsum("om,im->iom", modes.V, grown) @ T).real
         right = np.einsum("tiao,iom->tiam", of, seen, optimize=True)
         gains[at] = np.linalg.solve(left, right.reshape(len(at), 3 * count, n))
+    state = np.eye(n)
     for i in range(len(h)):
-        grown, weight = made[keys[i]]
-        state = grown[:, None] * state + weight @ (gains[i] @ state)
-    return state
+        along, across, forced = made[keys[i]]
+        pushed = forced @ (gains[i] @ state)
+        state = along[:, None] * state + across[:, None] * state[other] + pushed
+    return T @ state @ inverse
+
+
+def _real_amplitudes(roots: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What makes complex amplitudes of real ones, its inverse, and the place of the other of each
+    pair; pairs of roots follow one another, that with the positive imaginary part first."""
+    n = len(roots)
+    T, inverse, other = np.eye(n, dtype=complex), np.eye(n, dtype=complex), np.arange(n)
+    for m in np.flatnonzero(roots.imag > 0):
+        pair = slice(m, m + 2)
+        T[pair, pair] = [[1, 1j], [1, -1j]]
+        inverse[pair, pair] = [[0.5, 0.5], [-0.5j, 0.5j]]
+        other[pair] = m + 1, m
+    return T, inverse, other

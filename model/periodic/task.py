@@ -13,9 +13,10 @@ from ..machine.rotor import Rotor
 from ..machine.speed_tables import tables_of
 from ..quantities import QuantityError
 from ..spelling import Message
+from .accuracy import Accuracy
 from .arclength import Steps
 from .balance import Orbit, Parameter, Problem, cached
-from .branch import Accuracy, Branch
+from .branch import Branch
 from .condensed import Condensed
 
 SPEED = "speed"

@@ -15,8 +15,9 @@ from ..fmi.interface import ports
 from ..linear.answers import rotor_of
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import BASE
+from ..model.periodic.accuracy import Accuracy
 from ..model.periodic.arclength import Steps
-from ..model.periodic.branch import Accuracy, Solution
+from ..model.periodic.branch import Solution
 from ..model.periodic.continuation import Tell
 from ..model.periodic.journal import Journal
 from ..model.periodic.response import response

@@ -17,6 +17,15 @@ def curve():
     return rf.response(rf.load(), speed=(100.0, 160.0))
 
 
+@pytest.mark.parametrize("high", [155.0, 160.0])
+def test_a_curve_ends_at_the_end_of_its_range_and_is_there_once(high):
+    """Also where the last point takes more harmonics than the one before, as at 155 rad/s."""
+    result = rf.response(rf.load(), speed=(140.0, high))
+    assert result.points[-1].value == high
+    for speed in (140.0, high):
+        assert [p.value for p in result.at(speed)] == [speed]
+
+
 def in_time(machine, speed):
     """x of the last disc over a turn at a tolerance of 1e-6, and how far the turns differ [m]."""
     run = Simulation(machine.rotor, choose(tolerance=1e-6), speed=speed, warn=lambda message: None)

@@ -1,0 +1,69 @@
+"""How many harmonics a motion has: more where the highest are not small, fewer where they are far
+below what is asked for."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import arclength
+from .arclength import Lost, Point
+from .balance import Problem
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How many harmonics: `least` to `most`, so that the highest are below `share` of the motion;
+    whether multipliers are computed."""
+
+    share: float = 1e-5
+    least: int = 3
+    most: int = 60
+    has_stability: bool = True
+
+
+def refined(
+    problem: Problem, point: Point, accuracy: Accuracy, is_held: bool = False
+) -> tuple[Problem, Point]:
+    """With as many harmonics as the point needs, along the curve, or, if it is held, at the same
+    value; raises `Lost`."""
+    while True:
+        share = problem.last_share(point.x)
+        H = problem.H
+        if share > accuracy.share and accuracy.most > H:
+            H = min(accuracy.most, math.ceil(1.4 * H) + problem.turns)
+        else:
+            return problem, point
+        other = problem.like(H, at=point.value)
+        before = np.append(problem.moved(point.tangent, other), point.by_value)
+        before /= np.linalg.norm(before)
+        plane = np.append(np.zeros(len(before) - 1), 1.0) if is_held else before
+        result = arclength.correct(
+            other, problem.moved(point.x, other), point.value, plane, other.parameter.scale, before
+        )
+        problem, point = other, result._replace(corrections=point.corrections)
+
+
+def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
+    """With fewer harmonics where the highest are far below what is asked for."""
+    H = max(accuracy.least * problem.turns, math.ceil(0.6 * problem.H))
+    if H < problem.H and problem.last_share(point.x) < 1e-3 * accuracy.share:
+        other = problem.like(H, at=point.value)
+        if other.last_share(problem.moved(point.x, other)) < 0.1 * accuracy.share:
+            plane = np.append(problem.moved(point.tangent, other), point.by_value)
+            before = plane / np.linalg.norm(plane)
+            try:
+                result = arclength.correct(
+                    other,
+                    problem.moved(point.x, other),
+                    point.value,
+                    before,
+                    other.parameter.scale,
+                    before,
+                )
+            except Lost:
+                return problem, point
+            return other, result._replace(corrections=point.corrections)
+    return problem, point
