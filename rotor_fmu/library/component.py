@@ -56,11 +56,12 @@ def empty_component() -> bytes:
     if not folder.is_dir():
         forget_old(versions, "component-*")
         with unfinished_folder(folder) as work:
-            _make(work / _FILE)
+            make(work / _FILE)
     return (folder / _FILE).read_bytes()
 
 
-def _make(target: Path) -> None:
+def make(target: Path) -> None:
+    """Write the component without a machine. Raises what `empty_component` does."""
     command = _tools()
     print(f"making the component for {COMPONENT.name}", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as name:

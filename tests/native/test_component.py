@@ -470,14 +470,14 @@ def test_what_jco_refuses_is_one_sentence(monkeypatch, tmp_path):
     monkeypatch.setattr(making, "kernels", lambda: tmp_path)
     monkeypatch.setattr(making, "link_module", lambda _, target, *rest: target.write_bytes(empty))
     with pytest.raises(CoreError, match=r"^jco cannot make a component for wasm32-wasip2: .+"):
-        making._make(tmp_path / "core.wasm")
+        making.make(tmp_path / "core.wasm")
     assert not list(tmp_path.iterdir())
 
 
 def test_it_is_made_once_for_a_version_of_the_sources(monkeypatch, tmp_path):
     made = []
     monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path))
-    monkeypatch.setattr(making, "_make", lambda target: (made.append(target), target.touch()))
+    monkeypatch.setattr(making, "make", lambda target: (made.append(target), target.touch()))
     monkeypatch.setattr(making, "with_data", lambda content, table: table)
     assert making.component(b"one") == b"one"
     assert making.component(b"other") == b"other"
