@@ -52,7 +52,7 @@ def ours() -> list[Friction]:
         outward = complex(math.cos(math.radians(angle)), math.sin(math.radians(angle)))
         at = (part.clearance + _PRESSED) * outward
         force = CLEARANCE_CONTACT.force(
-            record, np.zeros(0), Kinematics(at, 0j, _OMEGA, _OMEGA), np.zeros(0)
+            record, np.zeros(0), Kinematics(at, 0j, _OMEGA, _OMEGA, 0.0), np.zeros(0)
         )
         along = force / outward
         normal = part.k * _PRESSED

@@ -238,6 +238,22 @@ def test_the_check_scales_until_the_probes_read_their_limit_and_sees_the_clearan
     assert doubled.clearances[0].scaled == pytest.approx(gap.scaled)
 
 
+def test_a_critical_speed_just_within_the_largest_margin_is_seen():
+    """A sharp one at 1.255 times the highest speed, of which 26 % are required."""
+    rotor = parse_rotor(SHAFT + support(1, 1e7, 500.0) + support(7, 1e7, 500.0))
+    placed = [p[:3] for p in placed_unbalances(rotor, 1, 3000 * RPM)]
+    natural = unbalance_check(rotor, 2500 * RPM, 3000 * RPM, [4], unbalances=placed).criticals
+    speed = natural[0].peak.speed
+    high = speed / 1.255
+    seen = unbalance_check(rotor, 0.9 * high, high, [4], unbalances=placed).criticals
+    assert [critical.axis for critical in seen] == ["x", "y"]
+    for critical in seen:
+        assert critical.peak.speed == pytest.approx(speed, rel=1e-6)
+        assert not critical.peak.is_one_sided
+        assert critical.margin.actual == pytest.approx(0.255, rel=1e-5)
+        assert not critical.margin.is_met
+
+
 def test_alford_s_cross_coupling_is_that_of_the_formula_in_its_own_units():
     """API 617: q = HP B C / (D H N) (rho_d / rho_s) with N.m/s, mm, rev/min, C = 9.55, B = 3, q
     in kN/mm."""

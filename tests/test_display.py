@@ -76,6 +76,20 @@ def test_pictures_are_in_the_units_that_were_chosen():
     assert response[0].get_xlim()[1] > 2000
 
 
+def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it():
+    at_rest = answers.static(rig(), contacts="pinned").figure().axes[0]
+    pictures = [
+        at_rest,
+        answers.modes(rig(), 100.0).figure().axes[0],
+        answers.campbell(rig(), np.linspace(10.0, 300.0, 5)).figure().axes[0],
+    ]
+    for axes in pictures:
+        titles = axes.get_title("left"), axes.figure.get_suptitle()
+        assert any(title.startswith("zigulic2003: ") for title in titles), titles
+    named = [text.get_text() for text in at_rest.texts]
+    assert [text.partition("\n")[0] for text in named] == ["bearing[1]", "bearing[2]"]
+
+
 def test_the_unbalance_picture_says_that_amplitudes_are_0_p():
     figure = answers.unbalance_response(rig(), np.linspace(10.0, 300.0, 20)).figure()
     assert figure.axes[0].get_ylabel() == "Amplitude [µm 0-p]"

@@ -20,7 +20,9 @@ from .static import check_node
 from .unbalance import SteadyWhirl
 
 _POINTS = 301
-_BEYOND = 1.25  # of the maximum continuous speed: how far critical speeds are looked for
+# Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin
+# that may be required, 26 %, with their points of half the power.
+LOOKED_AT = 1.5
 _AROUND = np.array([-6, -4, -3, -2, -1.5, -1, -0.6, -0.3, 0, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
 _MODES = 12
@@ -136,7 +138,7 @@ def unbalance_check(
     if not (0 < low <= high < math.inf):
         raise LinearError(f"operating range = {low:g} to {high:g} rad/s: must ascend from above 0")
     response = _Response(rotor, contacts, unbalances, clearances or {})
-    speeds = _speeds(rotor, _BEYOND * high, contacts)
+    speeds = _speeds(rotor, LOOKED_AT * high, contacts)
     criticals = [
         replace(critical, margin=margin(critical.peak, low, high))
         for critical in _criticals(response, probes, speeds)

@@ -13,10 +13,11 @@ from __future__ import annotations
 import math
 
 from ..kernels.functions import modulus
-from ..kernels.jit import jit, jit_not_inlined
-from ..parts.law import Kinematics, Weights
+from ..kernels.jit import jit
+from ..kernels.lu import solve_dense
 from ..schemes.radau import A_INVERSE, STAGES, A, C
-from .laws import law_force, law_gap, law_rates, law_tangent, relative
+from .laws import law_force, law_gap, law_rates, relative
+from .stage_tangents import LEAST, kinematics_of_stage, linearize, list_unknowns
 
 SLIDING, FREE = 0, 1
 # Where Newton starts, one after another: sliding on at the same depth, or without forces. A step in
@@ -28,16 +29,6 @@ ITERATIONS = 10
 # sliding turns back.
 OLD, SLOW, CYCLING = 0.01, 0.1, 0.7
 LEAST_RELAX = 0.25
-# Of a state and of its change, the difference by which its derivatives are taken, and the least;
-# of an interface's length, that of a displacement.
-_SHARE, _LEAST = 1e-7, 1e-10
-
-
-@jit
-def _kinematics(stages, i, j):
-    """Return the `Kinematics` of an interface at a stage."""
-    speed, angle = stages.omega[i], stages.theta[i]
-    return Kinematics(stages.d[i, j], stages.v_relative[i, j], speed, speed, angle)
 
 
 @jit
@@ -95,7 +86,7 @@ def _call_laws(structure, stages):
         interface = structure.interfaces[j]
         first, count = interface.internal_state, interface.states
         for i in range(STAGES):
-            moving = _kinematics(stages, i, j)
+            moving = kinematics_of_stage(stages, i, j)
             states = stages.internal_state[i, first:]
             force = law_force(structure.laws, interface, moving, states)
             stages.law_force[i, j] = force
@@ -108,169 +99,6 @@ def _call_laws(structure, stages):
                 rates = stages.law_rate[i, first:]
                 law_rates(structure.laws, interface, moving, states, rates)
     return has_changed
-
-
-@jit_not_inlined
-def _take_tangent(structure, h, old, stages, i, j):
-    """Fill in the derivatives of force and rates at a stage by displacement, velocity, states."""
-    interface = structure.interfaces[j]
-    first, count = interface.internal_state, interface.states
-    tangent, moving = stages.tangent[i, j], _kinematics(stages, i, j)
-    states, spare = stages.internal_state[i, first:], stages.trial_state
-    for column in range(2):
-        weights = Weights(1.0 - column, 1.0 * column, 0.0)
-        _, p, q = law_tangent(structure.laws, interface, moving, weights, states, spare)
-        tangent[0, 2 * column], tangent[1, 2 * column] = (p + q).real, (p + q).imag
-        tangent[0, 2 * column + 1], tangent[1, 2 * column + 1] = (q - p).imag, (p - q).real
-    if count == 0:
-        return
-    d_step = _SHARE * interface.length
-    v_step = d_step * (1.0 / h) + _SHARE * modulus(moving.velocity)
-    for column in range(4 + count):
-        d, v = moving.displacement, moving.velocity
-        for s in range(count):
-            spare[s] = states[s]
-        if column < 4:
-            step = d_step if column < 2 else v_step
-            aside = complex(step, 0.0) if column % 2 == 0 else complex(0.0, step)
-            if column < 2:
-                d += aside
-            else:
-                v += aside
-        else:
-            s = column - 4
-            change = abs(states[s]) + h * abs(stages.law_rate[i, first + s])
-            step = _SHARE * change + _LEAST
-            spare[s] += step
-        beside = Kinematics(d, v, moving.speed, moving.sliding_speed, moving.angle)
-        rates = stages.trial_rate
-        law_rates(structure.laws, interface, beside, spare, rates)
-        for s in range(count):
-            tangent[2 + s, column] = (rates[s] - stages.law_rate[i, first + s]) / step
-        if column >= 4:
-            force = law_force(structure.laws, interface, beside, spare)
-            change_of_force = (force - stages.law_force[i, j]) * (1.0 / step)
-            tangent[0, column] = change_of_force.real
-            tangent[1, column] = change_of_force.imag
-
-
-@jit
-def _list_unknowns(structure, stages):
-    """List the forces that act and all rates; returns how many there are of both."""
-    m, size = len(structure.interfaces), len(stages.law_rate[0])
-    count = 0
-    for i in range(STAGES):
-        for j in range(m):
-            if stages.acts[i, j] == 1:
-                for axis in range(2):
-                    unknown = stages.unknowns[count]
-                    unknown[0] = 2 * (i * m + j) + axis
-                    unknown[1], unknown[2], unknown[3] = i, j, axis
-                    count += 1
-    forces = count
-    for i in range(STAGES):
-        for s in range(size):
-            stages.unknowns[count, 0] = 6 * m + i * size + s
-            count += 1
-    return forces, count
-
-
-@jit
-def _linearize(structure, h, old, stages, forces, count):
-    """Fill in and factorize the matrix of the unknowns; returns False if it is singular."""
-    m, size = len(structure.interfaces), len(stages.law_rate[0])
-    for j in range(m):
-        for i in range(STAGES):
-            if stages.acts[i, j] == 1 or structure.interfaces[j].states > 0:
-                _take_tangent(structure, h, old, stages, i, j)
-    jacobian = stages.jacobian
-    row = 0
-    for i in range(STAGES):
-        for j in range(m):
-            if stages.acts[i, j] == 1:
-                for axis in range(2):
-                    _fill_row(structure, h, stages, row, i, j, axis, forces, count)
-                    row += 1
-    for i in range(STAGES):
-        for j in range(m):
-            for s in range(structure.interfaces[j].states):
-                _fill_row(
-                    structure,
-                    h,
-                    stages,
-                    forces + i * size + structure.interfaces[j].internal_state + s,
-                    i,
-                    j,
-                    2 + s,
-                    forces,
-                    count,
-                )
-    for k in range(count):
-        jacobian[k, k] += 1.0
-    return _factorize(jacobian, stages.pivots, count)
-
-
-@jit
-def _fill_row(structure, h, stages, row, i, j, output, forces, count):
-    """Fill in minus the derivatives of a force or a rate by all unknowns."""
-    m, size = len(structure.interfaces), len(stages.law_rate[0])
-    tangent, matrix_row, at = stages.tangent[i, j, output], stages.jacobian[row], 2 * (i * m + j)
-    d_x, d_y = stages.by_d[at], stages.by_d[at + 1]
-    v_x, v_y = stages.by_v[at], stages.by_v[at + 1]
-    for k in range(forces):
-        u = stages.unknowns[k, 0]
-        matrix_row[k] = -(
-            tangent[0] * d_x[u] + tangent[1] * d_y[u] + tangent[2] * v_x[u] + tangent[3] * v_y[u]
-        )
-    for k in range(forces, count):
-        matrix_row[k] = 0.0
-    first = structure.interfaces[j].internal_state
-    for s in range(structure.interfaces[j].states):
-        for k in range(STAGES):
-            matrix_row[forces + k * size + first + s] = -tangent[4 + s] * h * A[i, k]
-
-
-@jit
-def _factorize(a, pivots, count):
-    """Overwrite the first rows and columns of a by its factors, with partial pivoting; False if
-    they are singular."""
-    for k in range(count):
-        pivot = k
-        for i in range(k + 1, count):
-            if abs(a[i, k]) > abs(a[pivot, k]):
-                pivot = i
-        pivots[k] = pivot
-        if not abs(a[pivot, k]) > 0.0:
-            return False
-        if pivot != k:
-            for j in range(count):
-                a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
-        inverse = 1.0 / a[k, k]
-        a[k, k] = inverse
-        for i in range(k + 1, count):
-            ratio = a[i, k] * inverse
-            a[i, k] = ratio
-            if ratio != 0.0:
-                for j in range(k + 1, count):
-                    a[i, j] -= ratio * a[k, j]
-    return True
-
-
-@jit
-def _solve(a, pivots, count, x):
-    """Overwrite the first entries of x by the solution, with the factors of `_factorize`."""
-    for k in range(count):
-        pivot = pivots[k]
-        if pivot != k:
-            x[k], x[pivot] = x[pivot], x[k]
-    for k in range(count):
-        for i in range(k + 1, count):
-            x[i] -= a[i, k] * x[k]
-    for k in range(count - 1, -1, -1):
-        total = x[k]
-        for j in range(k + 1, count):
-            total -= a[k, j] * x[j]
-        x[k] = total * a[k, k]
 
 
 @jit
@@ -307,7 +135,7 @@ def _improve(structure, h, accuracy, relax, old, stages, forces, count):
             for i in range(STAGES):
                 at = forces + i * size + first + s
                 solution[at] = _known(structure, old, stages, i, j, 2 + s)
-    _solve(stages.jacobian, stages.pivots, count, solution)
+    solve_dense(stages.jacobian, stages.pivots, count, solution)
     largest = 0.0
     for i in range(STAGES):
         for j in range(m):
@@ -339,7 +167,7 @@ def _improve(structure, h, accuracy, relax, old, stages, forces, count):
                 change = abs(z - stages.internal_state[i, first + s])
                 moved = abs(z) + abs(z - old.internal_state[first + s])
                 if change > 0.0:
-                    largest = max(largest, change / (accuracy * (moved + _LEAST)))
+                    largest = max(largest, change / (accuracy * (moved + LEAST)))
                 stages.internal_state[i, first + s] += relax * (
                     z - stages.internal_state[i, first + s]
                 )
@@ -362,8 +190,8 @@ def _iterate(structure, h, accuracy, old, stages):
         is_new = is_new or has_changed
         was_new = is_new
         if is_new:
-            forces, count = _list_unknowns(structure, stages)
-            if count > 0 and not _linearize(structure, h, old, stages, forces, count):
+            forces, count = list_unknowns(structure, stages)
+            if count > 0 and not linearize(structure, h, old, stages, forces, count):
                 return False, iteration + 1
         is_new = False
         correction = _improve(structure, h, accuracy, relax, old, stages, forces, count)

@@ -15,14 +15,14 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.band import add_product, factorize, solve
-from ..kernels.functions import inverse
-from ..kernels.jit import jit, jit_not_inlined
+from ..kernels.band import add_product, solve
+from ..kernels.jit import jit
 from ..parts.housing import masses
-from ..schemes.radau import A_SQUARED, END_SLOPE, LAMBDA, SHARES, STAGES, T_INVERSE, A, C, T
+from ..schemes.radau import A_SQUARED, END_SLOPE, STAGES, T_INVERSE, A, C, T
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
 from .laws import MOST_STATES, first_broken, relative
+from .stage_matrices import condense, factorize_systems
 from .stage_problem import solve_stages
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 from .step import add_internal, by_axis, is_sane
@@ -97,108 +97,6 @@ class Stages(NamedTuple):
 def spin_of_stage(stages, i):
     """Return the `Spin` of stage i."""
     return spin_of(stages.omega[i], stages.alpha[i], stages.theta[i])
-
-
-@jit
-def _factor(structure, spin, h, stages):
-    """Factorize the three systems of a step."""
-    n, width = structure.M.shape
-    kappa = circulation(structure, spin.omega)
-    for s in range(STAGES):
-        by_v = h * LAMBDA[s]
-        by_q = by_v * by_v
-        gyroscopic = -1j * (by_v * spin.omega + 0.5 * spin.alpha * by_q)
-        circulatory = -1j * kappa * by_q
-        factors = stages.factors[s]
-        for i in range(n):
-            for d in range(width):
-                factors[i, d] = (
-                    structure.M[i, d]
-                    + by_v * structure.C[i, d]
-                    + by_q * structure.K[i, d]
-                    + gyroscopic * structure.G[i, d]
-                )
-        if kappa != 0.0:
-            for i in range(n):
-                for d in range(width):
-                    factors[i, d] += circulatory * structure.K_shaft[i, d]
-        factorize(factors)
-    _factor_housings(structure, h, stages)
-    stages.key[0] = h
-    stages.key[1] = spin.omega
-    stages.key[2] = spin.alpha
-    stages.key[3] = 0.0
-
-
-@jit
-def _factor_housings(structure, h, stages):
-    """Fill in what forces on the housings do."""
-    for j in range(len(structure.housings)):
-        housing = structure.housings[j]
-        mass = masses(housing)
-        for axis in range(2):
-            damping = housing.cx if axis == 0 else housing.cy
-            stiffness = housing.kx if axis == 0 else housing.ky
-            by_force = stages.housing[axis, j]
-            for i in range(STAGES):
-                for k in range(STAGES):
-                    by_force[i, k] = 0.0
-                    stages.housing_d[axis, j, i, k] = 0.0
-                    stages.housing_v[axis, j, i, k] = 0.0
-            for s in range(STAGES):
-                by_v = h * LAMBDA[s]
-                by_q = by_v * by_v
-                response = inverse(mass[axis] + by_v * damping + by_q * stiffness)
-                for i in range(STAGES):
-                    for k in range(STAGES):
-                        share = SHARES[s, i, k] * response
-                        by_force[i, k] += share.real
-                        stages.housing_d[axis, j, i, k] += (share * by_q).real
-                        stages.housing_v[axis, j, i, k] += (share * by_v).real
-
-
-@jit_not_inlined
-def _condense(structure, h, stages):
-    """Fill in what forces at the interfaces do to their relative displacements and velocities."""
-    n, m = len(structure.weight), len(structure.interfaces)
-    by_d, by_v = stages.by_d, stages.by_v
-    for s in range(STAGES):
-        for b in range(m):
-            dof = structure.interfaces[b].dof
-            column = stages.columns[s, b]
-            for i in range(n):
-                column[i] = 0.0
-            column[dof] = 1.0
-            solve(stages.factors[s], column, dof)
-    for a in range(m):
-        for b in range(m):
-            wall = structure.interfaces[a].end
-            is_shared = structure.interfaces[b].end == wall and wall < n + len(structure.housings)
-            for i in range(STAGES):
-                for k in range(STAGES):
-                    d, v = 0.0j, 0.0j
-                    for s in range(STAGES):
-                        factor = h * LAMBDA[s]
-                        part = factor * (
-                            SHARES[s, i, k] * stages.columns[s, b, structure.interfaces[a].dof]
-                        )
-                        v += part
-                        d += factor * part
-                    row, column = 2 * (i * m + a), 2 * (k * m + b)
-                    by_d[row, column] = by_d[row + 1, column + 1] = d.real
-                    by_d[row, column + 1] = -d.imag
-                    by_d[row + 1, column] = d.imag
-                    by_v[row, column] = by_v[row + 1, column + 1] = v.real
-                    by_v[row, column + 1] = -v.imag
-                    by_v[row + 1, column] = v.imag
-                    if is_shared:
-                        for axis in range(2):
-                            on = stages.housing_d[axis, wall - n, i, k]
-                            by_d[row + axis, column + axis] += on
-                            by_v[row + axis, column + axis] += stages.housing_v[
-                                axis, wall - n, i, k
-                            ]
-    stages.key[3] = 1.0
 
 
 @jit
@@ -362,12 +260,12 @@ def try_stages(structure, spin, h, accuracy, old, new, stages):
     """
     key = stages.key
     if key[0] != h or key[1] != spin.omega or key[2] != spin.alpha:
-        _factor(structure, spin, h, stages)
+        factorize_systems(structure, spin, h, stages)
     _free_response(structure, spin, h, old, stages)
     if not _fill_free(structure, h, old, stages):
         return NOT_FINITE, 0
     if key[3] == 0.0:
-        _condense(structure, h, stages)
+        condense(structure, h, stages)
     is_converged, iterations = solve_stages(structure, h, accuracy, old, stages)
     if not is_converged:
         return NOT_CONVERGED, iterations

@@ -106,7 +106,7 @@ def stage_error(structure, control, size, frequency, h, motion, stages):
     the masses of its last acceleration less that which its start and its first two stages lead one
     to expect."""
     weights, difference = structure.weights, stages.scratch[0]
-    for i in range(len(motion.v_dot)):
+    for i in range(len(difference)):
         difference[i] = (
             EXPECTED[0] * motion.v_dot[i]
             + EXPECTED[1] * stages.v_dot[0, i]

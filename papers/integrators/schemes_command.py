@@ -40,7 +40,6 @@ FIGURE_1 = (
 # Paper B's and Abaqus' symbols: the parameter here, and the factor that makes it one.
 _SYMBOLS = {"alpha_h": ("alpha_f", 1.0), "alpha_b": ("alpha_m", 1.0), "alpha": ("alpha_f", -1.0)}
 _PARAMETERS = ("alpha_f", "alpha_m", "beta", "gamma")
-_TURN = 2 * math.pi
 _TINY = 1e-12
 _RATIOS_ALLOWED = (1e-9, 1e4)
 _LIMITS = {0.0: "never", math.inf: "always"}
@@ -138,7 +137,7 @@ class Row:
     @property
     def limit(self) -> float:
         """Largest stable dt/T [1]."""
-        return self.analysis.limit / _TURN
+        return self.analysis.limit / math.tau
 
     @property
     def rebound(self) -> float | None:
@@ -147,7 +146,7 @@ class Row:
 
     def rho(self, ratio: float) -> float:
         """Spectral radius [1] at dt/T = ratio."""
-        return spectral.spectral_radius(self.method, _TURN * ratio, self.xi)
+        return spectral.spectral_radius(self.method, math.tau * ratio, self.xi)
 
 
 def remarks(row: Row) -> list[str]:
@@ -161,7 +160,7 @@ def remarks(row: Row) -> list[str]:
         result.append("does not damp the fastest oscillations")
     w, least = row.analysis.least
     if least < min(row.method.rho_infinity, 1) - 0.01:
-        result.append(f"least spectral radius {least:.5f} at dt/T = {w / _TURN:.4g}")
+        result.append(f"least spectral radius {least:.5f} at dt/T = {w / math.tau:.4g}")
     scheme = row.method
     if isinstance(scheme, Scheme):
         if scheme.alpha_f < 0:
@@ -175,7 +174,7 @@ def remarks(row: Row) -> list[str]:
 
 def answer(row: Row, frequency: float, step: float) -> str:
     """What a method does to an oscillation of `frequency` [Hz] with steps of `step` [s]."""
-    w = _TURN * frequency * step
+    w = math.tau * frequency * step
     root = spectral.principal_root(row.method, w, row.xi)
     parts = [f"{row.name}: {_stability(row, frequency, step, root)}"]
     if math.isnan(root.real):
@@ -186,8 +185,8 @@ def answer(row: Row, frequency: float, step: float) -> str:
     else:
         verb = "adds" if added > 0 else "takes away"
         parts.append(f"It {verb} {abs(added):.5g} % of critical damping.")
-    retained = math.exp(_TURN * root.real / root.imag)
-    right = math.exp(-_TURN * row.xi / math.sqrt(1 - row.xi**2))
+    retained = math.exp(math.tau * root.real / root.imag)
+    right = math.exp(-math.tau * row.xi / math.sqrt(1 - row.xi**2))
     if abs(retained - 1) > _TINY:
         verb = "loses" if retained < 1 else "gains"
         change = f"{verb} {100 * abs(1 - retained):.4g} % of its amplitude a period"
@@ -202,7 +201,7 @@ def answer(row: Row, frequency: float, step: float) -> str:
 def _stability(row: Row, frequency: float, step: float, root: complex) -> str:
     ratio = frequency * step
     rho = row.rho(ratio)
-    if spectral.is_stable(row.method, _TURN * ratio, row.xi):
+    if spectral.is_stable(row.method, math.tau * ratio, row.xi):
         return f"stable, spectral radius {rho:.6g}."
     text = f"UNSTABLE, spectral radius {rho:.6g}"
     if row.limit > 0:
@@ -214,7 +213,7 @@ def _stability(row: Row, frequency: float, step: float, root: complex) -> str:
 
 def tables(rows: Sequence[Row]) -> list[Table]:
     """Parameters, stability and order; spectral radius; accuracy and impact."""
-    slow = f"{spectral.SLOW_W / _TURN:g}"
+    slow = f"{spectral.SLOW_W / math.tau:g}"
     three = [
         _table("Parameters", *_PARAMETERS, "stable to\ndt/T", "order"),
         _table("Spectral radius at dt/T =", *(f"{r:g}" for r in RATIOS), "infinity"),
@@ -256,17 +255,17 @@ def _cell(value: float | None) -> str:
 
 def _record(row: Row, ratio: float | None) -> dict[str, Any]:
     """A method's line of the CSV file; ratio: the user's own dt/T, or None."""
-    slow = f"at_{spectral.SLOW_W / _TURN:g}"
+    slow = f"at_{spectral.SLOW_W / math.tau:g}"
     at, least = row.analysis.least
     line: dict[str, Any] = {"scheme": row.name}
     line |= {name: getattr(row.method, name, "") for name in (*_PARAMETERS, "theta")}
     line |= {"physical_damping": row.xi, "stable_to": row.limit, "order": row.analysis.order}
     line |= {f"rho_at_{r:g}": row.rho(r) for r in RATIOS}
-    line |= {"rho_infinity": row.method.rho_infinity, "least_rho": least, "least_at": at / _TURN}
+    line |= {"rho_infinity": row.method.rho_infinity, "least_rho": least, "least_at": at / math.tau}
     line |= {f"damping_{slow}": row.analysis.damping, f"elongation_{slow}": row.analysis.elongation}
     line |= {"rebound": row.rebound, "remarks": "; ".join(remarks(row))}
     if ratio is not None:
-        case = (row.method, _TURN * ratio, row.xi)
+        case = (row.method, math.tau * ratio, row.xi)
         line |= {"dt_over_T": ratio, "is_stable": spectral.is_stable(*case), "rho": row.rho(ratio)}
         line |= {"damping": spectral.numerical_damping(*case)}
         line |= {"elongation": spectral.period_elongation(*case)}

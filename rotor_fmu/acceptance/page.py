@@ -16,6 +16,7 @@ from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
 from ..model.linear import placed_unbalances
+from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
 from ..report.page import figure_html, machine_html, page, template
 from .rub_check import RubCheck, rub_check
@@ -57,7 +58,7 @@ class Question:
 def machine_report(rotor: Rotor, asked: Question) -> Report:
     """Return the report of a machine. Raises `LinearError` for a question that cannot be."""
     low, high = asked.low, asked.high
-    top = 1.25 * high
+    top = LOOKED_AT * high
     speeds = np.linspace(0.0, top, _SPEEDS)
     listed = inventory(rotor)
     unbalances = None

@@ -123,12 +123,13 @@ def rated_speed(text: str | None, machine: Rotor) -> float:
 def usual_speeds(
     machine: Rotor, contacts: str | None, ends: tuple[float, float] | None, points: int
 ) -> np.ndarray:
-    """Return speeds [rad/s] from 0 to a quarter above the operating range, or, where there is none,
-    above the lowest critical speeds."""
+    """Return speeds [rad/s] from 0 to half above the operating range, or, where there is none, to a
+    quarter above the lowest critical speeds."""
     from ..model import linear
+    from ..model.linear.unbalance_check import LOOKED_AT
 
     if ends is not None:
-        top = 1.25 * ends[1]
+        top = LOOKED_AT * ends[1]
     else:
         damped = linear.modes(machine, count=4, contacts=contacts).damped
         top = 1.25 * float(damped[-1]) if len(damped) else 1000.0

@@ -84,8 +84,8 @@ def default_experiment(rotor: Rotor) -> Experiment:
 def summary(rotor: Rotor, is_free: bool) -> str:
     """Return a machine in a sentence: its name, its parts, what drives it."""
     counted = Counter(
-        key[0]
-        for key, part in rotor.indexed_parts()
+        part.KIND
+        for part in rotor.parts
         if not any(isinstance(e, Release) for e in part.elements("", rotor.material.density))
     )
     parts = ", ".join(_counted(kind.replace("_", " "), n) for kind, n in counted.items())

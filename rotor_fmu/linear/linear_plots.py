@@ -279,10 +279,12 @@ def static_figure(result: Static, name: str = "", shear: Sequence[float] = ()) -
             label="x",
         )
         axes.legend(frameon=False, fontsize=8)
-    for place, name, load in zip(result.support_z, result.supports, result.load_y, strict=True):
+    for place, support, load in zip(result.support_z, result.supports, result.load_y, strict=True):
+        if load == 0.0:
+            continue  # a contact that is open
         at = int(np.argmin(np.abs(result.z - place)))
         axes.annotate(
-            f"{name}\n{abs(load) * current().force:.4g} {current().force_unit}",
+            f"{support}\n{abs(load) * current().force:.4g} {current().force_unit}",
             (place * current().length, result.y[at] * current().small),
             xytext=(0, -34 if load <= 0 else 34),
             textcoords="offset points",

@@ -9,10 +9,10 @@ from xml.etree.ElementTree import fromstring
 
 import fmpy
 import pytest
-from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 
 from rotor_fmu.about import __version__
-from rotor_fmu.fmi.description import default_experiment
+from rotor_fmu.fmi.description import default_experiment, summary
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.reading import machine_text
@@ -132,6 +132,13 @@ def test_an_fmu_speaks_of_its_own_machine(tmp_path, kind):
 def test_what_drives_it_is_said(free_fmu):
     assert fmpy.read_model_description(str(free_fmu)).description == (
         "zigulic2003: a flexible rotor with 2 bearings, 3 discs, 1 coupling, driven by a torque"
+    )
+
+
+def test_parts_with_names_are_counted_by_what_they_are():
+    toml = rig_toml().replace("[[disc]]", '[[disc]]\nname = "impeller"', 1)
+    assert summary(parse_rotor(toml), False) == (
+        "zigulic2003: a flexible rotor with 2 bearings, 3 discs, 1 coupling, driven by its speed"
     )
 
 
