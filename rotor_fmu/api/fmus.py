@@ -49,7 +49,8 @@ def build_fmu(
         Version of FMI: 2, or, of an FMU that needs no Python, 3.
     platforms : sequence of str, optional
         Platforms whose libraries the FMU carries. By default all, or, of the FMU in Python, those
-        of linux64 and win64 that are there.
+        of linux64 and win64 that are there. Only by name, and of FMI 3.0: wasm32-wasip2, a
+        WebAssembly component, experimental.
     reduction : int
         Component modes to keep of the shaft; 0 keeps the whole shaft.
     step : float, optional
@@ -66,7 +67,8 @@ def build_fmu(
     Raises
     ------
     InputError
-        If an argument is not among those allowed, or a tool that makes C source is missing.
+        If an argument is not among those allowed, or a tool that makes C source or components is
+        missing.
     CoreError
         If a library is missing and cannot be made (`pip install "rotor-fmu[build]"`).
 
@@ -82,7 +84,7 @@ def build_fmu(
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"
     options = ("is_native", "is_source", "platforms")
-    kind.check(f"fmi = {fmi}", chosen_step, bool(platforms), options)
+    kind.check(f"fmi = {fmi}", chosen_step, platforms or (), options)
     for name in platforms or ():
         if name not in kind.platforms:
             raise InputError(f"platforms: {name!r}: must be one of {', '.join(kind.platforms)}")

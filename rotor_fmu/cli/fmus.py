@@ -10,7 +10,7 @@ import typer
 from ..errors import InputError, writable_folder
 from ..fmi.packing.python_fmu import SYSTEMS
 from ..library.build import library
-from ..library.platforms import LIBRARIES, PLATFORMS, WASM
+from ..library.platforms import COMPONENT, DRAFT, LIBRARIES, PLATFORMS, WASM
 from ..model.kernels.library import here
 from ..model.settings.table import BY_NAME, Number
 from ..output_options import with_output_options
@@ -31,7 +31,9 @@ Carried = Annotated[
     typer.Option(
         "--platform",
         help=f"{_ONE_OF}. Default: all with --native, otherwise those of "
-        f"{' and '.join(SYSTEMS)} whose library exists.",
+        f"{' and '.join(SYSTEMS)} whose library exists. With --native --fmi 3 also "
+        f"{COMPONENT.name}, a WebAssembly component, experimental: as the working draft of "
+        f"FMI-LS-WASM of {DRAFT.day} {DRAFT:%B %Y} has it.",
     ),
 ]
 Native = Annotated[
@@ -98,7 +100,7 @@ def build(
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if realtime is None else f"--realtime {realtime}"
     options = ("--native", "--source", "--platform")
-    kind.check(f"--fmi {fmi}", chosen_step, bool(platforms), options)
+    kind.check(f"--fmi {fmi}", chosen_step, platforms or (), options)
     step = None if realtime is None else _step(realtime)
     starts = parse_starts(machine, is_free, sets or ())
     names = _known(platforms, kind.platforms)

@@ -12,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from importlib.util import find_spec
@@ -236,10 +237,16 @@ def link(platform: Platform, parts: list[Path], target: Path) -> None:
 def link_kernels(parts: list[Path], target: Path) -> None:
     """Link the kernels alone, as object files for WebAssembly, into a module that asks its
     surroundings for nothing. Raises `CoreError`."""
-    command = [sys.executable, "-m", "ziglang", "cc", "-target", WASM.zig, *_FLAGS, *_MODULE]
     names = chain.from_iterable(_EMITTED_TOGETHER)
-    command += [f"-Wl,--export={name}_kernel" for name in names]
-    _run_all([[*command, "-o", str(target), *map(str, parts)]], "the kernels as a module")
+    exports = [f"-Wl,--export={name}_kernel" for name in names]
+    link_module(parts, target, exports, "the kernels as a module")
+
+
+def link_module(parts: list[Path], target: Path, options: Sequence[str], what: str) -> None:
+    """Link C and object files for WebAssembly into a module, which `what` names. Raises
+    `CoreError`."""
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", WASM.zig, *_FLAGS, *_MODULE]
+    _run_all([[*command, *options, "-o", str(target), *map(str, parts)]], what)
 
 
 def _has_cc() -> bool:

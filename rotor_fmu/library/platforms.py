@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import date
 
 
 @dataclass(frozen=True)
@@ -77,3 +78,11 @@ PLATFORMS = {
 WASM = Platform("wasm32", "wasm32", "wasm32-unknown-unknown", "generic", "wasm32-wasi", ".wasm")
 
 LIBRARIES = PLATFORMS | {WASM.name: WASM}
+
+# What an FMU of FMI 3.0 carries where it is asked for by name, as the working draft of a layered
+# standard has it (modelica/fmi-ls-wasm).
+COMPONENT = Platform(
+    "wasm32-wasip2", "wasm32-wasip2", WASM.triple, WASM.processor, WASM.zig, WASM.suffix
+)
+# Of that draft: its day.
+DRAFT = date(2026, 7, 8)

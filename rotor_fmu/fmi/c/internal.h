@@ -17,6 +17,7 @@ void free_block(void *memory);
 
 /* The table in the folder of an FMU's resources, to be freed; NULL with the reason in `why`. */
 Table *read_table(const char *resources, char *why, size_t room);
+void write_error(const char *name, const char *level, const char *message);
 /* What is wrong with a table in memory, or NULL. */
 const char *check_table(const void *table, size_t size);
 /* Of all but the 8 bytes at a place; size and place are multiples of 8. */

@@ -20,8 +20,7 @@ static void log_message(Instance *m, Status status, char *message)
     for (char *c = message; *c; c++)
         if (*c == '%' || *c == '\n') /* hosts read it as a printf format */
             *c = ' ';
-    fprintf(stderr, "%s: %s: %s\n", m->name, level, message);
-    fflush(stderr);
+    write_error(m->name, level, message);
     if (m->categories & (1u | 1u << category))
         m->skin->emit(m, status, CATEGORIES[category], message);
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...errors import InputError
-from ...library.platforms import PLATFORMS
+from ...library.platforms import COMPONENT, PLATFORMS
 from .python_fmu import SYSTEMS
 
 
@@ -29,11 +29,11 @@ class FmuKind:
 
     @property
     def platforms(self) -> tuple[str, ...]:
-        """Platforms whose libraries it may carry."""
-        return tuple(PLATFORMS) if self.is_native else SYSTEMS
+        """Platforms that it may carry a library or a component for."""
+        return (*PLATFORMS, COMPONENT.name) if self.is_native else SYSTEMS
 
     def check(
-        self, fmi: str, step: str | None, has_platforms: bool, options: Sequence[str]
+        self, fmi: str, step: str | None, chosen: Sequence[str], options: Sequence[str]
     ) -> None:
         """Raise where the choices do not go together.
 
@@ -43,8 +43,8 @@ class FmuKind:
             The choice of the version, in the words of who asked, such as `fmi = 3`.
         step : str or None
             The choice of a step for real time, likewise, if there is one.
-        has_platforms : bool
-            Whether platforms were chosen.
+        chosen : sequence of str
+            Platforms that were chosen.
         options : sequence of str
             What the choices of native, source and platforms are called.
 
@@ -60,10 +60,12 @@ class FmuKind:
         for choice in (fmi if self.fmi == 3 else None, step):
             if choice is not None and not needs_no_python:
                 raise InputError(f"{choice}: only with {native} or {source}")
-        if self.is_source and (self.is_native or has_platforms):
+        if self.is_source and (self.is_native or chosen):
             raise InputError(
                 f"{source}: an FMU without libraries; leave out {native} and {platforms}"
             )
+        if self.is_native and self.fmi == 2 and COMPONENT.name in chosen:
+            raise InputError(f"{platforms} {COMPONENT.name}: needs FMI 3.0, not {fmi}")
 
     def build(
         self,
@@ -87,7 +89,7 @@ class FmuKind:
         if self.is_native:
             from .native_fmu import build_native
 
-            chosen = platforms or self.platforms
+            chosen = platforms or tuple(PLATFORMS)
             return build_native(folder, toml, is_free, self.fmi, chosen, reduction, step, starts)
         from .python_fmu import build
 

@@ -18,7 +18,7 @@ from ..variables import Variable
 from .archive import DESCRIPTION, xml_bytes
 from .documents import documents
 
-ROTOR_FILE = "resources/rotor.toml"
+ROTOR_FILE, TABLE = "resources/rotor.toml", f"resources/{FILE}"
 NATIVE, SOURCE = "Native", "Source"
 _LONGEST = 48  # identifier: some file systems and hosts take no more with what follows it
 
@@ -79,6 +79,6 @@ def machine_files(machine: Machine, of: Described, fmi: int) -> dict[str, bytes]
     return {
         **documents(machine.rotor, machine.table, of.identifier, of.needs_python, fmi),
         DESCRIPTION: xml_bytes(description(of, machine.table, fmi)),
-        f"resources/{FILE}": table_bytes(fmu_interface, core, of.guid),
+        TABLE: table_bytes(fmu_interface, core, of.guid),
         ROTOR_FILE: machine.toml.encode(),
     }

@@ -6,12 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...library.build import library
-from ...library.platforms import PLATFORMS, Platform
+from ...library.platforms import COMPONENT, PLATFORMS, Platform
 from ...library.universal import universal
 from ..description import Described
 from ..solver_parameters import NO_STARTS
 from .archive import write_archive
-from .machine_files import NATIVE, machine_files, machine_of
+from .component_files import component_files
+from .machine_files import NATIVE, TABLE, machine_files, machine_of
 
 
 def build_native(
@@ -28,16 +29,20 @@ def build_native(
     `out` and return its path, which `machine_files.fmu_identifier` names.
 
     rotor_toml: TOML text of the rotor, by default the paper's rig; fmi: 2 or 3, the version of the
-    standard; platforms: of `library.platforms.PLATFORMS`; reduction: component modes kept of the
-    shaft, 0 for all of it; step: fixed step length of an FMU for real time [s]; starts: start
-    values of solver parameters by name. Raises `QuantityError` for an impossible rotor,
-    `SettingsError` for an impossible step or start value, `CoreError` where a library is missing
-    and cannot be made, and `OSError` if `out` cannot be written.
+    standard; platforms: of `library.platforms.PLATFORMS`, and of FMI 3.0 that of a WebAssembly
+    component; reduction: component modes kept of the shaft, 0 for all of it; step: fixed step
+    length of an FMU for real time [s]; starts: start values of solver parameters by name. Raises
+    `QuantityError` for an impossible rotor, `SettingsError` for an impossible step or start value,
+    `CoreError` where a library is missing and cannot be made, `InputError` where a tool that makes
+    components is missing, and `OSError` if `out` cannot be written.
     """
     machine = machine_of(rotor_toml, is_free, reduction, step, starts)
     name = machine.identifier(NATIVE)
     contents = machine_files(machine, Described(machine.rotor, name), fmi)
-    contents |= _binaries([PLATFORMS[platform] for platform in platforms], name, fmi)
+    libraries = [PLATFORMS[platform] for platform in platforms if platform in PLATFORMS]
+    contents |= _binaries(libraries, name, fmi)
+    if COMPONENT.name in platforms:
+        contents |= component_files(name, contents[TABLE])
     out.mkdir(parents=True, exist_ok=True)
     return write_archive(out / f"{name}.fmu", contents)
 

@@ -13,7 +13,7 @@ from ..description import default_experiment
 from .archive import xml_bytes
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
-_MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
+MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
 _DOCUMENT = "fmi-ls-ref.txt"
 _TEXT = f"""The result in {FOLDER} is the result of the default experiment: all
 inputs and parameters at their start values, communication steps of $step s from 0 to $stop s, every
@@ -42,16 +42,20 @@ def stored(name: str) -> Path:
     return Path(str(files(__package__).joinpath("pages", f"{name}_out.csv")))
 
 
+def manifest(root: str, name: str, version: str, description: str) -> Element:
+    """Return the root, so called, of the manifest of a layered standard, with what the standard is
+    called, its version and its description."""
+    register_namespace("fmi-ls", MANIFEST)
+    said = {"name": name, "version": version, "description": description}
+    return Element(root, {f"{{{MANIFEST}}}fmi-ls-{key}": value for key, value in said.items()})
+
+
 def _manifest(result: str) -> bytes:
-    register_namespace("fmi-ls", _MANIFEST)
-    root = Element(
+    root = manifest(
         "fmiReferences",
-        {
-            f"{{{_MANIFEST}}}fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
-            f"{{{_MANIFEST}}}fmi-ls-version": "1.0.0-alpha.1",
-            f"{{{_MANIFEST}}}fmi-ls-description": "Layered Standard providing information on "
-            "related files included in an FMU.",
-        },
+        "org.fmi-standard.fmi-ls-ref",
+        "1.0.0-alpha.1",
+        "Layered Standard providing information on related files included in an FMU.",
     )
     for kind, source, role, what in (
         ("text/csv", result, "result", "Output of the default experiment"),

@@ -1,0 +1,489 @@
+"""The FMU's WebAssembly component: its place in the archive, interfaces, numbers and calls."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from xml.etree import ElementTree
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+from lxml import etree
+from rotor_fmu.model.machine.toml import rig_toml
+
+from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.machine_table import FILE
+from rotor_fmu.fmi.packing.native_fmu import build_native
+from rotor_fmu.library import component as making
+from rotor_fmu.library.build import CoreError
+from rotor_fmu.library.platforms import COMPONENT, DRAFT, PLATFORMS
+from rotor_fmu.library.wasm_memory import with_data
+
+from .wasm import Native, rows_of
+
+wasmtime = pytest.importorskip("wasmtime", reason="wasmtime is not installed")
+from .component import CO_SIMULATION, RESOURCE, Component, rows_through  # noqa: E402
+
+NODE, JCO = shutil.which("node"), making._jco()
+NEEDED = pytest.mark.skipif(
+    not (NODE and JCO), reason="needs Node.js and jco (npm install -g @bytecodealliance/jco)"
+)
+MANIFEST = "extra/org.modelica.fmi-ls-wasm/manifest.xml"
+BINARY = "binaries/wasm32-wasip2/RotorBearingNative.wasm"
+INTERFACES = Path(making.__file__).parents[1] / "fmi" / "c_component" / "fmi3.wit"
+ROTOR_FMU = [sys.executable, "-c", "from rotor_fmu.cli import main; main()"]
+TYPES = (
+    *("float32", "float64", "int8", "int16", "int32", "int64"),
+    *("uint8", "uint16", "uint32", "uint64", "boolean", "string", "binary", "clock"),
+)
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("component")
+    return build_native(folder, fmi=3, platforms=["linux64", COMPONENT.name])
+
+
+@pytest.fixture(scope="module")
+def rig(fmu):
+    return Component(fmu)
+
+
+@pytest.fixture
+def instance(rig):
+    result = rig.instantiate()
+    rig.heard.clear()
+    yield result
+    result.drop()
+
+
+def table_of(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        return archive.read(f"resources/{FILE}")
+
+
+def run_down(rig):
+    """A plan of half a second: the rotor rubs in its bearings, and there is a load."""
+    described = [name for name in rig.references if name.startswith(("disc", "bearing", "phi"))]
+    real = re.compile(r"phi|disc\[\d\]\.[xy]|bearing\[\d\]\.(fn|psi)")
+    record = [rig.references[name] for name in described if real.fullmatch(name)]
+    load = {"reference": rig.references["disc[3].fx"], "kind": "Real", "value": 20.0}
+    preset = {"reference": rig.references["solver.preset"], "kind": "Integer", "value": 1}
+    return {
+        "values": [{"reference": 0, "kind": "Real", "value": 400.0}, load, preset],
+        "drive": rig.references["speed"],
+        "legs": [{"steps": 500, "step": 1e-3, "from": 400.0, "rate": -10.0}],
+        "record": record,
+    }
+
+
+@NEEDED
+def test_the_archive_is_laid_out_as_the_draft_wants_it(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        names = set(archive.namelist())
+        manifest, binary = archive.read(MANIFEST), archive.read(BINARY)
+    assert {name for name in names if name.startswith("binaries/")} == {
+        BINARY,
+        "binaries/x86_64-linux/RotorBearingNative.so",
+    }
+    assert binary.startswith(b"\0asm\x0d\0\x01\0")  # a component, no module
+    schema = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3LayeredStandardManifest.xsd"
+    rules = etree.XMLSchema(etree.parse(schema))
+    assert rules.validate(etree.fromstring(manifest)), rules.error_log
+    said = {key.split("}")[1]: text for key, text in ElementTree.fromstring(manifest).items()}
+    assert said["fmi-ls-name"] == "org.modelica.fmi-ls-wasm"
+    assert re.fullmatch(r"\d+\.\d+\.\d+-draft\.\d{8}", said["fmi-ls-version"])
+    assert said["fmi-ls-version"].endswith(f"{DRAFT:%Y%m%d}")
+    assert said["fmi-ls-description"] == "FMI Layered Standard for WebAssembly"
+    assert validate_fmu(str(fmu)) == []
+
+
+@NEEDED
+def test_its_exports_are_the_worlds_and_it_asks_for_the_logger_alone(fmu, rig, tmp_path):
+    text = re.sub(r"//.*", "", INTERFACES.read_text())
+    named = re.findall(r"([a-z0-9-]+): (static )?func", text)
+    for name, is_static in named:
+        if name not in ("log-message", "get-version"):
+            kind = "static" if is_static else "method"
+            assert rig.function(f"[{kind}]{RESOURCE}.{name}") is not None, name
+    assert len(named) == 59
+    assert rig.version() == "3.0"
+    with zipfile.ZipFile(fmu) as archive:
+        (tmp_path / "component.wasm").write_bytes(archive.read(BINARY))
+    command = [JCO, "wit", tmp_path / "component.wasm"]
+    world = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    assert set(re.findall(r"export (\S+);", world)) == {"fmi:fmi3/common@3.0.0", CO_SIMULATION}
+    assert set(re.findall(r"import (\S+);", world)) == {
+        "fmi:fmi3/types@3.0.0",
+        "fmi:fmi3/callbacks@3.0.0",
+    }
+
+
+@NEEDED
+def test_in_wasmtime_a_rub_has_the_native_librarys_bits(fmu, rig, instance):
+    plan = run_down(rig)
+    rows = rows_through(instance, plan)
+    native = rows_of(Native(table_of(fmu)), plan)
+    assert len(rows) == 501
+    assert (native[:, 1:].std(axis=0) > 0).all()
+    force = 1 + plan["record"].index(rig.references["bearing[1].fn"])
+    assert native[:, force].max() > 0
+    assert rows.tobytes() == native.tobytes()
+
+
+@NEEDED
+@pytest.mark.slow
+def test_in_node_it_has_them_too(fmu, rig, tmp_path):
+    plan = run_down(rig)
+    (tmp_path / "plan.json").write_text(json.dumps(plan | {"token": rig.token}))
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "logger.js").write_text("export const logMessage = () => {};")
+    with zipfile.ZipFile(fmu) as archive:
+        (tmp_path / "component.wasm").write_bytes(archive.read(BINARY))
+    command = [JCO, "transpile", "component.wasm", "-o", ".", "--map"]
+    command.append("fmi:fmi3/callbacks=./logger.js")
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    script = Path(__file__).with_name("component_run.mjs")
+    subprocess.run([NODE, script, tmp_path], check=True, capture_output=True)
+    native = rows_of(Native(table_of(fmu)), plan)
+    assert (tmp_path / "rows").read_bytes() == native.tobytes()
+
+
+@NEEDED
+@pytest.mark.slow
+def test_another_machine_needs_no_tool_and_has_its_own_numbers(tmp_path, monkeypatch):
+    """What a machine is lies in the component's memory, not in its code."""
+    monkeypatch.setattr(making, "_tools", lambda: pytest.fail("the component is made again"))
+    toml = (Path(__file__).parents[2] / "examples" / "drop" / "compressor.toml").read_text()
+    fmu = build_native(tmp_path, toml, fmi=3, platforms=[COMPONENT.name])
+    machine = Component(fmu)
+    described = fmpy.read_model_description(str(fmu)).modelVariables
+    record = [
+        v.valueReference for v in described if v.causality == "output" and v.type == "Float64"
+    ]
+    speed = described[0].start
+    plan = {
+        "values": [],
+        "drive": machine.references["speed"],
+        "legs": [{"steps": 200, "step": 1e-3, "from": float(speed), "rate": -10.0}],
+        "record": record,
+    }
+    rows = rows_through(machine.instantiate(), plan)
+    assert (rows[:, 1:].std(axis=0) > 0).any()
+    assert rows.tobytes() == rows_of(Native(table_of(fmu)), plan).tobytes()
+
+
+@NEEDED
+def test_a_stranger_and_who_wants_events_get_no_instance(rig):
+    for options, why in (
+        ({"token": "{another}"}, "instantiate: the GUID is not this FMU's"),
+        ({"has_events": True}, "instantiate: the event mode is asked for, and there is none"),
+    ):
+        rig.heard.clear()
+        assert rig.instantiate(**options) is None
+        assert rig.heard == [("rotor", "error", "logStatusError", why)]
+
+
+@NEEDED
+def test_messages_come_where_logging_is_on_and_by_category(rig):
+    said = ("rotor", "error", "logStatusError", "doStep: the initialization has not begun")
+    for is_logging, categories, heard in (
+        (False, None, []),
+        (True, None, [said]),
+        (True, ["logStatusWarning"], []),
+        (True, ["logStatusError"], [said]),
+    ):
+        instance = rig.instantiate(is_logging=is_logging)
+        if categories:
+            assert instance.call("set-debug-logging", False, []) == "ok"
+            assert instance.call("set-debug-logging", True, categories) == "ok"
+        rig.heard.clear()
+        assert instance.call("do-step", 0.0, 1e-3, True) == "error"
+        assert rig.heard == heard
+        assert instance.call("set-debug-logging", True, ["nonsense"]) == "error"
+        instance.drop()
+
+
+@NEEDED
+def test_a_state_leads_to_the_same_bits_and_a_damaged_one_is_refused(rig, instance):
+    instance.start()
+    outputs = run_down(rig)["record"]
+
+    def go_on(begin=50):
+        for i in range(begin, begin + 50):
+            instance.call("set-float64", [rig.references["speed"]], [400.0 - 10.0 * i * 1e-3])
+            assert instance.call("do-step", i * 1e-3, 1e-3, True) != "error"
+        return instance.call("get-float64", outputs)
+
+    before = go_on(0)
+    state, after = instance.call("get-fmu-state"), go_on()
+    assert after != before
+    assert instance.call("set-fmu-state", state) == "ok"
+    assert instance.call("get-float64", outputs) == before
+    assert go_on() == after
+    other = rig.instantiate()
+    assert other.call("set-fmu-state", state) == "ok"
+    assert other.call("get-float64", outputs) == before
+    other.drop()
+    damaged = bytearray(state)
+    damaged[-1] ^= 1
+    assert instance.call("set-fmu-state", bytes(damaged)) == "error"
+    assert rig.heard[-1][-1] == "the FMU state is truncated or corrupted"
+    assert instance.call("get-float64", outputs) == after
+
+
+def limited(rig, **options):
+    """An instance whose steps end after 60 iterations."""
+    result = rig.instantiate(**options)
+    limit = rig.references["solver.max_iterations"]
+    assert result.call("set-int32", [limit], [60]) == "ok"
+    assert result.call("get-int32", [limit]) == [60]
+    return result.start()
+
+
+@NEEDED
+def test_a_step_returns_early_where_that_is_allowed(rig):
+    instance = limited(rig, may_return=True)
+    t, returns = 0.0, 0
+    while t < 0.02:
+        done = instance.call("do-step", t, 0.02 - t, True)
+        assert not getattr(done, "event-handling-needed")
+        assert not getattr(done, "terminate-simulation")
+        reached, is_early = getattr(done, "last-successful-time"), getattr(done, "early-return")
+        assert reached > t
+        assert is_early == (reached < 0.02)
+        t, returns = reached, returns + is_early
+    assert returns > 1
+    (angle,) = instance.call("get-float64", [rig.references["phi"]])
+    assert angle == pytest.approx(400 * 0.02, rel=1e-9)
+    instance.drop()
+
+
+@NEEDED
+def test_where_it_is_not_allowed_the_step_is_discarded_and_nothing_has_changed(rig):
+    instance = limited(rig)
+    outputs = run_down(rig)["record"]
+    before = instance.call("get-float64", outputs)
+    assert instance.call("do-step", 0.0, 0.02, True) == "discard"
+    assert rig.heard[-1][1:3] == ("discard", "logStatusDiscard")
+    assert instance.call("get-float64", outputs) == before
+    assert instance.call("do-step", 0.0, 5e-4, True) not in ("error", "discard")
+    instance.drop()
+
+
+@NEEDED
+def test_types_without_variables_are_refused_and_nothing_asked_for_is_nothing(rig, instance):
+    instance.start()
+    values = {"float64": [400.0], "boolean": [True], "clock": [True], "string": ["a"]}
+    values |= {"binary": [b"a"], "float32": [1.0], "uint8": b"a"}
+    for name in TYPES:
+        rig.heard.clear()
+        status = instance.call(f"set-{name}", [0], values.get(name, [1]))
+        assert status == ("ok" if name == "float64" else "error"), name
+        if name != "float64":
+            assert instance.call(f"get-{name}", [0]) == "error"
+            assert all(each[-1].endswith("speed: is of type Float64") for each in rig.heard)
+            assert len(rig.heard) == 2
+        assert not instance.call(f"get-{name}", [])
+    contact = rig.references["bearing[1].contact"]
+    assert instance.call("get-boolean", [contact, contact]) in ([False, False], [True, True])
+    assert instance.call("get-float64", [99999]) == "error"
+    assert "getFloat64: value reference 99999: there is none" in rig.heard[-1][-1]
+    assert instance.call("set-float64", [0, 0], [1.0]) == "error"
+    assert rig.heard[-1][-1] == "setFloat64: 1 values for 2 variables"
+
+
+@NEEDED
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        *((f"{way}-{mode}-mode", ()) for way in ("enter", "exit") for mode in ("configuration",)),
+        *((f"enter-{mode}-mode", ()) for mode in ("event", "step")),
+        ("evaluate-discrete-states", ()),
+        ("update-discrete-states", ()),
+        ("get-number-of-variable-dependencies", (1,)),
+        ("get-variable-dependencies", (1,)),
+        ("get-adjoint-derivative", ([1], [0], [1.0])),
+        *((f"get-{of}-{as_}", ([1],)) for of in ("interval", "shift")
+          for as_ in ("decimal", "fraction")),
+        *((f"set-{of}-decimal", ([1], [1.0])) for of in ("interval", "shift")),
+        *((f"set-{of}-fraction", ([1], [])) for of in ("interval", "shift")),
+    ],
+)  # fmt: skip
+def test_what_is_not_offered_is_refused_by_its_name(rig, instance, name, arguments):
+    assert instance.call(name, *arguments) == "error"
+    called = "".join(word.capitalize() for word in name.split("-"))
+    assert rig.heard[-1][-1] == f"{called}: is not offered"
+
+
+@NEEDED
+def test_derivatives_are_those_of_differences(rig, instance):
+    sensitive = rig.references["solver.sensitivities"]
+    assert instance.call("set-boolean", [sensitive], [True]) == "ok"
+    instance.start()
+    angle, x, load = (rig.references[name] for name in ("phi", "disc[3].x", "disc[3].fx"))
+    instance.call("do-step", 0.0, 1e-3, True)
+    speed, acceleration = instance.call("get-output-derivatives", [(angle, 1), (angle, 2)])
+    assert speed == pytest.approx(400.0, rel=1e-9)
+    assert acceleration == pytest.approx(0.0, abs=1e-6 * 400.0)
+    state = instance.call("get-fmu-state")
+    (slope,) = instance.call("get-output-derivatives", [(x, 1)])
+    assert instance.call("get-output-derivatives", [(x, 3)]) == "error"
+
+    def after(force):
+        instance.call("set-fmu-state", state)
+        instance.call("set-float64", [load], [force])
+        instance.call("do-step", 1e-3, 1e-4, True)
+        return instance.call("get-float64", [x])[0]
+
+    step = 1.0
+    difference = (after(step) - after(-step)) / (2 * step)
+    after(0.0)
+    (derivative,) = instance.call("get-directional-derivative", [x], [load], [1.0])
+    assert derivative == pytest.approx(difference, rel=1e-2)
+    assert instance.call("get-directional-derivative", [x], [load], []) == "error"
+    assert np.isfinite(slope)
+
+
+@NEEDED
+def test_calls_take_no_memory_for_good(fmu):
+    """A state is 15 kB: what is not given back would fill 3 MB in 100 calls."""
+    bounded = Component(fmu, most_memory=3_000_000)
+    instance = bounded.instantiate().start()
+    for _ in range(150):
+        state = instance.call("get-fmu-state")
+        assert instance.call("set-fmu-state", state) == "ok"
+    assert len(state) > 10_000
+    for _ in range(100):
+        bounded.instantiate().drop()
+
+
+@NEEDED
+def test_a_message_that_is_cut_is_still_text(tmp_path):
+    """A host stops at what is no UTF-8: a name in its user's words may be cut within a letter."""
+    for prefix in ("a", "ab"):
+        named = f'[[disc]]\nname = "{prefix}{"ü" * 400}"'
+        toml = rig_toml().replace("[[disc]]", named, 1)
+        machine = Component(build_native(tmp_path, toml, fmi=3, platforms=[COMPONENT.name]))
+        instance = machine.instantiate()
+        (x,) = (at for name, at in machine.references.items() if name.endswith("üü.x"))
+        assert instance.call("get-string", [x]) == "error"
+        message = machine.heard[-1][-1]
+        assert 690 < len(message.encode()) < 704
+        assert message.endswith("üü")
+
+
+@pytest.fixture(scope="module")
+def bare():
+    return making.empty_component()
+
+
+@NEEDED
+def test_a_table_that_is_missing_or_damaged_is_refused(fmu, bare):
+    table = table_of(fmu)
+    damaged = bytearray(table)
+    damaged[1000] ^= 1
+    stranger = table.replace(b"ROTORFMU", b"ANOTHER!", 1)
+    for content, why in (
+        (bare, "is no table of a machine, or is truncated"),
+        (with_data(bare, stranger), "is no table of a machine, or is truncated"),
+        (with_data(bare, bytes(damaged)), "is damaged"),
+    ):
+        machine = Component.__new__(Component)
+        machine._load(content)
+        assert machine.instantiate("{}") is None
+        assert machine.heard[-1][-1] == f"machine.table: {why}"
+
+
+@NEEDED
+@pytest.mark.parametrize("size", [1, 65535, 65536, 65537, 5_000_000])
+def test_data_of_any_size_leave_a_valid_component(bare, size):
+    wasmtime.component.Component(wasmtime.Engine(), with_data(bare, bytes(size)))
+
+
+def refused(*arguments, path=None, cache=None):
+    """The one sentence of a build that fails, and nothing is written."""
+    environment = os.environ | ({"PATH": path} if path else {})
+    environment |= {"ROTOR_FMU_CACHE": str(cache)} if cache else {}
+    out = Path(arguments[-1])
+    done = subprocess.run(
+        [*ROTOR_FMU, "build", *map(str, arguments)],
+        env=environment,
+        cwd="/",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert not out.exists() or not list(out.iterdir())
+    (sentence,) = done.stderr.splitlines()
+    return sentence
+
+
+WANTED = ("--native", "--platform", COMPONENT.name)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (WANTED, "--platform wasm32-wasip2: needs FMI 3.0, not --fmi 2"),
+        (("--platform", COMPONENT.name), "must be one of linux64, win64"),
+        (("--source", "--platform", COMPONENT.name), "leave out --native and --platform"),
+        (("--native", "--platform", "wasm32"), f"{', '.join(PLATFORMS)}, wasm32-wasip2"),
+    ],
+)
+def test_what_cannot_be_is_one_sentence(tmp_path, arguments, sentence):
+    assert sentence in refused(*arguments, "--out", tmp_path / "out")
+
+
+@pytest.mark.parametrize("there", ["node", "jco"])
+def test_a_tool_that_is_missing_is_named_and_how_it_is_installed(tmp_path, there):
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    (folder / there).write_text("#!/bin/sh\nexit 1\n")
+    (folder / there).chmod(0o755)
+    options = {"path": str(folder), "cache": tmp_path / "cache"}
+    sentence = refused(*WANTED, "--fmi", 3, "--out", tmp_path / "out", **options)
+    missing = "jco" if there == "node" else "node"
+    assert f"--platform wasm32-wasip2: {missing}, which makes components, is not there" in sentence
+    assert "npm install -g @bytecodealliance/jco" in sentence
+
+
+def test_zig_that_is_missing_is_named(monkeypatch):
+    monkeypatch.setattr(making.shutil, "which", lambda name, path=None: name)
+    monkeypatch.setattr(making, "find_spec", lambda name: None if name == "ziglang" else name)
+    with pytest.raises(InputError, match=r"ziglang is not installed: pip install 'rotor-fmu\[bui"):
+        making._tools()
+
+
+@NEEDED
+def test_what_jco_refuses_is_one_sentence(monkeypatch, tmp_path):
+    """A module that lacks what the interfaces ask for does not validate."""
+    empty = b"\0asm\x01\0\0\0"
+    monkeypatch.setattr(making, "objects", lambda *_: [])
+    monkeypatch.setattr(making, "kernels", lambda: tmp_path)
+    monkeypatch.setattr(making, "link_module", lambda _, target, *rest: target.write_bytes(empty))
+    with pytest.raises(CoreError, match=r"^jco cannot make a component for wasm32-wasip2: .+"):
+        making.make(tmp_path / "core.wasm")
+    assert not list(tmp_path.iterdir())
+
+
+def test_it_is_made_once_for_a_version_of_the_sources(monkeypatch, tmp_path):
+    made = []
+    monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path))
+    monkeypatch.setattr(making, "make", lambda target: (made.append(target), target.touch()))
+    monkeypatch.setattr(making, "with_data", lambda content, table: table)
+    assert making.component(b"one") == b"one"
+    assert making.component(b"other") == b"other"
+    assert len(made) == 1
+    monkeypatch.setattr(making, "core_digest", lambda: "of other sources")
+    making.component(b"one")
+    assert len(made) == 2
+    monkeypatch.undo()
+    assert all(folder.name.startswith("component-") for folder in (tmp_path / "native").iterdir())
