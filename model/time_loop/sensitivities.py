@@ -18,8 +18,8 @@ from .memory import spin_now
 from .observe import PARTS_AT, SHAFT
 
 _SHAFT, _PORT = places(SHAFT), places(PORT_OUTPUTS)
-# Of a motion's size, by how much it is moved along a derivative: less leaves rounding of powers that
-# cancel, more moves what touches out of its contact.
+# Of a motion's size, by how much it is moved along a derivative: less leaves the rounding of powers
+# that cancel, more moves what touches out of its contact.
 _SHARE = 1e-4
 
 
