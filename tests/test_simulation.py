@@ -51,6 +51,19 @@ def test_a_snapshot_continues_in_an_equal_simulation_to_the_bit(carried):
     np.testing.assert_array_equal(other.observed, sim.observed)
 
 
+@pytest.mark.parametrize("settings", [{}, {"method": "radau5"}, {"tolerance": 1e-2}], ids=str)
+def test_a_snapshot_at_constant_speed_continues_to_the_bit_wherever_it_is_taken(settings):
+    """What is carried from step to step, factorized, is that of the step at hand."""
+    sim, other = (Simulation(RIG, choose(**settings), speed=400.0) for _ in range(2))
+    for i in range(1, 80):
+        saved = sim.snapshot()
+        sim.advance(1e-3 * i, 400.0)
+        if i % 8 == 0:
+            other.restore(saved)
+            other.advance(1e-3 * i, 400.0)
+            np.testing.assert_array_equal(other.observed, sim.observed)
+
+
 def test_a_snapshot_is_a_copy():
     sim = Simulation(RIG, speed=400.0)
     saved = sim.snapshot()

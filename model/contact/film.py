@@ -133,7 +133,7 @@ def _short_share(bearing):
     return 0.125 * ratio * ratio
 
 
-@jit
+@jit_not_inlined
 def solved(film, bound, work):
     """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of
     P exp(i theta) over it [1/s]; of a full film that of what is positive."""
@@ -183,7 +183,7 @@ def sensed(film):
     return moving, angle(along), 0.0
 
 
-@jit
+@jit_not_inlined
 def finite_load(film, bound, work):
     """Return the integral of P exp(i theta) over the zone within a `Bound` [1/s] and its
     derivative, as `short_load` does."""

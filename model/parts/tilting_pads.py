@@ -74,7 +74,7 @@ def put_pads(part, bearing, tables, kinematics, internal_state):
             find(bearing, tables, kinematics, i, search)
 
 
-@jit
+@jit_not_inlined
 def put_pads_still(part, bearing, tables, internal_state):
     """Put pads that tilt where they are, as if they did not move."""
     if part.tilting == 0.0:

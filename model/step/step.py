@@ -48,9 +48,9 @@ class Motion(NamedTuple):
 
 class Workspace(NamedTuple):
     """Scratch of a step: nothing in it outlives the step but the factorized matrix, valid for
-    `key` = (h, omega, alpha)."""
+    `key` = (h, omega, alpha, mass and damping of the fit)."""
 
-    key: Annotated[np.ndarray, float, "3"]
+    key: Annotated[np.ndarray, float, "5"]
     factors: Annotated[np.ndarray, complex, "n", "width"]
     columns: Annotated[np.ndarray, complex, "interfaces", "n"]
     scratch: Annotated[np.ndarray, complex, "n"]
@@ -191,6 +191,8 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
     work.key[0] = h
     work.key[1] = spin.omega
     work.key[2] = spin.alpha
+    work.key[3] = fit.mass
+    work.key[4] = fit.damping
 
 
 @jit
@@ -276,7 +278,9 @@ def try_step(structure, scheme, fit, spin, h, loads, old, new, work, problem, li
     Returns the status, `DONE`, `NOT_CONVERGED` of the interfaces, `NOT_FINITE` or past the bound,
     or `BROKEN`, and the Newton iterations. Whatever the status, `old` is untouched.
     """
-    if work.key[0] != h or work.key[1] != spin.omega or work.key[2] != spin.alpha:
+    key = work.key
+    is_new = key[0] != h or key[1] != spin.omega or key[2] != spin.alpha
+    if is_new or key[3] != fit.mass or key[4] != fit.damping:
         _factor_step_matrix(structure, scheme, fit, spin, h, work, problem)
     _free_response(structure, scheme, fit, spin, h, loads, old, new, work)
 

@@ -7,6 +7,8 @@ follows from it: a speed that goes on by its last change changes its rate too.
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.base import PORT_OUTPUTS
@@ -18,9 +20,9 @@ from .memory import spin_now
 from .observe import PARTS_AT, SHAFT
 
 _SHAFT, _PORT = places(SHAFT), places(PORT_OUTPUTS)
-# Of a motion's size, by how much it is moved along a derivative: less leaves the rounding of powers
-# that cancel, more moves what touches out of its contact.
-_SHARE = 1e-4
+# Of a motion's size, by how much it is moved along a derivative: less leaves more rounding of
+# powers that cancel, more the curvature of films and contacts.
+_SHARE = 1e-5
 
 
 @jit
@@ -208,8 +210,9 @@ def _clear(row):
 def observe_sensitivities(structure, motion, memory, work, tangents, out):
     """Fill in what can be read of the sensitivities."""
     now, spin = tangents.now, spin_now(memory.record)
+    drive = np.int64(0)  # for a literal there would be machine code of its own
     torque = torque_along(
-        structure, spin, 0, row_of(now, 0), now.spin[0], motion, memory, work, tangents
+        structure, spin, drive, row_of(now, drive), now.spin[drive], motion, memory, work, tangents
     )
     out[_SHAFT.dphi_ddrive] = now.spin[0, 2]
     out[_SHAFT.dw_ddrive] = now.spin[0, 0]
