@@ -13,7 +13,6 @@ import typer
 from rich.console import Console
 
 from ..errors import InputError, writable_folder
-from ..operation import operating_speeds
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
 from ..screen import progress_of
@@ -173,6 +172,8 @@ def _progress(length: float, before: int) -> Iterator[Callable[[str, Solution], 
 
 def _usual(machine: Rotor, over: str | None) -> str:
     """Return the speeds of a machine's response as an option gives them."""
+    from ..operation import operating_speeds
+
     speeds = operating_speeds(machine)
     return f"{speeds.rated!r}" if over else f"{speeds.highest / 8.0!r}:{speeds.highest!r}"
 

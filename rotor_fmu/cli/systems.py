@@ -11,7 +11,6 @@ import typer
 from ..cosimulation import ALGORITHMS
 from ..errors import InputError, writable_folder
 from ..model.kernels.library import here
-from ..operation import operating_speeds
 from ..output_options import with_output_options
 from .fmus import Native
 from .shared import RotorFile
@@ -49,6 +48,7 @@ def ssp(
     from ..fmi.packing.machine_files import machine_of
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import build as build_python
+    from ..operation import operating_speeds
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)

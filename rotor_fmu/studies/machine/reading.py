@@ -12,7 +12,6 @@ from typing import Any
 from ...errors import InputError
 from ...fmi.binding import load_names
 from ...fmi.variables import Variable
-from ...model.periodic.task import check_parts
 from ...operation import operating_speeds
 from ...runs.job import load_rotor
 from ...runs.signals import read_signals
@@ -219,6 +218,9 @@ def _metric(
         return metric
     check(metric, how)
     if kind == "lyapunov":
+        # with SciPy, which other studies do without
+        from ...model.periodic.task import check_parts
+
         check_parts(machine.rotor)
     for need in metric.needs:
         if need not in units:
