@@ -118,7 +118,13 @@ def response(
             summary["folds"] = _folds(result, fold_over)
         if check:
             summary["check"] = _checked(result)
-    write_response(result, machine.name, summary, out)
+    _show(result, machine.name, summary, out)
+    return summary
+
+
+def _show(result: ResponseResult, name: str, summary: dict[str, Any], out: Path) -> None:
+    """Write and print a response; raises `KeyboardInterrupt` for one that was stopped."""
+    write_response(result, name, summary, out)
     typer.echo(result.table().text())
     for note in result.notes:
         typer.echo(note)
@@ -126,7 +132,6 @@ def response(
     if result.is_stopped:
         print("response: its points are saved; the same call continues from there", file=sys.stderr)
         raise KeyboardInterrupt
-    return summary
 
 
 def write_response(
