@@ -32,7 +32,13 @@ def ssp(
         ),
     ] = None,
     step: Annotated[float, typer.Option(help="Communication step, in seconds.")] = 0.002,
-    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = 60.0,
+    stop: Annotated[
+        float | None,
+        typer.Option(
+            help="End of the run, in seconds; default: one and a half times the run-up at the "
+            "machine's rate."
+        ),
+    ] = None,
     algorithm: Annotated[
         str, typer.Option(help=f"How libcosim steps: {' or '.join(ALGORITHMS)}.")
     ] = ALGORITHMS[0],
@@ -52,6 +58,12 @@ def ssp(
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)
+    speeds = operating_speeds(machine)
+    speed = speeds.rated if target is None else one_speed(target, "--target")
+    if not abs(speed) <= 1e6:
+        raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
+    if stop is None:  # of a machine that is kept at rest: any
+        stop = float(f"{1.5 * abs(speed) / speeds.run_up_rate:.3g}") or 1.0
     for name, value, most in (
         ("--tau-max", tau_max, 1e6),
         ("--step", step, 1.0),
@@ -59,9 +71,6 @@ def ssp(
     ):
         if not 0 < value <= most:
             raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
-    speed = operating_speeds(machine).rated if target is None else one_speed(target, "--target")
-    if not abs(speed) <= 1e6:
-        raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
     if algorithm not in ALGORITHMS:
         raise InputError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
     platform = here()
@@ -74,7 +83,7 @@ def ssp(
         if is_native
         else build_python(folder, toml)
     )
-    values = {"tau_max": tau_max, "w_target": speed, "w_start": 0.0}
+    values = {"tau_max": tau_max, "w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
     if algorithm == "ecco":  # whose longer steps need a load that goes on
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
