@@ -32,6 +32,11 @@ class Display:
     is_pp: bool = False
 
     @property
+    def small_word(self) -> str:
+        """Unit of displacements in letters that every terminal has."""
+        return self.small_unit.replace("µ", "u")
+
+    @property
     def amplitude(self) -> float:
         """Factor from m 0-p to the unit of amplitudes."""
         return self.small * (2 if self.is_pp else 1)
@@ -40,6 +45,11 @@ class Display:
     def amplitude_unit(self) -> str:
         """Unit of amplitudes, with what is measured."""
         return f"{self.small_unit} {'pp' if self.is_pp else '0-p'}"
+
+    @property
+    def amplitude_words(self) -> str:
+        """Unit of amplitudes in letters that every terminal has."""
+        return self.amplitude_unit.replace("µ", "u")
 
     @property
     def speed_label(self) -> str:

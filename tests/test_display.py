@@ -1,7 +1,9 @@
 """Units of tables, pictures and pages, chosen once; the factors are the units' definitions."""
 
+import itertools
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -55,6 +57,27 @@ def test_the_machine_file_may_say_the_units(command, tmp_path):
     numbers = [[float(word) for word in text.splitlines()[2].split()] for text in (mine, si)]
     assert numbers[0][2] == pytest.approx(60 * numbers[1][2], rel=1e-4)
     assert numbers[0][3] == pytest.approx(2 / 25.4 * numbers[1][3], rel=1e-3)
+
+
+def test_the_check_by_api_617_balancing_and_compliance_are_in_the_units_chosen(command):
+    """0.001 inch is 25.4 um, and a pound-force 4.4482216152605 N."""
+    given = ("--speed", "100:300", "--node", "4", "--range", "100:200")
+    assert _column(command("unbalance", *given, "--units", "us"), "mil") == pytest.approx(
+        [um / 25.4 for um in _column(command("unbalance", *given), "um")], rel=1e-3
+    )
+    mine = command("frequency-response", "--force", "4", "--units", "us")
+    si = command("frequency-response", "--force", "4")
+    assert _column(mine, "mil/lbf") == pytest.approx(
+        [um / 25.4 * 4.4482216152605 for um in _column(si, "um/N")], rel=1e-3
+    )
+
+
+def _column(text, head):
+    """Numbers below a head of a table with two spaces between its columns."""
+    lines = [re.split(r" {2,}", line.strip()) for line in text.splitlines()]
+    at = next(i for i, line in enumerate(lines) if head in line)
+    rows = itertools.takewhile(lambda line: len(line) == len(lines[at]), lines[at + 1 :])
+    return [float(row[lines[at].index(head)]) for row in rows]
 
 
 def test_pictures_are_in_the_units_that_were_chosen():
