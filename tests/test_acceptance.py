@@ -15,6 +15,7 @@ from rotor_fmu.model.linear import (
     critical_peaks,
     level_1,
     level_2,
+    modes,
     placed_unbalances,
     unbalance_check,
 )
@@ -289,6 +290,55 @@ def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupl
     result = level_1(parse_rotor(text), 150.0, node=2)
     assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
     assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
+
+
+def test_on_stiffnesses_that_differ_cross_coupling_has_to_overcome_their_difference_too():
+    """Q0^2 = (ky - kx)^2 / 4 + c^2 (kx + ky) / (2 m), of a point mass with k = 10 kN/m, c = 20
+    N.s/m, m = 1 kg, by the characteristic polynomial of its two coordinates."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    bearing = "[[linear_bearing]]\nnode = 2\nkxx = {}\nkyy = {}\ncxx = 0.0\ncyy = 0.0\n"
+    for kxx, kyy in ((0.0, 3e3), (3e3, 0.0), (0.0, 300.0)):
+        rotor = parse_rotor(text + bearing.format(kxx, kyy))
+        expected = math.hypot((kyy - kxx) / 2, 20.0 * math.sqrt((2e4 + kxx + kyy) / 2))
+        assert level_1(rotor, 150.0, node=2).threshold == pytest.approx(expected, rel=1e-3)
+
+
+def test_below_the_threshold_no_mode_of_the_rotor_grows_and_above_one_does():
+    """Of a rotor whose lowest mode whirls forward without cross coupling, and backward with it."""
+    rotor = parse_rotor(ANISOTROPIC)
+    result = level_1(rotor, 1152.0, node=4)
+    for share, grows in ((0.2, False), (0.99, False), (1.01, True)):
+        q = share * result.threshold
+        coupled = replace(rotor, parts=(*rotor.parts, coupling(4, q)))
+        assert (modes(coupled, 1152.0, count=8).eigenvalues.real > 0).any() == grows
+    assert (np.diff(result.log_dec[10:]) < 0).all()
+
+
+def coupling(node, q):
+    return LinearBearing(node=node, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)
+
+
+ANISOTROPIC = """
+name = "compressor"
+[material]
+young = 2.1e11
+density = 7833.0
+[shaft]
+nodes = [0.0, 0.254, 0.4572, 0.635, 0.8, 1.016, 1.27]
+diameters = [0.1, 0.1, 0.115, 0.127, 0.115, 0.1]
+eta_v = 2e-5
+[[disc]]
+node = 3
+diameter = 0.406
+width = 0.0508
+[[disc]]
+node = 5
+diameter = 0.406
+width = 0.0508
+""" + "".join(
+    f"[[linear_bearing]]\nnode = {node}\nkxx = 1e8\nkyy = 1.2e8\ncxx = 1e5\ncyy = 1e5\n"
+    for node in (2, 6)
+)
 
 
 def test_level_2_adds_what_acts_one_by_one():
