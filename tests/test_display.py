@@ -12,8 +12,10 @@ from rotor_fmu.model.structure.beam import shaft_element
 
 from rotor_fmu.display import choose, current, display_of, restored
 from rotor_fmu.errors import InputError
-from rotor_fmu.linear import answers
-from rotor_fmu.linear.linear_plots import _deflection
+from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear.frequency_answers import frequency_response
+from rotor_fmu.linear.linear_plots import deflection, shown_speed
+from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.signal_plots import bode, orbit
@@ -99,12 +101,41 @@ def test_pictures_are_in_the_units_that_were_chosen():
     assert response[0].get_xlim()[1] > 2000
 
 
+def test_mode_shapes_in_space_are_whole_and_in_the_units_chosen():
+    """Of a mode that is normalized by its largest displacement in x and y together."""
+    result = answers.modes(rig(), 100.0)
+    with restored():
+        choose("us")
+        axes = mode_shapes_figure(result).axes
+    for i, each in enumerate(axes):
+        assert each.get_xlabel() == "z [in]"
+        assert each.get_title().startswith(f"{i + 1}: ")
+        assert " cpm, " in each.get_title()
+        assert not any(line.get_clip_on() for line in each.lines)
+        drawn = np.concatenate([np.concatenate(line.get_data_3d()[1:]) for line in each.lines])
+        assert np.abs(drawn).max() <= each.get_ylim()[1] == each.get_zlim()[1]
+
+
+def test_speeds_in_pictures_have_all_digits_before_the_point():
+    with restored():
+        choose("rpm")
+        assert shown_speed(1814.3) == "17325"
+        assert shown_speed(100 * math.pi / 3) == "1000"
+
+
 def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it():
     at_rest = answers.static(rig(), contacts="pinned").figure().axes[0]
     pictures = [
         at_rest,
         answers.modes(rig(), 100.0).figure().axes[0],
         answers.campbell(rig(), np.linspace(10.0, 300.0, 5)).figure().axes[0],
+        acceptance.critical_map(rig(), np.logspace(5.0, 7.0, 5)).figure().axes[0],
+        acceptance.unbalance_check(rig(), 300.0, 350.0, [4]).figure().axes[0],
+        acceptance.critical_peaks(rig(), 300.0, [4]).figure().axes[0],
+        acceptance.level_1(rig(), 350.0).figure().axes[0],
+        acceptance.level_2(rig(), 350.0).figure().axes[0],
+        frequency_response(rig(), np.linspace(10.0, 300.0, 5), 4, [4]).figure().axes[0],
+        mode_shapes_figure(answers.modes(rig(), 100.0), rig().name).axes[0],
     ]
     for axes in pictures:
         titles = axes.get_title("left"), axes.figure.get_suptitle()
@@ -147,8 +178,8 @@ def test_a_shape_is_drawn_with_the_elements_own_cubic():
     )
     x = length / 4
     truth = (x**2 * (3 * length - x) / 6 + x * sheared) / bending
-    assert _deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
-    assert abs(_deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
+    assert deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
+    assert abs(deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
 
 
 def test_json_stays_in_si(command):

@@ -302,16 +302,12 @@ class _FirstForward:
 
     def __call__(self, q: float) -> StabilityCase:
         """Return the mode with the cross coupling q [N/m]."""
-        root = self._eigenvalue(q)
-        return StabilityCase(f"{q:g} N/m", -2 * math.pi * root.real / root.imag, root.imag)
-
-    def _eigenvalue(self, q: float) -> complex:
         if q not in self._known:
             # from the nearest one that is known, by steps that leave no doubt which it is
             known = [k for k in self._known if k > 0 or len(self._known) == 1]
-            nearest = min(known, key=lambda k: abs(k - q))
-            self._known[q] = self._onward(nearest, q)
-        return self._known[q]
+            self._known[q] = self._onward(min(known, key=lambda k: abs(k - q)), q)
+        root = self._known[q]
+        return StabilityCase(f"{q:g} N/m", -2 * math.pi * root.real / root.imag, root.imag)
 
     def _onward(self, start: float, end: float, depth: int = 0) -> complex:
         expected = self._known[start]

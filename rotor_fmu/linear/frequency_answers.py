@@ -21,7 +21,7 @@ from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
 from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
-from .linear_plots import PURPLE, new_figure
+from .linear_plots import PURPLE, new_figure, titled
 from .linear_tables import Table, hertz, turns
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
@@ -92,7 +92,10 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = turns(self.speed, self.contacts)
         figure.suptitle(
-            f"Response to a force on node {self.force}, {state}", fontsize=10, x=0.01, ha="left"
+            titled(self.machine_name, f"Response to a force on node {self.force}, {state}"),
+            fontsize=10,
+            x=0.01,
+            ha="left",
         )
         return figure
 
@@ -190,9 +193,8 @@ class Sensitivity(model.Sensitivity, Displayed):
         axes.set_xlabel("Frequency [Hz]")
         axes.set_ylabel("Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
-        axes.set_title(
-            f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}", loc="left", fontsize=10
-        )
+        title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"
+        axes.set_title(titled(self.machine_name, title), loc="left", fontsize=10)
         return figure
 
 
