@@ -96,6 +96,12 @@ def display_of(shown: str, text: str) -> Display:
     return result
 
 
+def shown_speed(omega: float) -> str:
+    """Return a speed [rad/s] in the unit that is shown: four digits, or all before the point."""
+    value = float(omega) * current().speed
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
+
+
 def frequency_unit() -> str:
     """Return the unit of frequencies beside speeds that are shown in Hz or rpm."""
     return "cpm" if current().speed_unit == "rpm" else current().speed_unit

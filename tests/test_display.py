@@ -10,11 +10,11 @@ import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
-from rotor_fmu.display import choose, current, display_of, restored
+from rotor_fmu.display import choose, current, display_of, restored, shown_speed
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance, answers
 from rotor_fmu.linear.frequency_answers import frequency_response
-from rotor_fmu.linear.linear_plots import deflection, shown_speed
+from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
@@ -121,6 +121,27 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
         choose("rpm")
         assert shown_speed(1814.3) == "17325"
         assert shown_speed(100 * math.pi / 3) == "1000"
+
+
+def test_tables_of_the_page_are_in_the_units_chosen():
+    def page():
+        return runs_page([Recorded(recorded(), "one")], [{}])
+
+    with restored():
+        choose("rpm,mil,pp")
+        chosen = page()
+    mine, si = _cells(chosen, "disc 2"), _cells(page(), "disc 2")
+    assert mine[0] == pytest.approx(2 / 25.4 * si[0], rel=1e-4)
+    assert mine[1] == pytest.approx(60 * si[1], rel=1e-4)
+    assert mine[-3:] == pytest.approx([um / 25.4 for um in si[-3:]], rel=1e-4)
+    for head in ("1x, largest [mil pp]", "at [rpm]", "x [mil pp]", "S_max [mil 0-p]"):
+        assert f'<th scope="col">{head}</th>' in chosen
+
+
+def _cells(page, place):
+    """Numbers of a row of a table in a page."""
+    row = re.search(rf"<tr><td>{place}</td>(.*?)</tr>", page)[1]
+    return [float(text) for text in re.findall(r"<td>([^<]*)</td>", row) if text != "-"]
 
 
 def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it():

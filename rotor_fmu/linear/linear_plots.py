@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.interpolate import BPoly
 
-from ..display import current, frequency_unit
+from ..display import current, frequency_unit, shown_speed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
@@ -76,12 +76,6 @@ def deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[
 def titled(name: str, text: str) -> str:
     """Return the title of a picture of a machine."""
     return f"{name}: {text}" if name else text
-
-
-def shown_speed(omega: float) -> str:
-    """Return a speed [rad/s] in the unit that is shown: four digits, or all before the point."""
-    value = _speed(omega)
-    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
 def _speed(omega: float) -> float:

@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..display import current, frequency_unit
+from ..display import current, frequency_unit, shown_speed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, Modes
-from .linear_plots import deflection, shown_speed, titled
+from .linear_plots import deflection, titled
 from .linear_tables import hertz, turns
 
 _COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN}
