@@ -1,10 +1,10 @@
 """Symmetric band matrices: product, form, factorization A = L D L^T without pivoting, solution.
 
 Storage: `band[i, d]` is A[i + d, i], d = 0 .. half-bandwidth, a column of the lower triangle in a
-row. What factorizes and solves takes real or complex symmetric (not Hermitian) matrices. No pivoting is needed for
-the step matrices of the time integration: their real part is positive definite, and growth is then
-bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.4; George, Ikramov
-and Kucherov 2002).
+row. What factorizes and solves takes real or complex symmetric (not Hermitian) matrices. No
+pivoting is needed for the step matrices of the time integration: their real part is positive
+definite, and growth is then bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+ed., sec. 10.4; George, Ikramov and Kucherov 2002).
 """
 
 from __future__ import annotations
