@@ -176,7 +176,7 @@ _JOURNAL, _DAMPER = (
         (_JOURNAL, f"{_PADS}\npreload = [0.1, nan]", ".preload[2] = nan: must be from 0 to 0.99"),
         (_JOURNAL, f"{_PADS}\noffset = 1.5", ".offset = 1.5: must be from 0 to 1"),
         (_JOURNAL, "pads = [0.0, 1.0]\narc = 1.5", ".pads: pads 1 and 2 overlap"),
-        (_JOURNAL, "supply_pressure = -1e5", ".supply_pressure: unknown key"),
+        (_JOURNAL, "supply_pressure = -1e5", ".supply_pressure = -100000 Pa: must be >= 0"),
         (_DAMPER, "full = true", ".full = true: needs squeeze_film_damper[1].short = true"),
     ],
 )
