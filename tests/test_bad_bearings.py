@@ -126,6 +126,32 @@ def test_no_equilibrium_in_an_oil_film_says_its_load_and_what_it_carries():
     assert carried == pytest.approx(closed, rel=1e-3)
     assert linear.startswith("journal_bearing[1]: no equilibrium at 600 rad/s: ")
     assert "the oil film at node 1 does not carry them at 600 rad/s" in start
+    assert _load_and_carried(start) == pytest.approx((load, carried), rel=1e-3)
+
+
+def _load_and_carried(start):
+    """What a start's refusal says [N]."""
+    return tuple(map(float, re.search(r"load is (\S+) N, and it carries (\S+) N", start).groups()))
+
+
+def test_no_equilibrium_of_pads_that_tilt_says_its_load_and_what_they_carry():
+    """The start in the direction in which the journal went."""
+    pads = {"pads": [0.785398, 2.356194, 3.926991, 5.497787], "arc": 1.4, "tilting": True}
+    linear, start = _refusals(_heavy(1e5, **pads, preload=0.3, points=12), 600.0)
+    load, carried = map(
+        float, re.search(r"load is (\S+) N, and its film carries (\S+)", linear).groups()
+    )
+    assert load > carried
+    assert _load_and_carried(start) == pytest.approx((load, carried), rel=0.05)
+
+
+def test_a_film_among_several_supports_says_the_load_on_the_machine():
+    text = "gravity = 1e5\n" + heavy_shaft() + "".join(film(n, **_SHORT) for n in (1, 2, 3))
+    rotor = parse_rotor(text)
+    with pytest.raises(EquilibriumError, match=r"the load on the machine is (\S+) N") as start:
+        Simulation(rotor, choose("controlled"), speed=600.0, warn=one_line)
+    load = float(re.search(r"machine is (\S+) N", one_line(start.value))[1])
+    assert load == pytest.approx(assemble(rotor).mass_sum[::2].sum() * 1e5, rel=1e-3)
 
 
 def test_no_equilibrium_in_a_damper_says_its_load_and_what_its_spring_carries():
@@ -139,6 +165,7 @@ def test_no_equilibrium_in_a_damper_says_its_load_and_what_its_spring_carries():
         "in that direction when the film is as thin as its roughness, 1e-06 m"
     )
     assert "the oil film at node 1 does not carry them" in start
+    assert _load_and_carried(start) == pytest.approx((197.0, 9.9), rel=1e-3)
 
 
 def test_a_journal_at_standstill_lies_on_its_wall_if_there_is_one():
