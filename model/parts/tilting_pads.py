@@ -46,7 +46,8 @@ class TiltingQuantities(FilmQuantities):
     tilt, the moment of inertia of each about its pivot [kg.m2], the radial stiffness of that [N/m],
     0: rigid; and by how much the pressure around the film is above that of rupture [Pa]."""
 
-    viscosity: float | tuple[float, ...] = quantity(
+    # a damper's may be no list
+    viscosity: float | tuple[float, ...] = quantity(  # type: ignore[assignment]
         *("Pa.s", "dynamic viscosity of the lubricant; or a list over speed or temperature"),
         is_tunable=True,
         may_be_list=True,

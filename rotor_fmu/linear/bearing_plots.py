@@ -94,8 +94,8 @@ def _pads_over(panels: Sequence[Axes], over: np.ndarray, result: BearingCurves, 
     loads, names = result.pad_loads, ("Tilt [mrad]", "Load of a pad [N]")
     for axes, values, name in zip(panels, (angles, loads), names, strict=True):
         for n, color in zip(range(values.shape[1]), COLORS, strict=False):
-            line = mark.replace("-", "-" if n % 2 == 0 else "--")
-            axes.plot(over, values[:, n], line, ms=4, color=color, lw=1.4, label=f"pad {n + 1}")
+            label = f"pad {n + 1}"
+            axes.plot(over, values[:, n], _mark(mark, n), ms=4, color=color, lw=1.4, label=label)
         axes.set_ylabel(name)
         axes.legend(frameon=False, fontsize=8, ncols=2)
 
@@ -107,6 +107,11 @@ def _varied(result: BearingCurves | RollingCurves) -> tuple[np.ndarray, str, str
     return result.speeds, "rad/s", "Speed"
 
 
+def _mark(mark: str, i: int) -> str:
+    """Return how a line is drawn, every other one dashed: those of the same values are seen."""
+    return mark.replace("-", "--") if i % 2 else mark
+
+
 def _coefficients(
     panels: Sequence[Axes], over: np.ndarray, K: np.ndarray, C: np.ndarray, mark: str
 ) -> None:
@@ -114,7 +119,7 @@ def _coefficients(
     for axes, of, letter, unit in zip(panels, (K, C), "kc", ("N/m", "N.s/m"), strict=True):
         for (i, j), color in zip(((0, 0), (0, 1), (1, 0), (1, 1)), COLORS, strict=False):
             label = f"{letter}{'xy'[i]}{'xy'[j]}"
-            axes.plot(over, of[:, i, j], mark, ms=4, color=color, lw=1.4, label=label)
+            axes.plot(over, of[:, i, j], _mark(mark, i), ms=4, color=color, lw=1.4, label=label)
         axes.set_ylabel(f"{'Stiffness' if letter == 'k' else 'Damping'} [{unit}]")
         axes.legend(frameon=False, fontsize=8, ncols=2)
 
