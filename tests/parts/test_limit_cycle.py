@@ -95,4 +95,4 @@ def test_the_limit_cycle_past_the_threshold_is_that_of_cvode(beyond):
     expected, tolerance = _reference(speed, mass), 1e-3
     assert 0.3 < expected.largest < 0.95
     assert expected.ratio < 0.5
-    assert _seen(rotor, speed, tolerance) == pytest.approx(expected, rel=10 * tolerance)
+    assert _seen(rotor, speed, tolerance) == pytest.approx(expected, rel=3 * tolerance)
