@@ -23,6 +23,7 @@ from .condensed import Condensed
 from .fourier import basis
 
 _C = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
+_SEEN = np.array([*_C[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
 _SLOW = 200.0  # modes up to so many times the highest frequency of the orbit are kept
 
@@ -101,7 +102,8 @@ def tangents_along(machine: Condensed, path: Path, times: np.ndarray) -> Part:
     opens or closes."""
     ends = _grid(machine, path, times)
     h = np.diff(ends)
-    tangent = _tangents(machine, path, (ends[:-1, None] + h[:, None] * _C).ravel())
+    # at its last point a step sees its own side of a contact that opens or closes there
+    tangent = _tangents(machine, path, (ends[:-1, None] + h[:, None] * _SEEN).ravel())
     return Part(h, tangent.reshape(len(h), 3, *tangent.shape[1:]))
 
 
