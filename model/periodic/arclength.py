@@ -79,7 +79,7 @@ def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 4
             break
         limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
         most = min(1.0, limit / size) if size > 0 else 1.0
-        relax = _relaxed(equations, residual, x, value, step, most)
+        relax = _relaxed(equations, residual, x, value, step, 0.0, most)
         corrections.append(relax * size)
         x += relax * step
         if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
@@ -93,12 +93,15 @@ def _relaxed(
     x: np.ndarray,
     value: float,
     step: np.ndarray,
+    of_value: float,
     relax: float,
 ) -> float:
-    """Share of a correction after which the residual is smaller (Armijo), or the least tried."""
+    """Share of a correction of x and of lambda after which the residual is smaller (Armijo), or the
+    least tried."""
     size = float(np.linalg.norm(residual))
     while relax > _LEAST_SHARE:
-        left = float(np.linalg.norm(equations.residual(x + relax * step, value)))
+        ahead = equations.residual(x + relax * step, value + relax * of_value)
+        left = float(np.linalg.norm(ahead))
         if left <= (1.0 - 0.1 * relax) * size or size < _ROUNDING:
             break
         relax *= 0.5
@@ -170,6 +173,8 @@ def correct(
         if not size < limit:
             break
         relax = 0.5 if _stagnates(corrections) else 1.0
+        if len(corrections) > 1 and size > 0.3 * corrections[-2] and size > _SMALL / 10:
+            relax = _relaxed(equations, residual, x, value, step[:n], scale * step[n], 1.0)
         x += relax * step[:n]
         value += scale * relax * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))

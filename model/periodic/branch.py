@@ -161,7 +161,10 @@ class Tracer:
             now = solution(problem_here, result, accuracy)
             passed = self._between(problem_here, before, result, last, now)
             is_end = result.value in (self.low, self.high)
-            problem, point = refined(problem_here, result, accuracy, is_end)
+            try:
+                problem, point = refined(problem_here, result, accuracy, is_end)
+            except Lost:  # with more harmonics: it is followed with those that it has
+                problem, point = problem_here, result
             if not is_end:
                 problem, point = thinned(problem, point, accuracy)
             if problem.is_autonomous:
