@@ -33,6 +33,10 @@ CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
+_SHORT, _PATIENCE = (
+    0.1,
+    4,
+)  # steps, as a share of the longest: so many with too few harmonics end it
 
 
 class Solution(NamedTuple):
@@ -52,13 +56,19 @@ class Solution(NamedTuple):
 
 class Bifurcation(NamedTuple):
     """Where a branch changes: its kind, the value of the parameter, the orbit there, the multiplier
-    that crosses the unit circle, and behind which point of the branch."""
+    that crosses the unit circle (nan at grazing, where it jumps, and where none were computed), and
+    behind which point of the branch."""
 
     kind: str
     value: float
     orbit: Orbit
     multiplier: complex
     behind: int
+
+    def is_pair_of(self, other: Bifurcation) -> bool:
+        """Whether both are of one pair of multipliers."""
+        apart = abs(abs(self.multiplier.imag) - abs(other.multiplier.imag))
+        return self.kind == other.kind == TORUS and apart < 1e-3
 
 
 @dataclass
@@ -155,6 +165,7 @@ class Tracer:
         steps = replace(self.steps, first=place.length)
         walk = arclength.trace(problem, point, scale, self.low, self.high, steps)
         step = next(walk, None)
+        short, is_coarse = 0, False
         while step is not None:
             before, (result, length) = point, step
             problem_here = problem
@@ -163,8 +174,9 @@ class Tracer:
             is_end = result.value in (self.low, self.high)
             try:
                 problem, point = refined(problem_here, result, accuracy, is_end)
+                is_coarse = problem.last_share(point.x) > accuracy.share
             except Lost:  # with more harmonics: it is followed with those that it has
-                problem, point = problem_here, result
+                problem, point, is_coarse = problem_here, result, True
             if not is_end:
                 problem, point = thinned(problem, point, accuracy)
             if problem.is_autonomous:
@@ -176,6 +188,9 @@ class Tracer:
                 self.end = CLOSED
                 return
             last = now
+            short = short + 1 if is_coarse and length < _SHORT * steps.most else 0
+            if short > _PATIENCE:
+                raise Lost([])
             try:
                 step = walk.send((problem, point))
             except StopIteration:
@@ -210,11 +225,12 @@ class Tracer:
             result.append(located)
         if not self.accuracy.has_stability:
             return result
-        outside = [int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now)]
-        changed = abs(outside[1] - outside[0]) - (1 if turns else 0)
-        if changed > 0 or (turns and changed > 0):
-            crossed = self._crossing(problem, before, after, max(outside), outside)
-            if crossed is not None:
+        few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
+        for k in range(few + 1, many + 1):
+            crossed = self._crossing(problem, before, after, k)
+            if crossed is None or (turns and crossed.kind == BRANCHING):
+                continue  # of the fold itself
+            if not any(crossed.is_pair_of(b) for b in result):
                 result.append(crossed)
         return result
 
@@ -234,37 +250,32 @@ class Tracer:
             problem, before, after, lambda p: p.by_value, before.by_value, after.by_value
         )
         kind = FOLD if is_smooth else GRAZING
+        multiplier = complex(math.nan)
+        if is_smooth and self.accuracy.has_stability:
+            values = self._multipliers(problem, point)
+            multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
+        return Bifurcation(kind, point.value, problem.split(point.x, point.value), multiplier, -1)
+
+    def _multipliers(self, problem: Problem, point: Point) -> np.ndarray:
         orbit = problem.split(point.x, point.value)
-        return Bifurcation(kind, point.value, orbit, complex(1.0), -1)
+        return crossing(problem, multipliers(problem.machine_at(point.value), orbit).values)
 
     def _crossing(
-        self, problem: Problem, before: Point, after: Point, k: int, outside: list[int]
+        self, problem: Problem, before: Point, after: Point, k: int
     ) -> Bifurcation | None:
         """Where the k-th largest multiplier crosses the unit circle."""
-        seen: dict[float, np.ndarray] = {}
 
         def size(point: Point) -> float:
-            orbit = problem.split(point.x, point.value)
-            values = crossing(problem, multipliers(problem.machine_at(point.value), orbit).values)
-            seen[point.value] = values
-            return math.log(max(abs(values[k - 1]), 1e-300)) - math.log1p(_UNIT)
+            value = self._multipliers(problem, point)[k - 1]
+            return math.log(max(abs(value), 1e-300)) - math.log1p(_UNIT)
 
         first, second = size(before), size(after)
         if first * second >= 0:
             return None
         point, _ = self._root(problem, before, after, size, first, second)
-        values = seen.get(point.value)
-        if values is None:
-            size(point)
-            values = seen[point.value]
-        value = complex(values[k - 1])
+        value = complex(self._multipliers(problem, point)[k - 1])
         real = abs(value.imag) < 1e-6 * abs(value)
-        if abs(outside[1] - outside[0]) % 2 == 0 and not real:
-            kind = TORUS
-        elif value.real < 0 and real:
-            kind = DOUBLING
-        else:
-            kind = BRANCHING if real else TORUS
+        kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
         return Bifurcation(kind, point.value, problem.split(point.x, point.value), value, -1)
 
     def _root(
