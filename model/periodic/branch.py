@@ -31,6 +31,7 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
 )
 CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
+_VERTICAL = 0.05  # of the curve's direction along the parameter: a fold is near
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
 _SHORT, _PATIENCE = (
@@ -228,9 +229,8 @@ class Tracer:
         few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
         for k in range(few + 1, many + 1):
             crossed = self._crossing(problem, before, after, k)
-            if crossed is None or (turns and crossed.kind == BRANCHING):
-                continue  # of the fold itself
-            if not any(crossed.is_pair_of(b) for b in result):
+            is_new = crossed is not None and not (turns and crossed.kind == BRANCHING)
+            if crossed is not None and is_new and not any(crossed.is_pair_of(b) for b in result):
                 result.append(crossed)
         return result
 
@@ -276,6 +276,9 @@ class Tracer:
         value = complex(self._multipliers(problem, point)[k - 1])
         real = abs(value.imag) < 1e-6 * abs(value)
         kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
+        steepest = max(abs(before.by_value), abs(after.by_value))
+        if kind == BRANCHING and abs(point.by_value) < _VERTICAL * steepest:
+            return None  # a fold, in this step or beside it
         return Bifurcation(kind, point.value, problem.split(point.x, point.value), value, -1)
 
     def _root(
