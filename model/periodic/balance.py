@@ -231,7 +231,7 @@ class Problem:
         along = at.of_own_corners(along)
         parts = self.harmonics(value, orbit.omega)
         residual = self._lack(orbit, parts, machine, at, along)
-        nb, n = self.b, (2 * H + 1) * self.b
+        n = (2 * H + 1) * self.b
         # of all samples first: there are fewer of them than pairs of harmonics
         by_d, by_v = (at.spectrum(machine.of_b(by), 2 * H) for by in (along.by_d, along.by_v))
         of_b = products(-by_d, -orbit.omega * by_v)

@@ -34,10 +34,8 @@ _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _VERTICAL = 0.05  # of the curve's direction along the parameter: a fold is near
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
-_SHORT, _PATIENCE = (
-    0.1,
-    4,
-)  # steps, as a share of the longest: so many with too few harmonics end it
+_SHORT = 0.1  # of the first step: a short one
+_PATIENCE = 4  # so many short steps with too few harmonics, and a branch is not followed further
 
 
 class Solution(NamedTuple):
@@ -111,12 +109,14 @@ def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
 
 class Place(NamedTuple):
     """Where on a branch a tracer is, with all that it takes to go on from there: the value about
-    which the equations are scaled, harmonics, the point, and the length of the next step."""
+    which the equations are scaled, harmonics, the point, the length of the next step, and how many
+    steps in a row were short for want of harmonics."""
 
     at: float
     H: int
     point: Point
     length: float
+    short: int = 0
 
 
 class Passed(NamedTuple):
@@ -166,8 +166,10 @@ class Tracer:
         steps = replace(self.steps, first=place.length)
         walk = arclength.trace(problem, point, scale, self.low, self.high, steps)
         step = next(walk, None)
-        short, is_coarse = 0, False
+        short = place.short
         while step is not None:
+            if short > _PATIENCE:
+                raise Lost([])
             before, (result, length) = point, step
             problem_here = problem
             now = solution(problem_here, result, accuracy)
@@ -184,14 +186,12 @@ class Tracer:
                 problem.fix_phase(point.x)
             if problem is not problem_here:
                 now = solution(problem, point, accuracy)
-            yield Passed(now, passed, Place(problem.at, problem.H, point, length))
+            short = short + 1 if is_coarse and length < _SHORT * self.steps.first else 0
+            yield Passed(now, passed, Place(problem.at, problem.H, point, length, short))
             if self._is_closed(problem, start.point, before, point):
                 self.end = CLOSED
                 return
             last = now
-            short = short + 1 if is_coarse and length < _SHORT * steps.most else 0
-            if short > _PATIENCE:
-                raise Lost([])
             try:
                 step = walk.send((problem, point))
             except StopIteration:

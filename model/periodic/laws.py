@@ -116,12 +116,12 @@ class LawsAlong:
     def _corner_levels(self) -> tuple[np.ndarray, np.ndarray]:
         """Interfaces, and gaps of theirs at which a wall's force has a corner [m], shape (n,) each:
         where it begins, and where its damping is in full."""
-        corners = []
-        for j in np.flatnonzero(self.has_wall):
+        corners: list[tuple[int, float]] = []
+        for j in np.flatnonzero(self.has_wall).tolist():
             part = self._part(j)
             corners += [(j, 0.0), (j, -part.delta_c)] if part.c > 0 else [(j, 0.0)]
-        table = np.array(corners, float).reshape(-1, 2)
-        return table[:, 0].astype(int), table[:, 1]
+        owners, levels = zip(*corners, strict=True) if corners else ((), ())
+        return np.array(owners, int), np.array(levels, float)
 
     def openings(self, d: np.ndarray) -> np.ndarray:
         """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""

@@ -1,6 +1,6 @@
 """For `tests.periodic.test_duffing`, in a copy of the package that knows a cubic spring: of each
-question, its file, options of `rf.response` and speeds, the folds [rad/s] with the displacements and
-velocities of the disc at the mark, and the motions at the speeds."""
+question, its file, options of `rf.response` and speeds, the folds [rad/s] with the displacements
+and velocities of the disc at the mark, and the motions at the speeds."""
 
 import json
 import sys

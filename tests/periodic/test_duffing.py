@@ -3,6 +3,7 @@ the closed form; under gravity, with many harmonics, against shooting."""
 
 import json
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -34,7 +35,7 @@ def radii(speed, unbalance):
 def closed_folds(unbalance, low, high):
     """Where the number of circles changes, by bisection."""
     speeds, found = np.linspace(low, high, 2000), []
-    for a, b in zip(speeds, speeds[1:], strict=False):
+    for a, b in pairwise(speeds):
         at_low = len(radii(a, unbalance))
         if at_low == len(radii(b, unbalance)):
             continue

@@ -142,6 +142,7 @@ def test_a_second_call_into_the_same_folder_is_refused_while_the_first_is_at_wor
 def test_the_command_shows_how_far_it_is(tmp_path):
     """Where nobody watches, a line every now and then: the branch, its points and where it is."""
     from rich.console import Console
+
     from rotor_fmu import screen
     from rotor_fmu.cli import periodic
 

@@ -82,6 +82,12 @@ def test_friction_beyond_hopfs_point_makes_a_torus(curve):
     )
     (torus,) = [b for b in result.bifurcations if b.kind == "Neimark-Sacker"]
     assert torus.value == pytest.approx(0.147023, rel=1e-4)
+    # beyond it neither the curve nor a run in time says that the motion is periodic and stays
+    for mu, is_stable in ((0.1, True), (0.2, False)):
+        (point,) = result.at(mu)
+        assert point.is_stable == is_stable
+        assert (abs(point.multipliers[0].imag) > 0.1) or is_stable
+        assert result.check(point, 100).stays == is_stable
 
 
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
