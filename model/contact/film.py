@@ -14,14 +14,8 @@ from typing import NamedTuple
 from ..kernels.functions import angle, direction, modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import places
-from .film_zone import (
-    VECTORS,
-    Film,
-    solve_zone,
-    zone_bound,
-    zone_load,
-    zone_tangent,
-)
+from .film_adjoint import zone_tangent
+from .film_zone import VECTORS, Film, solve_zone, zone_bound, zone_load
 from .full_film import full_load, full_tangent, solve_full
 from .short_film import short_load
 

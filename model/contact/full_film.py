@@ -12,15 +12,8 @@ from __future__ import annotations
 import math
 
 from ..kernels.jit import jit, jit_not_inlined
-from .film_zone import (
-    Zone,
-    conductance,
-    fill_pressure,
-    gradient,
-    pairs_of,
-    solve_adjoint,
-    vectors,
-)
+from .film_adjoint import gradient, pairs_of, solve_adjoint
+from .film_zone import Zone, conductance, fill_pressure, vectors
 
 
 @jit_not_inlined
