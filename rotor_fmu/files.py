@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from .errors import InputError
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
 
 
 @contextmanager
@@ -30,3 +38,23 @@ def write_text(text: str, path: Path) -> None:
     """A text file, whole or not at all."""
     with unfinished(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+@contextmanager
+def only_call(lock: Path) -> Iterator[None]:
+    """Hold the lock of a folder, the file of this name in it, which ends with the process at the
+    latest; raises `InputError` where another call holds it."""
+    with lock.open("a") as file:
+        try:
+            if sys.platform == "win32":
+                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            else:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            raise at_work(lock.parent) from None
+        yield
+
+
+def at_work(folder: Path) -> InputError:
+    """Return what is raised where another call writes to a folder."""
+    return InputError(f"--out {folder}: another call is at work in it")

@@ -12,6 +12,8 @@ from . import arclength
 from .arclength import Lost, Point
 from .balance import Problem
 
+_MANY, _FEW = 1.4, 1.1  # times the harmonics, at once; where these are too many
+
 
 @dataclass(frozen=True)
 class Accuracy:
@@ -29,21 +31,27 @@ def refined(
 ) -> tuple[Problem, Point]:
     """With as many harmonics as the point needs, along the curve, or, if it is held, at the same
     value; raises `Lost`."""
-    while True:
-        share = problem.last_share(point.x)
-        H = problem.H
-        if share > accuracy.share and accuracy.most > H:
-            H = min(accuracy.most, math.ceil(1.4 * H) + problem.turns)
-        else:
-            return problem, point
-        other = problem.like(H, at=point.value)
-        before = np.append(problem.moved(point.tangent, other), point.by_value)
-        before /= np.linalg.norm(before)
-        plane = np.append(np.zeros(len(before) - 1), 1.0) if is_held else before
-        result = arclength.correct(
-            other, problem.moved(point.x, other), point.value, plane, other.parameter.scale, before
-        )
-        problem, point = other, result._replace(corrections=point.corrections)
+    while problem.last_share(point.x) > accuracy.share and accuracy.most > problem.H:
+        try:
+            problem, point = _with(problem, point, _MANY, accuracy, is_held)
+        except Lost:
+            problem, point = _with(problem, point, _FEW, accuracy, is_held)
+    return problem, point
+
+
+def _with(
+    problem: Problem, point: Point, more: float, accuracy: Accuracy, is_held: bool
+) -> tuple[Problem, Point]:
+    """With so many times the harmonics; raises `Lost`."""
+    H = min(accuracy.most, math.ceil(more * problem.H) + problem.turns)
+    other = problem.like(H, at=point.value)
+    before = np.append(problem.moved(point.tangent, other), point.by_value)
+    before /= np.linalg.norm(before)
+    plane = np.append(np.zeros(len(before) - 1), 1.0) if is_held else before
+    result = arclength.correct(
+        other, problem.moved(point.x, other), point.value, plane, other.parameter.scale, before
+    )
+    return other, result._replace(corrections=point.corrections)
 
 
 def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:

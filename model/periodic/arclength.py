@@ -16,9 +16,10 @@ import numpy as np
 from ..quantities import QuantityError
 
 TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
-_CORNER = 1e-5  # of a correction that goes to and fro across a corner of a law
+_SLOW = 0.3  # of the last correction: beyond, a correction is damped
 _ITERATIONS, _AIM = 12, 4
 _LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that are rounding
+_LEAST_AHEAD = 0.05  # of a damped correction after a predictor, which a shorter step spares
 _SMALL, _MARGIN = 1e-4, 10.0  # a correction after which the next is foretold, with a margin
 _LARGEST_CHANGE = 0.5  # of x in one correction, as a share of its size: beyond, a step was too long
 _TURN = 0.9  # least cosine of two tangents one after another
@@ -79,7 +80,7 @@ def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 4
             break
         limit = 0.5 * (1.0 + float(np.linalg.norm(x)))
         most = min(1.0, limit / size) if size > 0 else 1.0
-        relax = _relaxed(equations, residual, x, value, step, most)
+        relax = _relaxed(equations, residual, x, value, step, 0.0, most)
         corrections.append(relax * size)
         x += relax * step
         if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
@@ -93,12 +94,16 @@ def _relaxed(
     x: np.ndarray,
     value: float,
     step: np.ndarray,
+    of_value: float,
     relax: float,
+    least: float = _LEAST_SHARE,
 ) -> float:
-    """Share of a correction after which the residual is smaller (Armijo), or the least tried."""
+    """Share of a correction of x and of lambda after which the residual is smaller (Armijo), or the
+    least tried."""
     size = float(np.linalg.norm(residual))
-    while relax > _LEAST_SHARE:
-        left = float(np.linalg.norm(equations.residual(x + relax * step, value)))
+    while relax > least:
+        ahead = equations.residual(x + relax * step, value + relax * of_value)
+        left = float(np.linalg.norm(ahead))
         if left <= (1.0 - 0.1 * relax) * size or size < _ROUNDING:
             break
         relax *= 0.5
@@ -114,12 +119,6 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     except np.linalg.LinAlgError:
         pass
     return np.linalg.lstsq(matrix, right, rcond=1e-12)[0]
-
-
-def _stagnates(corrections: list[float]) -> bool:
-    """Whether Newton's method goes to and fro across a corner of a law."""
-    last = corrections[-4:]
-    return len(last) == 4 and last[-1] > 0.5 * last[0]
 
 
 def _next(corrections: list[float]) -> float:
@@ -151,17 +150,30 @@ def correct(
     iterations: int = _ITERATIONS,
 ) -> Point:
     """Newton's method at right angles to `plane`; the tangent is that which goes on from `before`.
-    Raises `Lost`."""
+    Raises `Lost`, also where it leads to a value that no machine can have."""
+    try:
+        return _corrected(equations, x, value, plane, scale, before, iterations)
+    except QuantityError as error:
+        raise Lost([]) from error
+
+
+def _corrected(
+    equations: Equations,
+    x: np.ndarray,
+    value: float,
+    plane: np.ndarray,
+    scale: float,
+    before: np.ndarray,
+    iterations: int,
+) -> Point:
+    """Newton's method at right angles to a plane."""
     x, corrections = x.copy(), []
     n = len(x)
     bordered = np.zeros((n + 1, n + 1))
     right = np.zeros((n + 1, 2))
     limit = _LARGEST_CHANGE * (1.0 + float(np.linalg.norm(x)))
     for _ in range(iterations):
-        try:
-            residual, jacobian, by = equations.evaluate(x, value)
-        except QuantityError:  # a value that no machine can have
-            break
+        residual, jacobian, by = equations.evaluate(x, value)
         bordered[:n, :n], bordered[:n, n], bordered[n] = jacobian, by, plane
         right[:n, 0], right[n, 1] = -residual, 1.0
         step, tangent = _solved(bordered, right).T
@@ -169,13 +181,17 @@ def correct(
         corrections.append(size)
         if not size < limit:
             break
-        relax = 0.5 if _stagnates(corrections) else 1.0
+        relax = 1.0
+        if len(corrections) > 1 and size > _SLOW * corrections[-2]:
+            relax = _relaxed(
+                equations, residual, x, value, step[:n], scale * step[n], 1.0, _LEAST_AHEAD
+            )
+            if relax < _LEAST_AHEAD:
+                break
         x += relax * step[:n]
         value += scale * relax * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
-        if _next(corrections) <= TOLERANCE * of_x or (
-            _stagnates(corrections) and size <= _CORNER * of_x
-        ):
+        if relax == 1.0 and _next(corrections) <= TOLERANCE * of_x:
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent

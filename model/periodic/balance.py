@@ -20,22 +20,21 @@ import numpy as np
 
 from ..quantities import QuantityError
 from .condensed import Condensed, Harmonics
+from .corners import Samples
 from .fourier import (
-    after_derivative,
+    add_real,
     amplitudes,
-    as_real,
     coefficients,
     derivative,
-    multiplication,
+    products,
     resized,
-    sampled,
     series_of,
 )
 
 _STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _ONE_SIDED = 1e-7  # of a difference by the parameter, as a share of its scale
-_SAMPLES = 32  # a harmonic: the more, the less it matters where a wall lies between two
-_LEAST_SAMPLES = 64
+_SAMPLES = 16  # a harmonic
+_LEAST_SAMPLES = 256
 
 
 class Orbit(NamedTuple):
@@ -173,19 +172,20 @@ class Problem:
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
         """What the equations lack, shape (size,), each on a scale of about 1."""
         orbit, machine = self.split(x, value), self.machine_at(value)
-        d, v, own = self._sampled(orbit, machine)
-        force, rates = machine.laws.forces(d, v, own, orbit.speed)
-        return self._lack(orbit, self.harmonics(value, orbit.omega), machine, force, rates)
+        at = self._sampled(orbit, machine)
+        along = at.of_own_corners(machine.laws.forces(at.d, at.v, at.own, orbit.speed))
+        return self._lack(orbit, self.harmonics(value, orbit.omega), machine, at, along)
 
-    def _sampled(self, orbit: Orbit, machine: Condensed):
+    def _sampled(self, orbit: Orbit, machine: Condensed) -> Samples:
         d = orbit.b @ machine.B.T
-        v = orbit.omega * derivative(d)
-        return tuple(sampled(series, self._samples) for series in (d, v, orbit.own))
+        return Samples(machine.laws, d, orbit.own, orbit.omega, self._samples, derivative(d))
 
-    def _lack(self, orbit, parts, machine, force, rates) -> np.ndarray:
+    def _lack(self, orbit, parts, machine, at, along) -> np.ndarray:
         linear = coefficients(np.einsum("kij,kj->ki", parts.S, amplitudes(orbit.b)) - parts.force)
-        of_b = linear - series_of(force @ machine.B, self.H)
-        of_own = orbit.omega * derivative(orbit.own) - series_of(rates, self.H)
+        of_b = linear - series_of(at.spectrum(along.force @ machine.B, self.H))
+        of_own = orbit.omega * derivative(orbit.own)
+        if self.s:
+            of_own -= series_of(at.spectrum(along.rates, self.H))
         tail = [self._phase(orbit)] if self.is_autonomous else []
         return np.concatenate(
             [
@@ -226,21 +226,21 @@ class Problem:
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Residual and its derivative by the unknowns."""
         orbit, machine = self.split(x, value), self.machine_at(value)
-        d, v, own = self._sampled(orbit, machine)
-        along = machine.laws.tangents(d, v, own, self.own_scale, orbit.speed)
+        at, H = self._sampled(orbit, machine), self.H
+        along = machine.laws.tangents(at.d, at.v, at.own, self.own_scale, orbit.speed)
+        along = at.of_own_corners(along)
         parts = self.harmonics(value, orbit.omega)
-        residual = self._lack(orbit, parts, machine, along.force, along.rates)
-        rows, nb = 2 * self.H + 1, self.b
+        residual = self._lack(orbit, parts, machine, at, along)
+        n = (2 * H + 1) * self.b
         # of all samples first: there are fewer of them than pairs of harmonics
-        by_b = self._product(machine.of_b(along.by_d), machine.of_b(along.by_v), orbit.omega)
-        of_b = as_real(parts.S).reshape(rows, nb, rows, nb)
-        of_b -= by_b.transpose(0, 2, 1, 3)
-        n = rows * nb
+        by_d, by_v = (at.spectrum(machine.of_b(by), 2 * H) for by in (along.by_d, along.by_v))
+        of_b = products(-by_d, -orbit.omega * by_v)
+        add_real(of_b, parts.S)
+        of_b *= self.row_scale[:, None, None, None]
         jacobian = np.zeros((self.size, self.size))
-        scale = np.repeat(self.row_scale, nb)[:, None]
-        jacobian[:n, :n] = scale * of_b.reshape(n, n)
+        jacobian[:n, :n] = of_b.reshape(n, n)
         if self.s:
-            self._add_states(jacobian, along, machine, orbit, scale)
+            self._add_states(jacobian, along, machine, orbit, at)
         if self.is_autonomous:
             near = x.copy()
             near[-1] = x[-1] + _STEP
@@ -251,24 +251,25 @@ class Problem:
             jacobian[-1, :n] = derivative(self.anchor).ravel()
         return residual, jacobian
 
-    def _product(self, by_value: np.ndarray, by_rate: np.ndarray, omega: float) -> np.ndarray:
-        """Of series and of their rates, what tangents make, shape (2 H + 1, 2 H + 1, ...)."""
-        of_rate = omega * after_derivative(multiplication(by_rate, self.H))
-        return multiplication(by_value, self.H) + of_rate
-
-    def _add_states(self, jacobian, along, machine, orbit, scale) -> None:
-        rows, nb, s = 2 * self.H + 1, self.b, self.s
+    def _add_states(self, jacobian, along, machine, orbit, at) -> None:
+        rows, nb, s, H = 2 * self.H + 1, self.b, self.s, self.H
         n = rows * nb
+        by_state = at.spectrum(along.by_rate, 2 * H)
+        rates_by_d, rates_by_v, rates_by_own = (
+            at.spectrum(by, 2 * H)
+            for by in (along.rates_by_d, along.rates_by_v, along.rates_by_own)
+        )
         inverse = 1.0 / (self.own_scale * self.pace)
-        of_force = machine.B.T @ multiplication(along.by_rate, self.H) * self.own_scale
-        of_force = of_force.transpose(0, 2, 1, 3) / self.lengths
-        jacobian[:n, n : n + rows * s] = -scale * of_force.reshape(n, rows * s)
-        of_d = self._product(along.rates_by_d, along.rates_by_v, orbit.omega) @ machine.B
-        of_d = of_d.transpose(0, 2, 1, 3) * -inverse[:, None, None] * self.lengths
+        by_state = machine.B.T @ by_state * (self.own_scale / self.lengths)
+        of_force = -self.row_scale[:, None, None, None] * products(by_state, 0 * by_state)
+        jacobian[:n, n : n + rows * s] = of_force.reshape(n, rows * s)
+        of_d = products(rates_by_d @ machine.B, orbit.omega * rates_by_v @ machine.B)
+        of_d *= -inverse[:, None, None] * self.lengths
         jacobian[n : n + rows * s, :n] = of_d.reshape(rows * s, n)
-        of_own = -multiplication(along.rates_by_own, self.H)
-        of_own += (orbit.omega * derivative(np.eye(rows)))[:, :, None, None] * np.eye(s)
-        of_own = of_own.transpose(0, 2, 1, 3) * inverse[:, None, None] * self.own_scale
+        of_own = -products(rates_by_own, 0 * rates_by_own)
+        turning = orbit.omega * derivative(np.eye(rows))
+        of_own += turning[:, None, :, None] * np.eye(s)[:, None, :]
+        of_own *= inverse[:, None, None] * self.own_scale
         jacobian[n : n + rows * s, n : n + rows * s] = of_own.reshape(rows * s, rows * s)
 
     def last_share(self, x: np.ndarray) -> float:

@@ -31,8 +31,11 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
 )
 CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
+_VERTICAL = 0.05  # of the curve's direction along the parameter: a fold is near
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
+_SHORT = 0.1  # of the first step: a short one
+_PATIENCE = 4  # so many short steps with too few harmonics, and a branch is not followed further
 
 
 class Solution(NamedTuple):
@@ -52,13 +55,19 @@ class Solution(NamedTuple):
 
 class Bifurcation(NamedTuple):
     """Where a branch changes: its kind, the value of the parameter, the orbit there, the multiplier
-    that crosses the unit circle, and behind which point of the branch."""
+    that crosses the unit circle (nan at grazing, where it jumps, and where none were computed), and
+    behind which point of the branch."""
 
     kind: str
     value: float
     orbit: Orbit
     multiplier: complex
     behind: int
+
+    def is_pair_of(self, other: Bifurcation) -> bool:
+        """Whether both are of one pair of multipliers."""
+        apart = abs(abs(self.multiplier.imag) - abs(other.multiplier.imag))
+        return self.kind == other.kind == TORUS and apart < 1e-3
 
 
 @dataclass
@@ -100,12 +109,14 @@ def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
 
 class Place(NamedTuple):
     """Where on a branch a tracer is, with all that it takes to go on from there: the value about
-    which the equations are scaled, harmonics, the point, and the length of the next step."""
+    which the equations are scaled, harmonics, the point, the length of the next step, and how many
+    steps in a row were short for want of harmonics."""
 
     at: float
     H: int
     point: Point
     length: float
+    short: int = 0
 
 
 class Passed(NamedTuple):
@@ -155,20 +166,28 @@ class Tracer:
         steps = replace(self.steps, first=place.length)
         walk = arclength.trace(problem, point, scale, self.low, self.high, steps)
         step = next(walk, None)
+        short = place.short
         while step is not None:
+            if short > _PATIENCE:
+                raise Lost([])
             before, (result, length) = point, step
             problem_here = problem
             now = solution(problem_here, result, accuracy)
             passed = self._between(problem_here, before, result, last, now)
             is_end = result.value in (self.low, self.high)
-            problem, point = refined(problem_here, result, accuracy, is_end)
+            try:
+                problem, point = refined(problem_here, result, accuracy, is_end)
+                is_coarse = problem.last_share(point.x) > accuracy.share
+            except Lost:  # with more harmonics: it is followed with those that it has
+                problem, point, is_coarse = problem_here, result, True
             if not is_end:
                 problem, point = thinned(problem, point, accuracy)
             if problem.is_autonomous:
                 problem.fix_phase(point.x)
             if problem is not problem_here:
                 now = solution(problem, point, accuracy)
-            yield Passed(now, passed, Place(problem.at, problem.H, point, length))
+            short = short + 1 if is_coarse and length < _SHORT * self.steps.first else 0
+            yield Passed(now, passed, Place(problem.at, problem.H, point, length, short))
             if self._is_closed(problem, start.point, before, point):
                 self.end = CLOSED
                 return
@@ -207,11 +226,11 @@ class Tracer:
             result.append(located)
         if not self.accuracy.has_stability:
             return result
-        outside = [int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now)]
-        changed = abs(outside[1] - outside[0]) - (1 if turns else 0)
-        if changed > 0 or (turns and changed > 0):
-            crossed = self._crossing(problem, before, after, max(outside), outside)
-            if crossed is not None:
+        few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
+        for k in range(few + 1, many + 1):
+            crossed = self._crossing(problem, before, after, k)
+            is_new = crossed is not None and not (turns and crossed.kind == BRANCHING)
+            if crossed is not None and is_new and not any(crossed.is_pair_of(b) for b in result):
                 result.append(crossed)
         return result
 
@@ -231,37 +250,35 @@ class Tracer:
             problem, before, after, lambda p: p.by_value, before.by_value, after.by_value
         )
         kind = FOLD if is_smooth else GRAZING
+        multiplier = complex(math.nan)
+        if is_smooth and self.accuracy.has_stability:
+            values = self._multipliers(problem, point)
+            multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
+        return Bifurcation(kind, point.value, problem.split(point.x, point.value), multiplier, -1)
+
+    def _multipliers(self, problem: Problem, point: Point) -> np.ndarray:
         orbit = problem.split(point.x, point.value)
-        return Bifurcation(kind, point.value, orbit, complex(1.0), -1)
+        return crossing(problem, multipliers(problem.machine_at(point.value), orbit).values)
 
     def _crossing(
-        self, problem: Problem, before: Point, after: Point, k: int, outside: list[int]
+        self, problem: Problem, before: Point, after: Point, k: int
     ) -> Bifurcation | None:
         """Where the k-th largest multiplier crosses the unit circle."""
-        seen: dict[float, np.ndarray] = {}
 
         def size(point: Point) -> float:
-            orbit = problem.split(point.x, point.value)
-            values = crossing(problem, multipliers(problem.machine_at(point.value), orbit).values)
-            seen[point.value] = values
-            return math.log(max(abs(values[k - 1]), 1e-300)) - math.log1p(_UNIT)
+            value = self._multipliers(problem, point)[k - 1]
+            return math.log(max(abs(value), 1e-300)) - math.log1p(_UNIT)
 
         first, second = size(before), size(after)
         if first * second >= 0:
             return None
         point, _ = self._root(problem, before, after, size, first, second)
-        values = seen.get(point.value)
-        if values is None:
-            size(point)
-            values = seen[point.value]
-        value = complex(values[k - 1])
+        value = complex(self._multipliers(problem, point)[k - 1])
         real = abs(value.imag) < 1e-6 * abs(value)
-        if abs(outside[1] - outside[0]) % 2 == 0 and not real:
-            kind = TORUS
-        elif value.real < 0 and real:
-            kind = DOUBLING
-        else:
-            kind = BRANCHING if real else TORUS
+        kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
+        steepest = max(abs(before.by_value), abs(after.by_value))
+        if kind == BRANCHING and abs(point.by_value) < _VERTICAL * steepest:
+            return None  # a fold, in this step or beside it
         return Bifurcation(kind, point.value, problem.split(point.x, point.value), value, -1)
 
     def _root(

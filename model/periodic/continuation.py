@@ -86,6 +86,8 @@ def follow(search: Search, start: Start) -> Branch:
             branch.bifurcations += [b._replace(behind=behind) for b in passed.bifurcations]
             if start.turns > task.turns and _is_joining(branch):
                 tracer.end = JOINED
+                # where it turns is that branch's period doubling
+                branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
                 break
         ended = search.journal.recall(Ended)
         if ended is None:

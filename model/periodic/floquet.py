@@ -20,9 +20,11 @@ import scipy.linalg
 
 from .balance import Orbit
 from .condensed import Condensed
+from .corners import crossings
 from .fourier import basis
 
 _C = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
+_SEEN = np.array([*_C[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
 _LEAST, _MOST = 96, 1024  # steps a turn
 _SLOW = 200.0  # modes up to so many times the highest frequency of the orbit are kept
 
@@ -101,7 +103,8 @@ def tangents_along(machine: Condensed, path: Path, times: np.ndarray) -> Part:
     opens or closes."""
     ends = _grid(machine, path, times)
     h = np.diff(ends)
-    tangent = _tangents(machine, path, (ends[:-1, None] + h[:, None] * _C).ravel())
+    # at its last point a step sees its own side of a contact that opens or closes there
+    tangent = _tangents(machine, path, (ends[:-1, None] + h[:, None] * _SEEN).ravel())
     return Part(h, tangent.reshape(len(h), 3, *tangent.shape[1:]))
 
 
@@ -124,18 +127,18 @@ def _weights() -> np.ndarray:
 
 
 def _grid(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
-    """Times at which steps end: those given, and where a contact opens or closes."""
-    opening = machine.laws.openings(path.at(times)[0])
-    changes = []
-    for j in np.flatnonzero(machine.laws.has_wall):
-        at = np.flatnonzero(opening[:-1, j] * opening[1:, j] < 0)
-        low, high, first = times[at], times[at + 1], opening[at, j]
-        for _ in range(30 if len(at) else 0):
-            middle = 0.5 * (low + high)
-            is_before = machine.laws.openings(path.at(middle)[0])[:, j] * first > 0
-            low, high = np.where(is_before, middle, low), np.where(is_before, high, middle)
-        changes.append(0.5 * (low + high))
-    return np.unique(np.concatenate([times, *changes]))
+    """Times at which steps end: those given, even ones, and where a force has a corner."""
+    laws, h = machine.laws, times[1] - times[0]
+    if not len(laws.levels[0]):
+        return times
+    gap = laws.openings(path.at(np.concatenate([[times[0] - h], times, [times[-1] + h]]))[0])
+
+    def gap_at(cell: np.ndarray, share: np.ndarray) -> np.ndarray:
+        """Return the gaps between the times."""
+        return laws.openings(path.at(times[cell] + h * share)[0])
+
+    cell, share, _ = crossings(laws, gap, gap_at)
+    return np.unique(np.concatenate([times, times[cell] + h * share]))
 
 
 def _tangents(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
 
 def basis(H: int, angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -32,11 +33,11 @@ def sampled(series: np.ndarray, n: int) -> np.ndarray:
     return np.fft.irfft(spectrum, n, axis=0)
 
 
-def series_of(samples: np.ndarray, H: int) -> np.ndarray:
-    """Coefficients of samples evenly over a turn, cut off at H harmonics, along the first axis."""
-    spectrum = np.fft.rfft(samples, axis=0)[: H + 1] * (2.0 / len(samples))
-    spectrum[0] *= 0.5
-    return coefficients(spectrum)
+def series_of(spectrum: np.ndarray) -> np.ndarray:
+    """Coefficients of complex Fourier coefficients 0 to H, along the first axis."""
+    amplitude = 2.0 * spectrum
+    amplitude[0] *= 0.5
+    return coefficients(amplitude)
 
 
 def amplitudes(coefficients: np.ndarray) -> np.ndarray:
@@ -55,37 +56,50 @@ def coefficients(amplitude: np.ndarray) -> np.ndarray:
     return out
 
 
-def as_real(S: np.ndarray) -> np.ndarray:
-    """Complex matrices of harmonics 0 to H, shape (H + 1, b, b), as a matrix of coefficients, shape
-    ((2 H + 1) b, (2 H + 1) b)."""
-    count, b, _ = S.shape
-    out = np.zeros((2 * count - 1, b, 2 * count - 1, b))
-    out[0, :, 0] = S[0].real
-    k = np.arange(1, count)
-    out[2 * k - 1, :, 2 * k - 1] = out[2 * k, :, 2 * k] = S[1:].real
-    out[2 * k - 1, :, 2 * k] = S[1:].imag
-    out[2 * k, :, 2 * k - 1] = -S[1:].imag
-    return out.reshape((2 * count - 1) * b, -1)
+def add_real(matrix: np.ndarray, S: np.ndarray) -> None:
+    """Add complex matrices of harmonics 0 to H, shape (H + 1, b, b), to a matrix of coefficients,
+    shape (2 H + 1, b, 2 H + 1, b)."""
+    matrix[0, :, 0] += S[0].real
+    k = np.arange(1, len(S))
+    for row, column, part in (
+        (2 * k - 1, 2 * k - 1, S[1:].real),
+        (2 * k, 2 * k, S[1:].real),
+        (2 * k - 1, 2 * k, S[1:].imag),
+        (2 * k, 2 * k - 1, -S[1:].imag),
+    ):
+        matrix[row, :, column] += part
 
 
-def multiplication(samples: np.ndarray, H: int) -> np.ndarray:
-    """What multiplication by functions of the angle makes of the coefficients of a series, cut off
-    at H harmonics; samples: evenly over a turn, shape (n, ...), n > 4 H; shape (2 H + 1, 2 H + 1,
-    ...).
-    """
-    spectrum = np.fft.rfft(samples, axis=0)[: 2 * H + 1] / len(samples)
-    c, s = spectrum.real, -spectrum.imag
-    k = np.arange(1, H + 1)
-    plus, minus = k[:, None] + k, k[:, None] - k
-    sign = np.sign(minus).reshape(*minus.shape, *[1] * (samples.ndim - 1))
-    c_minus, s_minus = c[np.abs(minus)], sign * s[np.abs(minus)]
-    out = np.empty((2 * H + 1, 2 * H + 1, *samples.shape[1:]))
-    out[0, 0] = c[0]
-    out[0, 1::2], out[0, 2::2] = c[k], s[k]
-    out[1::2, 0], out[2::2, 0] = 2 * c[k], 2 * s[k]
-    out[1::2, 1::2], out[2::2, 2::2] = c_minus + c[plus], c_minus - c[plus]
-    out[1::2, 2::2], out[2::2, 1::2] = s[plus] - s_minus, s[plus] + s_minus
+def products(of_value: np.ndarray, of_rate: np.ndarray) -> np.ndarray:
+    """What T x + V x' makes of the coefficients of a series x, cut off at H harmonics; of_value,
+    of_rate: complex Fourier coefficients 0 to 2 H of the matrices T and V, x' by the angle, shape
+    (2 H + 1, p, q); shape (2 H + 1, p, 2 H + 1, q)."""
+    H, (p, q) = len(of_value) // 2, of_value.shape[1:]
+    out = np.empty((2 * H + 1, p, 2 * H + 1, q))
+    k = np.arange(H + 1)[:, None]
+    value_minus, value_plus = _by_differences(of_value)
+    rate_minus, rate_plus = _by_differences(of_rate)
+    # of x = Re(z exp(i k t)): T_(j-k) z + T_(j+k) conj z
+    both, apart = value_minus + value_plus, value_minus - value_plus
+    both += 1j * k * (rate_minus - rate_plus)
+    apart += 1j * k * (rate_minus + rate_plus)
+    out[0, :, 0] = of_value[0].real
+    out[0, :, 1::2], out[0, :, 2::2] = 0.5 * both.real[0, :, 1:], 0.5 * apart.imag[0, :, 1:]
+    out[1::2, :, 0], out[2::2, :, 0] = 2 * of_value.real[1 : H + 1], -2 * of_value.imag[1 : H + 1]
+    out[1::2, :, 1::2], out[2::2, :, 1::2] = both.real[1:, :, 1:], -both.imag[1:, :, 1:]
+    out[1::2, :, 2::2], out[2::2, :, 2::2] = apart.imag[1:, :, 1:], apart.real[1:, :, 1:]
     return out
+
+
+def _by_differences(spectrum: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients j - k and j + k of a real function's, for j and k from 0 to H, shape (H + 1, p,
+    H + 1, q) each, without a copy."""
+    H = len(spectrum) // 2
+    whole = np.concatenate([spectrum[:0:-1].conj(), spectrum])[2 * H - H :]
+    first, p, q = whole.strides
+    shape = (H + 1, spectrum.shape[1], H + 1, spectrum.shape[2])
+    minus = as_strided(whole[H:], shape, (first, p, -first, q), writeable=False)
+    return minus, as_strided(whole[H:], shape, (first, p, first, q), writeable=False)
 
 
 def derivative(series: np.ndarray) -> np.ndarray:
@@ -93,15 +107,6 @@ def derivative(series: np.ndarray) -> np.ndarray:
     out = np.zeros_like(series)
     k = np.arange(1, len(series) // 2 + 1).reshape(-1, *[1] * (series.ndim - 1))
     out[1::2], out[2::2] = k * series[2::2], -k * series[1::2]
-    return out
-
-
-def after_derivative(matrix: np.ndarray) -> np.ndarray:
-    """A matrix of coefficients, shape (rows, 2 H + 1, ...), applied to the derivative of a
-    series."""
-    out = np.zeros_like(matrix)
-    k = np.arange(1, matrix.shape[1] // 2 + 1).reshape(-1, *[1] * (matrix.ndim - 2))
-    out[:, 2::2], out[:, 1::2] = k * matrix[:, 1::2], -k * matrix[:, 2::2]
     return out
 
 

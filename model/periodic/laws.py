@@ -26,6 +26,14 @@ def is_linear(structure: Structure) -> np.ndarray:
     return np.asarray(structure.interfaces.law == linear)
 
 
+class Forces(NamedTuple):
+    """What m interfaces with s own states do at n samples: forces of x and y, shape (n, 2 m) [N],
+    and rates of the states, shape (n, s)."""
+
+    force: np.ndarray
+    rates: np.ndarray
+
+
 class Along(NamedTuple):
     """What m interfaces with s own states do at n samples: forces F of x and y, shape (n, 2 m) [N];
     their derivatives by displacements, by velocities, shape (n, m, 2, 2) each, and by own states,
@@ -85,6 +93,7 @@ class LawsAlong:
         self.starts = starts_of(interfaces)
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
+        self.levels = self._corner_levels()
         is_fast = IS_COMPILED and selected_backend() is not Backend.PYTHON
         self._along = _along if is_fast else interpreted(_along)
         self._openings = _openings if is_fast else interpreted(_openings)
@@ -104,18 +113,26 @@ class LawsAlong:
         interface = self._interfaces[j]
         return self._laws[interface.law][interface.row]
 
+    def _corner_levels(self) -> tuple[np.ndarray, np.ndarray]:
+        """Interfaces, and gaps of theirs at which a wall's force has a corner [m], shape (n,) each:
+        where it begins, and where its damping is in full."""
+        corners: list[tuple[int, float]] = []
+        for j in np.flatnonzero(self.has_wall).tolist():
+            part = self._part(j)
+            corners += [(j, 0.0), (j, -part.delta_c)] if part.c > 0 else [(j, 0.0)]
+        owners, levels = zip(*corners, strict=True) if corners else ((), ())
+        return np.array(owners, int), np.array(levels, float)
+
     def openings(self, d: np.ndarray) -> np.ndarray:
         """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""
         out = np.zeros((self.count, len(d)))
         self._openings(self._laws, self._interfaces, _complex(d), out)
         return out.T
 
-    def forces(
-        self, d: np.ndarray, v: np.ndarray, own: np.ndarray, speed: float
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Forces, shape (n, 2 m) [N], and rates of the states, shape (n, s)."""
+    def forces(self, d: np.ndarray, v: np.ndarray, own: np.ndarray, speed: float) -> Forces:
+        """Forces and rates; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s)."""
         force, _, _, rates = self._call(d, v, own, speed)
-        return _plane(force), rates
+        return Forces(_plane(force), rates)
 
     def tangents(
         self, d: np.ndarray, v: np.ndarray, own: np.ndarray, scale: np.ndarray, speed: float

@@ -27,6 +27,10 @@ _MOST_BRANCHES = 24
 def follow_switched(search: Search) -> None:
     """Follow the branches from all bifurcations, from those on the new ones too."""
     branches = search.result.branches
+    if search.result.task.is_whirl:
+        said = "branches that begin at bifurcations of a whirl by itself are not followed"
+        search.result.notes.append(Message(said, "few-branches"))
+        return
     for branch in branches:  # which grows
         for bifurcation in branch.bifurcations:
             if bifurcation.kind not in (DOUBLING, BRANCHING):
@@ -40,10 +44,6 @@ def follow_switched(search: Search) -> None:
 
 def _follow_from(search: Search, branch: Branch, bifurcation: Bifurcation) -> None:
     """Follow what begins at a bifurcation of a branch."""
-    if search.result.task.is_whirl:
-        said = f"{bifurcation.kind} at {bifurcation.value:g}: not followed, of a whirl by itself"
-        search.result.notes.append(Message(said, "few-branches"))
-        return
     new = _new(search, branch, bifurcation)
     while True:
         started = search.journal.recall(Started)

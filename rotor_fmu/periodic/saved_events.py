@@ -16,13 +16,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..about import __version__
+from ..files import only_call
 from ..model.periodic.arclength import Point
 from ..model.periodic.balance import Orbit
 from ..model.periodic.branch import Bifurcation, Passed, Place, Solution
 from ..model.periodic.journal import Ended, Event, Journal, Start, Started
 from ..model.spelling import Message
 
-FILE = "points.jsonl"
+FILE, LOCK = "points.jsonl", "points.lock"
 _KINDS: Mapping[str, Callable[..., Any]] = {
     kind.__name__: kind
     for kind in (Orbit, Point, Place, Solution, Bifurcation, Passed, Start, Started, Ended)
@@ -39,8 +40,14 @@ class Saved(NamedTuple):
 @contextmanager
 def saved_journal(folder: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
     """The journal of a response in a folder; one of another machine, options or version is begun
-    anew. A line that an earlier call did not finish is dropped."""
-    path = folder / FILE
+    anew. A line that an earlier call did not finish is dropped. Raises `InputError` while another
+    call writes one there."""
+    with only_call(folder / LOCK), _journal(folder / FILE, toml, options) as saved:
+        yield saved
+
+
+@contextmanager
+def _journal(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Saved]:
     given = json.dumps([__version__, toml, options], sort_keys=True, default=str)
     head = json.dumps({"response": sha256(given.encode()).hexdigest()})
     events: list[Event] = []

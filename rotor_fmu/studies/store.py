@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, RunFailed, optional, writable_folder
+from ..files import at_work
 from ..runs.job import write_json
 from .study import Result, Study, read_about
 
@@ -64,7 +65,7 @@ class Store:
         try:
             self._lock.acquire(blocking=False)
         except filelock.Timeout:
-            raise InputError(f"--out {self._folder}: another call is at work in it") from None
+            raise at_work(self._folder) from None
         try:
             self._begin()
         except BaseException:

@@ -1,6 +1,7 @@
 """A response that was stopped goes on where it was, to the points of an undisturbed one."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -116,3 +117,66 @@ def test_ctrl_c_keeps_points_and_pictures_and_the_same_call_goes_on(tmp_path):
         run.send_signal(signal.SIGINT)
         run.communicate()
     assert file.read_text().splitlines()[: len(saved)] == saved
+
+
+def test_a_second_call_into_the_same_folder_is_refused_while_the_first_is_at_work(tmp_path):
+    arguments = ["response", "--rotor", JEFFCOTT, "--speed", "60:240", "--step", "0.002"]
+    call = [sys.executable, "-c", COMMAND, *map(str, arguments), "--out", str(tmp_path)]
+    with subprocess.Popen(call, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as run:
+        file = tmp_path / FILE
+        while run.poll() is None and not (file.exists() and file.read_text().count("\n") > 5):
+            pass
+        before = file.read_text()
+        second = subprocess.run(call, capture_output=True, text=True, check=False)
+        assert run.poll() is None
+        run.send_signal(signal.SIGINT)
+        run.communicate()
+    assert second.returncode == 2
+    assert second.stderr == f"rotor-fmu: --out {tmp_path}: another call is at work in it\n"
+    assert second.stdout == ""
+    assert file.read_text().startswith(before)
+    with saved_journal(tmp_path, "another", {}):
+        pass  # the first has left it
+
+
+def test_the_command_shows_how_far_it_is(tmp_path):
+    """Where nobody watches, a line every now and then: the branch, its points and where it is."""
+    from rich.console import Console
+
+    from rotor_fmu import screen
+    from rotor_fmu.cli import periodic
+
+    said = []
+
+    class Clock:
+        now = 0.0
+
+        @classmethod
+        def monotonic(cls):
+            cls.now += 6.0
+            return cls.now
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(screen, "time", Clock)
+        patch.setattr(periodic, "_errors", Console(file=Lines(said), width=200))
+        with periodic._progress(180.0, before=3) as tell:
+            rf.response(jeffcott(), speed=(60.0, 240.0), tell=tell)
+    assert len(said) > 3
+    for line in said:
+        assert re.fullmatch(r"response: .*branch 1: \d+ points, at [\d.]+, \d+ harmonics", line)
+    counts = [int(re.search(r"(\d+) points", line)[1]) for line in said]
+    assert counts == sorted(counts)
+    assert counts[0] > 3
+
+
+class Lines:
+    """A file that collects its lines."""
+
+    def __init__(self, lines):
+        self.lines = lines
+
+    def write(self, text):
+        self.lines += [line for line in text.splitlines() if line.strip()]
+
+    def flush(self):
+        pass

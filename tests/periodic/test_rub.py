@@ -82,6 +82,12 @@ def test_friction_beyond_hopfs_point_makes_a_torus(curve):
     )
     (torus,) = [b for b in result.bifurcations if b.kind == "Neimark-Sacker"]
     assert torus.value == pytest.approx(0.147023, rel=1e-4)
+    # beyond it neither the curve nor a run in time says that the motion is periodic and stays
+    for mu, is_stable in ((0.1, True), (0.2, False)):
+        (point,) = result.at(mu)
+        assert point.is_stable == is_stable
+        assert (abs(point.multipliers[0].imag) > 0.1) or is_stable
+        assert result.check(point, 100).stays == is_stable
 
 
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
@@ -99,7 +105,11 @@ def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):
 def test_dry_whirl_rolls_as_the_closed_form_says(v):
     machine = jeffcott(0.05, 20.0, 0.1, 0.0)
     speed = v * CLEARANCE * OMEGA / RADIUS
-    result = rf.response(machine, speed=speed, over=("contact[1].mu", 0.02, 0.15), whirl=True)
+    over = ("contact[1].mu", 0.02, 0.15)
+    result = rf.response(machine, speed=speed, over=over, whirl=True, branches=True)
+    assert (
+        "branches that begin at bifurcations of a whirl by itself are not followed" in result.notes
+    )
     points = result.at(0.1)
     (rolls,) = [p for p in points if p.is_stable]
     (slides,) = [p for p in points if not p.is_stable]

@@ -1,0 +1,176 @@
+"""Corners of the forces along an orbit, and what they add to sums of samples.
+
+A contact's force has a corner where it begins, and where its damping is in full; its tangents jump
+there. With g sampled evenly, h apart, and its jumps [g], [g'] at t_c, theta h after a sample, Euler
+and Maclaurin's formula is
+
+    integral of g e = sum of g e h - h B1 [g e] + h^2/2 B2 [(g e)'] - h^3/6 B3 [(g e)'']
+
+with Bernoulli's polynomials of theta, and e = exp(-i k t): so exact that sixteen samples a harmonic
+do, and smooth where a corner passes a sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from .fourier import basis, sampled
+from .laws import Along, Forces, LawsAlong
+
+_F = TypeVar("_F", Forces, Along)
+
+_SIDE = np.array([1.0, 2.0, 3.0])  # behind a corner, where limits are taken from by a parabola
+_SIDES = np.append(-_SIDE[::-1], _SIDE)  # on both sides
+_LIMITS = np.linalg.inv(np.vander(_SIDE, increasing=True)) * [[1.0], [1.0], [2.0]]
+_NEAR = 0.02  # in samples, or in distances to the next corner
+_LEAST = 1e-5  # of that distance, in samples
+_NEWTON, _EXACT = 6, 2  # iterations on the interpolated gap; on the gap itself
+
+
+class Crossings(NamedTuple):
+    """Where a gap passes a level: between which samples, which share of the way, and whose gap, of
+    shape (n,) each."""
+
+    cell: np.ndarray
+    share: np.ndarray
+    owner: np.ndarray
+
+
+def crossings(
+    laws: LawsAlong, gap: np.ndarray, gap_at: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> Crossings:
+    """Where the gaps of walls pass the levels at which forces have corners, between the samples 1
+    and n + 1 of n + 3 even ones; gap: shape (n + 3, m); gap_at: all gaps at cells and shares."""
+    owner, level = laws.levels
+    g = gap[:, owner] - level
+    slope = 0.5 * (g[2:] - g[:-2])
+    g = g[1:-1]
+    changes = (g[:-1] > 0) != (g[1:] > 0)
+    cell, which = np.nonzero(changes)
+    low, high = np.zeros(len(cell)), np.ones(len(cell))
+    # in and out, or out and in, between two samples
+    turns = ~changes & (slope[:-1] * g[:-1] < 0) & (slope[1:] * g[1:] > 0)
+    if turns.any():
+        at = np.nonzero(turns)
+        vertex = slope[:-1][at] / (slope[:-1][at] - slope[1:][at])
+        passes = _cubic(g, slope, *at)(vertex)[0] * g[at] < 0
+        two, vertex = tuple(np.repeat(a[passes], 2) for a in at), vertex[passes]
+        cell, which = np.append(cell, two[0]), np.append(which, two[1])
+        zero, one = np.zeros(len(vertex)), np.ones(len(vertex))
+        low = np.append(low, np.column_stack([zero, vertex]).ravel())
+        high = np.append(high, np.column_stack([vertex, one]).ravel())
+    cubic = _cubic(g, slope, cell, which)
+    share, begins = 0.5 * (low + high), cubic(low)[0] > 0
+    for _ in range(_NEWTON):
+        value, rate = cubic(share)
+        is_before = (value > 0) == begins
+        low, high = np.where(is_before, share, low), np.where(is_before, high, share)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            near = share - value / rate
+        share = np.where((near > low) & (near < high), near, 0.5 * (low + high))
+    for _ in range(_EXACT if len(cell) else 0):
+        value = gap_at(cell, share)[np.arange(len(cell)), owner[which]] - level[which]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            near = share - value / cubic(share)[1]
+        share = np.where(np.isfinite(near), np.clip(near, 0.0, 1.0), share)
+    return Crossings(cell, share, owner[which])
+
+
+def _cubic(g, slope, cell, which):
+    """What a gap is between two samples, by its values and slopes there, and its derivative."""
+    a, b, s, t = g[cell, which], g[cell + 1, which], slope[cell, which], slope[cell + 1, which]
+    c, e = 3 * (b - a) - 2 * s - t, 2 * (a - b) + s + t
+
+    def at(x):
+        """Return it at shares of the way."""
+        return a + x * (s + x * (c + x * e)), s + x * (2 * c + 3 * x * e)
+
+    return at
+
+
+class Samples:
+    """An orbit sampled over its period, and on both sides of each corner.
+
+    d, v, own: displacements and velocities of the interfaces and own states at all of these
+    instants, the n even ones first; series: coefficients of d and of own; omega [rad/s].
+    """
+
+    def __init__(
+        self,
+        laws: LawsAlong,
+        d: np.ndarray,
+        own: np.ndarray,
+        omega: float,
+        n: int,
+        rate: np.ndarray,
+    ) -> None:
+        self.n, self.owner, self._laws = n, np.zeros(0, int), laws
+        self.d, self.v, self.own = sampled(d, n), omega * sampled(rate, n), sampled(own, n)
+        if not len(laws.levels[0]):
+            return
+        H, h = len(d) // 2, 2 * np.pi / n
+        gap = laws.openings(self.d)
+
+        def gap_at(cell, share):
+            """Return the gaps between samples."""
+            return laws.openings(basis(H, h * (cell + share))[0] @ d)
+
+        cyclic = np.concatenate([gap[-1:], gap, gap[:2]])
+        cell, self._share, self.owner = crossings(laws, cyclic, gap_at)
+        if not len(cell):
+            return
+        self._at = h * (cell + self._share)
+        self._near = h * _NEAR * self._apart(cell)
+        value, slope = basis(H, (self._at[:, None] + self._near[:, None] * _SIDES).ravel())
+        self.d = np.concatenate([self.d, value @ d])
+        self.v = np.concatenate([self.v, omega * (slope @ d)])
+        self.own = np.concatenate([self.own, value @ own])
+
+    def _apart(self, cell: np.ndarray) -> np.ndarray:
+        """How far the next corner of the same force is, in samples, 1 at most."""
+        at = cell + self._share
+        apart = np.abs(at[:, None] - at)
+        apart = np.minimum(apart, self.n - apart)
+        apart[(self.owner[:, None] != self.owner) | np.eye(len(at), dtype=bool)] = 1.0
+        return np.clip(apart.min(axis=1), _LEAST, 1.0)
+
+    def of_own_corners(self, along: _F) -> _F:
+        """Forces and what belongs to them, without what the other interfaces do at the corners of
+        one."""
+        if not len(self.owner):
+            return along
+        owner, laws = np.repeat(self.owner, len(_SIDES))[:, None], self._laws
+        of_force = np.repeat(np.arange(laws.count), 2) == owner
+        for name, values in along._asdict().items():
+            mask = laws.owner == owner if name.startswith("rates") else of_force
+            mask = mask[:, ::2] if name in ("by_d", "by_v") else mask
+            values[self.n :] *= mask.reshape(*mask.shape, *[1] * (values.ndim - 2))
+        return along
+
+    def spectrum(self, values: np.ndarray, H: int) -> np.ndarray:
+        """Complex Fourier coefficients 0 to H of values at all instants, along the first axis."""
+        n = self.n
+        result = np.fft.rfft(values[:n], axis=0)[: H + 1] / n
+        if not len(self.owner):
+            return result
+        sides = values[n:].reshape(len(self.owner), 2, len(_SIDE), -1)
+        turns = (-1.0) ** np.arange(3)[:, None]  # of derivatives by the way back
+        limits = _LIMITS @ sides[:, 1] - turns * (_LIMITS @ sides[:, 0, ::-1])
+        jumps = limits / self._near[:, None, None] ** np.arange(3)[:, None]
+        result += np.einsum("cpk,cpv->kv", self._weights(H), jumps).reshape(result.shape)
+        return result
+
+    def _weights(self, H: int) -> np.ndarray:
+        """What jumps of values, of slopes and of second derivatives at the corners add to
+        coefficients 0 to H, shape (corners, 3, H + 1)."""
+        x, ik, h = self._share[:, None], 1j * np.arange(H + 1), 2 * np.pi / self.n
+        first = -h * (x - 0.5)
+        second = h**2 / 2 * (x * x - x + 1 / 6)
+        third = -(h**3) / 6 * x * (x - 0.5) * (x - 1.0)
+        turn = np.exp(-ik * self._at[:, None]) / (2 * np.pi)
+        of_value = first - ik * second + ik * ik * third
+        of_slope = second - 2 * ik * third
+        return np.stack([turn * of_value, turn * of_slope, turn * third], axis=1)
