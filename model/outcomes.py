@@ -9,6 +9,7 @@ import numpy as np
 from . import messages
 from .kernels.functions import modulus
 from .kernels.jit import interpreted, jit
+from .overload import carried_by, is_held, load_on
 from .settings.resolver import radius_at_infinity
 from .spelling import MOST_ARGUMENTS, spell
 from .stability.matrices import OPEN
@@ -55,9 +56,13 @@ def no_rest(run, status, arguments):
     arguments[0] = _held_nodes(structure)
     if arguments[0] < 2.0:
         return messages.NOT_HELD
-    broken = _broken(run)
-    if broken > 0:
-        arguments[0], arguments[1] = broken, run.memory.record[0].omega
+    broken = first_broken(structure, run.trial.q, run.trial.internal_state)
+    if broken >= 0:
+        load, is_its_own = load_on(run, broken)
+        arguments[0] = _node_of(structure, structure.interfaces[broken].dof)
+        arguments[1] = run.memory.record[0].omega
+        arguments[2], arguments[3] = 0.0 if is_its_own else 1.0, load
+        arguments[4] = carried_by(run, broken)
         return messages.FILM_AT_REST
     if status == equilibrium.UNSTABLE:
         return messages.ON_A_HUMP
@@ -95,13 +100,7 @@ def _held_nodes(structure):
     """Return how many nodes have a spring or an interface."""
     held = 0
     for dof in range(structure.M.shape[0]):
-        is_held = False
-        for i in range(len(structure.springs)):
-            spring = structure.springs[i]
-            is_held = is_held or (spring.dof == dof and spring.stiffness > 0.0)
-        for j in range(len(structure.interfaces)):
-            is_held = is_held or structure.interfaces[j].dof == dof
-        held += 1 if is_held else 0
+        held += 1 if is_held(structure, dof) else 0
     return held
 
 

@@ -32,6 +32,11 @@ class Display:
     is_pp: bool = False
 
     @property
+    def small_word(self) -> str:
+        """Unit of displacements in letters that every terminal has."""
+        return self.small_unit.replace("µ", "u")
+
+    @property
     def amplitude(self) -> float:
         """Factor from m 0-p to the unit of amplitudes."""
         return self.small * (2 if self.is_pp else 1)
@@ -40,6 +45,11 @@ class Display:
     def amplitude_unit(self) -> str:
         """Unit of amplitudes, with what is measured."""
         return f"{self.small_unit} {'pp' if self.is_pp else '0-p'}"
+
+    @property
+    def amplitude_words(self) -> str:
+        """Unit of amplitudes in letters that every terminal has."""
+        return self.amplitude_unit.replace("µ", "u")
 
     @property
     def speed_label(self) -> str:
@@ -84,6 +94,12 @@ def display_of(shown: str, text: str) -> Display:
             raise InputError(f"{shown} {text}: {word!r} must be one of {', '.join(_WORDS)}{meant}")
         result = replace(result, **known[word.lower()])  # type: ignore[arg-type]
     return result
+
+
+def shown_speed(omega: float) -> str:
+    """Return a speed [rad/s] in the unit that is shown: four digits, or all before the point."""
+    value = float(omega) * current().speed
+    return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
 def frequency_unit() -> str:

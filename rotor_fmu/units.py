@@ -36,10 +36,13 @@ _MEASURED = {
     "N.m": ("a torque", "N.mm, lbf.in"),
     "N/m": ("a stiffness", "N/mm, MN/m, lbf/in"),
     "N.s/m": ("a damping", "N.s/mm, kN.s/m, lbf.s/in"),
-    "Pa": ("a stress", "GPa, MPa, psi"),
+    "Pa": ("a stress or a pressure", "GPa, MPa, bar, psi"),
     "kg/m3": ("a density", "g/cm3, lb/in3"),
     "kg.m": ("an unbalance", "g.mm, oz.in"),
     "kg.m2": ("a moment of inertia", "kg.mm2, lb.in2"),
+    "Pa.s": ("a viscosity", "mPa.s, cP"),
+    "J/(kg.K)": ("a specific heat", "kJ/(kg.K)"),
+    "degC": ("a temperature", ""),
     "1": ("a number", "percent"),
 }
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*", re.DOTALL)
@@ -89,6 +92,8 @@ def factor(shown: str, unit: str, si: str) -> float:
         return known[unit.lower()]
     if unit in _OTHERS.get(si, {}):
         return _OTHERS[si][unit]
+    if si == "degC":  # a scale with an offset has no factor
+        raise InputError(f"{shown}: {_must_be(si)}")
     registry = _registry(shown)
     try:
         asked = registry.parse_expression(_spelled(unit))

@@ -1,31 +1,54 @@
-"""Pages in a browser: the system's Chromium, driven by selenium."""
+"""Pages in the browsers that are installed: Chromium and Firefox."""
 
-import shutil
 import time
-from importlib.util import find_spec
 
 import pytest
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
-DRIVER = shutil.which("chromedriver")
-NEEDED = pytest.mark.skipif(
-    not (BROWSER and DRIVER and find_spec("selenium")),
-    reason="needs chromium, chromedriver and selenium",
-)
+from .chromium import Chromium
+from .firefox import Firefox
+
 PATIENCE = 60.0  # [s]
 NASTY = "<!--<script> $$\\frac{a}{b}$$"
+# keys, as WebDriver names them
+ENTER, LEFT, RIGHT = "\ue007", "\ue012", "\ue014"
+
+
+class Element:
+    """A part of a page."""
+
+    def __init__(self, page, node):
+        self.page, self.node = page, node
+
+    def run(self, script):
+        return self.page.run(f"const node = arguments[0]; {script}", self.node)
+
+    def click(self):
+        box = "const { left, top, width, height } = node.getBoundingClientRect();"
+        self.run("node.scrollIntoView({ block: 'center', behavior: 'instant' })")
+        x, y = self.run(f"{box} return [left + width / 2, top + height / 2]")
+        self.page.mouse(x, y, "click")
+
+    def press(self, *keys):
+        self.run("node.focus()")
+        self.page.press(*keys)
+
+    def get_property(self, name):
+        return self.page.run("return arguments[0][arguments[1]]", self.node, name)
+
+    def is_displayed(self):
+        return self.run("return node.checkVisibility({ visibilityProperty: true })")
 
 
 class Page:
-    """A page that is open in the browser."""
+    """A page that is open in a browser."""
 
     def __init__(self, driver, path):
         self.driver = driver
-        driver.get(path.as_uri())
+        driver.open(path.as_uri())
         self.wait("document.documentElement.dataset.ready === 'yes'")
 
     def run(self, script, *arguments):
-        return self.driver.execute_script(script, *arguments)
+        return self.driver.run(script, *arguments)
 
     def wait(self, condition):
         end = time.monotonic() + PATIENCE
@@ -43,53 +66,80 @@ class Page:
         )
 
     def find(self, name):
-        return self.driver.find_element("id", name)
+        return Element(self, self.run("return document.getElementById(arguments[0])", name))
 
     def text(self, name):
         return self.run("return document.getElementById(arguments[0]).textContent", name)
 
-    def click_at(self, chart, x, y):
-        """Click on a place of a picture that is given in its data's coordinates."""
-        from selenium.webdriver import ActionChains
+    def press(self, *keys):
+        """Press keys, one after the other, on what has the focus."""
+        strokes = [{"type": f"key{way}", "value": key} for key in keys for way in ("Down", "Up")]
+        self.driver.perform([{"type": "key", "id": "keys", "actions": strokes}])
 
-        where = self.run(
-            f"const {{ frame }} = {chart}.view;"
-            "return [frame.x_scale.compute(arguments[0]), frame.y_scale.compute(arguments[1])]",
+    def mouse(self, x, y, *acts):
+        """Bring the mouse to a place of the window [px] and let it `click` there, go `down` or `up`
+        or to another place."""
+        actions = [_move((x, y))]
+        for act in acts:
+            if isinstance(act, str):
+                ways = ("down", "up") if act == "click" else (act,)
+                actions += [{"type": f"pointer{way.title()}", "button": 0} for way in ways]
+            else:
+                actions.append(_move(act))
+        kind = {"pointerType": "mouse"}
+        self.driver.perform(
+            [{"type": "pointer", "id": "mouse", "parameters": kind, "actions": actions}]
+        )
+
+    def wheel(self, x, y, turned):
+        """Turn the wheel by so many pixels at a place of the window [px]."""
+        turn = {
+            "type": "scroll",
+            "deltaX": 0,
+            "deltaY": turned,
+            "duration": 0,
+            "origin": "viewport",
+        }
+        turn |= {"x": round(x), "y": round(y)}
+        self.driver.perform([{"type": "wheel", "id": "wheel", "actions": [turn]}])
+
+    def place(self, chart, x, y=None):
+        """Return where the window [px] shows a place of a picture, given in its data's coordinates;
+        without y it is at the picture's middle height."""
+        return self.run(
+            f"const {{ frame }} = {chart}.view, {{ holder }} = {chart};"
+            "holder.scrollIntoView({ block: 'center', behavior: 'instant' });"
+            "const { left, top, height } = holder.getBoundingClientRect(), [x, y] = arguments;"
+            "return [left + frame.x_scale.compute(x),"
+            "top + (y === null ? height / 2 : frame.y_scale.compute(y))]",
             x,
             y,
         )
-        holder = self.run(f"return {chart}.holder")
-        self.run("arguments[0].scrollIntoView({ block: 'center' })", holder)
-        move = ActionChains(self.driver)
-        size = self.run(
-            "const b = arguments[0].getBoundingClientRect(); return [b.width, b.height]", holder
-        )
-        move.move_to_element_with_offset(
-            holder, round(where[0] - size[0] / 2), round(where[1] - size[1] / 2)
-        )
-        move.click().perform()
+
+    def click_at(self, chart, x, y):
+        """Click on a place of a picture that is given in its data's coordinates."""
+        self.mouse(*self.place(chart, x, y), "click")
+
+
+def _move(place):
+    x, y = (round(each) for each in place)
+    return {"type": "pointerMove", "x": x, "y": y, "duration": 0, "origin": "viewport"}
 
 
 def look(driver, width=1600, dark=False):
-    driver.execute_cdp_cmd(
-        "Emulation.setDeviceMetricsOverride",
-        {"width": width, "height": 1000, "deviceScaleFactor": 1, "mobile": False},
-    )
-    scheme = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [scheme]})
+    driver.look(width, 1000, dark)
 
 
-@pytest.fixture(scope="module")
-def driver():
-    from selenium import webdriver
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.ChromeService(executable_path=DRIVER)
-    browser = webdriver.Chrome(options=options, service=service)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(each, marks=pytest.mark.skipif(bool(each.lacks), reason=each.lacks))
+        for each in (Chromium, Firefox)
+    ],
+    ids=lambda each: each.__name__,
+)
+def driver(request):
+    browser = request.param()
     yield browser
     browser.quit()
 
@@ -97,7 +147,7 @@ def driver():
 @pytest.fixture
 def silent(driver):
     """A browser that says nothing during a test."""
-    driver.get_log("browser")
+    driver.said()
     look(driver)
     yield driver
-    assert driver.get_log("browser") == []
+    assert driver.said() == []

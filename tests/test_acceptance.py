@@ -1,16 +1,14 @@
 """What API 617 and 684 ask for: amplification factors and margins, the critical speed map,
-unbalances placed by mode shape, stability; against closed forms and against ROSS 2.3
+unbalances placed by mode shape; against closed forms and against ROSS 2.3
 (tests/reference/make_ross_api.py made its numbers)."""
 
 import json
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import (
     LinearError,
-    Stage,
     critical_map,
     critical_peaks,
     level_1,
@@ -21,7 +19,7 @@ from rotor_fmu.model.linear import (
 from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
 from rotor_fmu.model.linear.placement import residual_unbalance, vibration_limit
 from rotor_fmu.model.machine.toml import parse_rotor, rig
-from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
+from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
 from tests.test_ross import HERE, machine
 
@@ -152,16 +150,6 @@ def test_a_bearing_over_the_speed_meets_a_line_where_it_has_that_stiffness():
     assert K[0, 0] == pytest.approx(crossing.stiffness, rel=1e-9)
 
 
-@pytest.mark.parametrize("file", ROSS)
-def test_level_1_is_that_of_ross(file):
-    expected = ROSS[file]["level_1"]
-    result = level_1(
-        machine(file), 900.0, node=4, stiffness=expected["stiffness"], seals=True, contacts="open"
-    )
-    scale = np.abs(expected["log_dec"]).max()
-    np.testing.assert_allclose(result.log_dec, expected["log_dec"], rtol=CLOSE, atol=CLOSE * scale)
-
-
 @pytest.mark.parametrize("file", [file for file in ROSS if "peaks" in ROSS[file]])
 def test_critical_speeds_and_amplification_factors_are_those_of_ross(file):
     of_ross = ROSS[file]["peaks"]
@@ -252,54 +240,6 @@ def test_a_critical_speed_just_within_the_largest_margin_is_seen():
         assert not critical.peak.is_one_sided
         assert critical.margin.actual == pytest.approx(0.255, rel=1e-5)
         assert not critical.margin.is_met
-
-
-def test_alford_s_cross_coupling_is_that_of_the_formula_in_its_own_units():
-    """API 617: q = HP B C / (D H N) (rho_d / rho_s) with N.m/s, mm, rev/min, C = 9.55, B = 3, q
-    in kN/mm."""
-    stage = Stage(3, 2000e3, 0.4, 0.02, 1.6)
-    expected = 2000e3 * 3 * 9.55 / (400 * 20 * 9000) * 1.6 * 1e6
-    assert stage.cross_coupling(9000 * RPM) == pytest.approx(expected, rel=1e-4)
-
-
-def test_the_rotor_is_unstable_from_the_threshold_on():
-    rotor = machine("under_tension.toml")
-    result = level_1(rotor, 900.0, node=4, anticipated=5e3)
-    below, above = (
-        level_1(rotor, 900.0, node=4, stiffness=[q * result.threshold]).log_dec[0]
-        for q in (0.999, 1.001)
-    )
-    assert below > 0 > above
-    assert result.ratio == pytest.approx(result.threshold / 5e3)
-    assert result.sensitivity < 0
-
-
-def test_a_jeffcott_rotor_is_unstable_where_the_cross_coupling_is_its_damping_times_its_frequency():
-    """Q0 = c omega, of a mass between two bearings, and log dec = pi (c omega - q) / k nearly."""
-    text = SHAFT.replace("diameters = [0.03", "diameters = [0.1").replace("0.03,", "0.1,")
-    rotor = parse_rotor(text + support(4, 1e4, 2.0) + support(1, 1e-3) + support(7, 1e-3))
-    result = level_1(rotor, 50.0, node=4)
-    assert result.threshold == pytest.approx(2.0 * result.frequency[0], rel=1e-3)
-
-
-def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupling_drives():
-    """A point mass on a light shaft: Q0 = c omega exactly, where both circles have one eigenvalue
-    without cross coupling."""
-    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
-    result = level_1(parse_rotor(text), 150.0, node=2)
-    assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
-    assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
-
-
-def test_level_2_adds_what_acts_one_by_one():
-    rotor = machine("compressor.toml")
-    result = level_2(rotor, 900.0, cross_couplings={4: 1e6})
-    names = [case.name for case in result.cases]
-    assert names == ["rotor and bearings", "with seal[1]", "with the cross coupling", "with all"]
-    everything = level_1(rotor, 900.0, node=4, stiffness=[1e6], seals=True)
-    assert result.cases[-1].log_dec == pytest.approx(everything.log_dec[0])
-    bare = replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
-    assert result.cases[0].log_dec == pytest.approx(level_1(bare, 900.0).log_dec_alone)
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ from .toml_text import table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 _IN_LOBES = {"pads": [1.5708, 3.6652, 5.7596], "arc": [1.8, 1.8, 1.7], "preload": 0.3}
+_TILTING = {"pads": [0.7854, 2.3562, 3.927, 5.4978], "arc": 1.4, "preload": 0.3, "tilting": True}
 _HOUSING = table("[housing]", name="pedestal", mass=5.0, kx=1e8, ky=1e8, cx=1e4, cy=1e4)
 BASES = (
     *(
@@ -43,6 +44,13 @@ BASES = (
         **{"element_diameter": 0.02, "clearance": 5e-6, "inner_depth": 1e-6, "cage_ratio": 0.4},
     )
     + _HOUSING,
+    re.sub(
+        r"viscosity = \S+",
+        "viscosity = [0.04, 0.02, 0.01]\ntemperature = [40.0, 70.0, 100.0]\n"
+        "speed = [100.0, 400.0]\nstatic_load = 200.0\nheat_share = 0.8",
+        heavy_shaft(1e-6) + film(1, points=12),
+    )
+    + film(3, **_TILTING, pivot_stiffness=1e9, points=12),
 )
 SPEED = 300.0
 
@@ -126,6 +134,31 @@ def test_no_equilibrium_in_an_oil_film_says_its_load_and_what_it_carries():
     assert carried == pytest.approx(closed, rel=1e-3)
     assert linear.startswith("journal_bearing[1]: no equilibrium at 600 rad/s: ")
     assert "the oil film at node 1 does not carry them at 600 rad/s" in start
+    assert _load_and_carried(start) == pytest.approx((load, carried), rel=1e-3)
+
+
+def _load_and_carried(start):
+    """What a start's refusal says [N]."""
+    return tuple(map(float, re.search(r"load is (\S+) N, and it carries (\S+) N", start).groups()))
+
+
+def test_no_equilibrium_of_pads_that_tilt_says_its_load_and_what_they_carry():
+    """The start in the direction in which the journal went."""
+    linear, start = _refusals(_heavy(1e5, **_TILTING, points=12), 600.0)
+    load, carried = map(
+        float, re.search(r"load is (\S+) N, and its film carries (\S+)", linear).groups()
+    )
+    assert load > carried
+    assert _load_and_carried(start) == pytest.approx((load, carried), rel=0.05)
+
+
+def test_a_film_among_several_supports_says_the_load_on_the_machine():
+    text = "gravity = 1e5\n" + heavy_shaft() + "".join(film(n, **_SHORT) for n in (1, 2, 3))
+    rotor = parse_rotor(text)
+    with pytest.raises(EquilibriumError, match=r"the load on the machine is (\S+) N") as start:
+        Simulation(rotor, choose("controlled"), speed=600.0, warn=one_line)
+    load = float(re.search(r"machine is (\S+) N", one_line(start.value))[1])
+    assert load == pytest.approx(assemble(rotor).mass_sum[::2].sum() * 1e5, rel=1e-3)
 
 
 def test_no_equilibrium_in_a_damper_says_its_load_and_what_its_spring_carries():
@@ -139,6 +172,7 @@ def test_no_equilibrium_in_a_damper_says_its_load_and_what_its_spring_carries():
         "in that direction when the film is as thin as its roughness, 1e-06 m"
     )
     assert "the oil film at node 1 does not carry them" in start
+    assert _load_and_carried(start) == pytest.approx((197.0, 9.9), rel=1e-3)
 
 
 def test_a_journal_at_standstill_lies_on_its_wall_if_there_is_one():
@@ -176,7 +210,7 @@ _JOURNAL, _DAMPER = (
         (_JOURNAL, f"{_PADS}\npreload = [0.1, nan]", ".preload[2] = nan: must be from 0 to 0.99"),
         (_JOURNAL, f"{_PADS}\noffset = 1.5", ".offset = 1.5: must be from 0 to 1"),
         (_JOURNAL, "pads = [0.0, 1.0]\narc = 1.5", ".pads: pads 1 and 2 overlap"),
-        (_JOURNAL, "supply_pressure = -1e5", ".supply_pressure: unknown key"),
+        (_JOURNAL, "supply_pressure = -1e5", ".supply_pressure = -100000 Pa: must be >= 0"),
         (_DAMPER, "full = true", ".full = true: needs squeeze_film_damper[1].short = true"),
     ],
 )

@@ -1,17 +1,21 @@
 """Units of tables, pictures and pages, chosen once; the factors are the units' definitions."""
 
+import itertools
 import json
 import math
+import re
 
 import numpy as np
 import pytest
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
-from rotor_fmu.display import choose, current, display_of, restored
+from rotor_fmu.display import choose, current, display_of, restored, shown_speed
 from rotor_fmu.errors import InputError
-from rotor_fmu.linear import answers
-from rotor_fmu.linear.linear_plots import _deflection
+from rotor_fmu.linear import acceptance, answers
+from rotor_fmu.linear.frequency_answers import frequency_response
+from rotor_fmu.linear.linear_plots import deflection
+from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.signal_plots import bode, orbit
@@ -57,6 +61,27 @@ def test_the_machine_file_may_say_the_units(command, tmp_path):
     assert numbers[0][3] == pytest.approx(2 / 25.4 * numbers[1][3], rel=1e-3)
 
 
+def test_the_check_by_api_617_balancing_and_compliance_are_in_the_units_chosen(command):
+    """0.001 inch is 25.4 um, and a pound-force 4.4482216152605 N."""
+    given = ("--speed", "100:300", "--node", "4", "--range", "100:200")
+    assert _column(command("unbalance", *given, "--units", "us"), "mil") == pytest.approx(
+        [um / 25.4 for um in _column(command("unbalance", *given), "um")], rel=1e-3
+    )
+    mine = command("frequency-response", "--force", "4", "--units", "us")
+    si = command("frequency-response", "--force", "4")
+    assert _column(mine, "mil/lbf") == pytest.approx(
+        [um / 25.4 * 4.4482216152605 for um in _column(si, "um/N")], rel=1e-3
+    )
+
+
+def _column(text, head):
+    """Numbers below a head of a table with two spaces between its columns."""
+    lines = [re.split(r" {2,}", line.strip()) for line in text.splitlines()]
+    at = next(i for i, line in enumerate(lines) if head in line)
+    rows = itertools.takewhile(lambda line: len(line) == len(lines[at]), lines[at + 1 :])
+    return [float(row[lines[at].index(head)]) for row in rows]
+
+
 def test_pictures_are_in_the_units_that_were_chosen():
     with restored():
         choose("rpm,mil,pp")
@@ -76,12 +101,62 @@ def test_pictures_are_in_the_units_that_were_chosen():
     assert response[0].get_xlim()[1] > 2000
 
 
+def test_mode_shapes_in_space_are_whole_and_in_the_units_chosen():
+    """Of a mode that is normalized by its largest displacement in x and y together."""
+    result = answers.modes(rig(), 100.0)
+    with restored():
+        choose("us")
+        axes = mode_shapes_figure(result).axes
+    for i, each in enumerate(axes):
+        assert each.get_xlabel() == "z [in]"
+        assert each.get_title().startswith(f"{i + 1}: ")
+        assert " cpm, " in each.get_title()
+        assert not any(line.get_clip_on() for line in each.lines)
+        drawn = np.concatenate([np.concatenate(line.get_data_3d()[1:]) for line in each.lines])
+        assert np.abs(drawn).max() <= each.get_ylim()[1] == each.get_zlim()[1]
+
+
+def test_speeds_in_pictures_have_all_digits_before_the_point():
+    with restored():
+        choose("rpm")
+        assert shown_speed(1814.3) == "17325"
+        assert shown_speed(100 * math.pi / 3) == "1000"
+
+
+def test_tables_of_the_page_are_in_the_units_chosen():
+    def page():
+        return runs_page([Recorded(recorded(), "one")], [{}])
+
+    with restored():
+        choose("rpm,mil,pp")
+        chosen = page()
+    mine, si = _cells(chosen, "disc 2"), _cells(page(), "disc 2")
+    assert mine[0] == pytest.approx(2 / 25.4 * si[0], rel=1e-4)
+    assert mine[1] == pytest.approx(60 * si[1], rel=1e-4)
+    assert mine[-3:] == pytest.approx([um / 25.4 for um in si[-3:]], rel=1e-4)
+    for head in ("1x, largest [mil pp]", "at [rpm]", "x [mil pp]", "S_max [mil 0-p]"):
+        assert f'<th scope="col">{head}</th>' in chosen
+
+
+def _cells(page, place):
+    """Numbers of a row of a table in a page."""
+    row = re.search(rf"<tr><td>{place}</td>(.*?)</tr>", page)[1]
+    return [float(text) for text in re.findall(r"<td>([^<]*)</td>", row) if text != "-"]
+
+
 def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it():
     at_rest = answers.static(rig(), contacts="pinned").figure().axes[0]
     pictures = [
         at_rest,
         answers.modes(rig(), 100.0).figure().axes[0],
         answers.campbell(rig(), np.linspace(10.0, 300.0, 5)).figure().axes[0],
+        acceptance.critical_map(rig(), np.logspace(5.0, 7.0, 5)).figure().axes[0],
+        acceptance.unbalance_check(rig(), 300.0, 350.0, [4]).figure().axes[0],
+        acceptance.critical_peaks(rig(), 300.0, [4]).figure().axes[0],
+        acceptance.level_1(rig(), 350.0).figure().axes[0],
+        acceptance.level_2(rig(), 350.0).figure().axes[0],
+        frequency_response(rig(), np.linspace(10.0, 300.0, 5), 4, [4]).figure().axes[0],
+        mode_shapes_figure(answers.modes(rig(), 100.0), rig().name).axes[0],
     ]
     for axes in pictures:
         titles = axes.get_title("left"), axes.figure.get_suptitle()
@@ -124,8 +199,8 @@ def test_a_shape_is_drawn_with_the_elements_own_cubic():
     )
     x = length / 4
     truth = (x**2 * (3 * length - x) / 6 + x * sheared) / bending
-    assert _deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
-    assert abs(_deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
+    assert deflection(z, deflections, rotations, [phi])(x) == pytest.approx(truth, rel=1e-9)
+    assert abs(deflection(z, deflections, rotations, [0.0])(x) / truth - 1) > 1e-3
 
 
 def test_json_stays_in_si(command):

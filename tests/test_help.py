@@ -23,6 +23,12 @@ def test_help_shows_no_type_beside_a_flag_and_loses_no_word(name):
     assert not {word for sentence in helps for word in sentence.split()} - shown
 
 
+def test_help_of_all_commands_shows_no_type_beside_a_flag():
+    text = CliRunner(env={"COLUMNS": "400"}).invoke(app, ["--help"]).output
+    assert "--version" in text
+    assert "<bool>" not in text
+
+
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -11,10 +11,9 @@ from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.study import study_page
 
-from .browser import NASTY, NEEDED, Page, look
+from .browser import ENTER, LEFT, NASTY, Page, look
 from .recordings import recorded, write_study
 
-pytestmark = NEEDED
 OTHERS = ("two", "steady", "cut", "nasty", "backward", "both ways", "study")
 
 
@@ -129,15 +128,12 @@ def test_a_name_is_shown_as_it_is(silent, pages):
 @pytest.mark.slow
 def test_the_slider_is_worked_by_the_keys(silent, pages):
     page = Page(silent, pages / "one.html")
-    from selenium.webdriver.common.keys import Keys
-
-    page.run("document.getElementById('station').focus()")
     before = int(page.find("station").get_property("value"))
     output = page.text("reading")
-    page.find("station").send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    page.find("station").press(LEFT, LEFT)
     assert int(page.find("station").get_property("value")) == before - 2
     assert page.text("reading") != output
-    page.find("in").send_keys(Keys.ENTER)
+    page.find("in").press(ENTER)
     assert page.run("return time.range.end - time.range.start") == pytest.approx(3.0, rel=1e-3)
 
 
@@ -245,44 +241,9 @@ def test_a_run_cut_short_shows_what_there_is(silent, pages):
 
 
 @pytest.mark.slow
-def test_a_point_of_the_map_opens_its_run(silent, pages, tmp_path):
-    columns = write_study(tmp_path / "study")
-    page = Page(silent, pages / "study.html")
-    row = 17
-    page.click_at("map.chart", columns["mu"][row], 1e6 * columns["clearance"][row])
-    assert page.text("reading").startswith(f"Run {row}, id017: mu ")
-    assert f", clearance {1e6 * columns['clearance'][row]:.2f}"[:-1] in page.text("reading")
-    assert " µm, peak " in page.text("reading")
-    cells = page.run(
-        "return [...document.querySelectorAll('#picked td')].map((c) => c.textContent)"
-    )
-    output = dict(zip(cells[::2], cells[1::2], strict=True))
-    assert output["id"] == "id017"
-    assert float(output["mu [-]"]) == pytest.approx(columns["mu"][row], rel=1e-4)
-    assert float(output["clearance [µm]"]) == pytest.approx(
-        1e6 * columns["clearance"][row], rel=1e-4
-    )
-    axes = "return [map.chart.plot, map.curve.plot].flatMap((p) => [p.below[0], p.left[0]])"
-    labels = page.run(f"{axes}.map((a) => a.axis_label.text)")
-    assert labels == ["mu [-]", "clearance [µm]", "speed [Hz]", "amplitude [µm]"]
-    assert page.run("return map.bar.title.text") == "peak [µm]"
-    assert float(output["peak [µm]"]) == pytest.approx(500 + 800 * columns["mu"][row], rel=1e-4)
-    assert output["with its signals"] == "rotor-fmu study ... --select id017"
-    hertz = page.run("return map.line.data.x")
-    assert hertz == pytest.approx([w / (2 * math.pi) for w in (20.0, 30.0, 40.0)])
-    page.find("after").click()
-    assert page.text("reading").startswith("Run 18, id018")
-    page.set("run", "3")
-    assert page.text("reading").startswith("Run 3, id003")
-    failed = columns["status"].index("failed: whirled apart")
-    page.set("run", failed)
-    assert page.text("reading").endswith("failed: whirled apart")
-
-
-@pytest.mark.slow
 def test_a_page_prints(silent, pages):
     Page(silent, pages / "one.html")
-    assert silent.print_page().startswith("JVBERi0")  # %PDF-, in base64
+    assert silent.printed().startswith("JVBERi0")  # %PDF-, in base64
 
 
 def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_its_unit(
@@ -315,49 +276,30 @@ def test_speeds_are_shown_in_rpm(silent, pages):
 
 
 def test_the_wheel_zooms_about_the_pointer_and_a_double_click_shows_all_again(silent, pages):
-    from selenium import webdriver
-
     page = Page(silent, pages / "one.html")
     ends = "const r = over.bode.plot.x_range; return [r.start, r.end]"
     whole = page.run(ends)
     page.click_at("over.bode", 40.0, 50.0)
-    origin = webdriver.common.actions.wheel_input.ScrollOrigin
-    holder = page.run("return over.bode.holder")
-    place = page.run(
-        "const { frame } = over.bode.view; const b = over.bode.holder.getBoundingClientRect();"
-        "return frame.x_scale.compute(40) - b.width / 2"
-    )
-    at = origin.from_element(holder, round(place), 0)
-    webdriver.ActionChains(silent).scroll_from_origin(at, 0, -300).perform()
+    at = page.place("over.bode", 40.0)
+    page.wheel(*at, -300)
     page.wait("over.bode.plot.x_range.end - over.bode.plot.x_range.start < 30")
     low, high = page.run(ends)
     share = (40 - low) / (high - low)
     assert share == pytest.approx((40 - whole[0]) / (whole[1] - whole[0]), abs=0.03)
-    webdriver.ActionChains(silent).scroll_from_origin(at, 0, 3000).perform()
+    page.wheel(*at, 3000)
     page.wait(f"over.bode.plot.x_range.end > {high + 1}")
     low, high = page.run(ends)
     assert whole[0] <= low < high <= whole[1]
-    webdriver.ActionChains(silent).scroll_from_origin(at, 0, -300).perform()
+    page.wheel(*at, -300)
     page.wait("over.bode.plot.x_range.end - over.bode.plot.x_range.start < 30")
-    webdriver.ActionChains(silent).move_to_element_with_offset(
-        holder, round(place), 0
-    ).double_click().perform()
+    page.mouse(*at, "click", "click")
     page.wait(f"over.bode.plot.x_range.end === {whole[1]}")
 
 
 def test_dragging_over_a_picture_shows_the_stretch_that_was_selected(silent, pages):
     page = Page(silent, pages / "one.html")
-    holder = page.run("return over.bode.holder")
-    page.run("arguments[0].scrollIntoView({ block: 'center' })", holder)
-    left, right = page.run(
-        "const { frame } = over.bode.view; const b = over.bode.holder.getBoundingClientRect();"
-        "return [32, 38].map((x) => frame.x_scale.compute(x) - b.width / 2)"
-    )
-    from selenium import webdriver
-
-    move = webdriver.ActionChains(silent)
-    move.move_to_element_with_offset(holder, round(left), 0).click_and_hold()
-    move.move_to_element_with_offset(holder, round(right), 0).release().perform()
+    left, right = (page.place("over.bode", x) for x in (32, 38))
+    page.mouse(*left, "down", right, "up")
     page.wait("over.bode.plot.x_range.end < 39")
     assert page.run("return over.bode.plot.x_range.start") == pytest.approx(32, abs=0.5)
     assert page.run("return over.bode.plot.x_range.end") == pytest.approx(38, abs=0.5)

@@ -43,6 +43,10 @@ LBF = POUND * G
         ("90 deg", "rad", math.pi / 2),
         ("1 N/mm^1.5", "N/m**1.5", 1000**1.5),
         ("5 percent", "1", 0.05),
+        ("20 cP", "Pa.s", 0.02),
+        ("2 bar", "Pa", 2e5),
+        ("2 kJ/(kg.K)", "J/(kg.K)", 2000.0),
+        ("40 degC", "degC", 40.0),
     ],
 )
 def test_a_unit_is_worth_what_its_definition_says(text, unit, expected):
@@ -62,6 +66,7 @@ def test_a_unit_is_worth_what_its_definition_says(text, unit, expected):
         ("5 1/min", "rad/s", "radians or turns a '1/min'? must be a speed of rotation"),
         ("mm", "m", "x = mm: must be a number, in m or with mm or um or inch or mil behind it"),
         ("1e999 mm", "m", "x = 1e999 mm: must be a number"),
+        ("313 K", "degC", "x = 313 K: must be a temperature, in degC"),
     ],
 )
 def test_a_unit_that_does_not_fit_is_one_line(text, unit, expected):

@@ -1,4 +1,4 @@
-"""A bearing's oil film: the force of all its pads on the journal, its tangent, and what it takes.
+"""A bearing's oil film: the force of all its pads on the journal, and its tangent.
 
 A pad is an arc of a circle of the radius R + c_p, whose centre lies c_p - c beyond the bearing's,
 away from the pad's pivot: c_p = c / (1 - preload). So the journal's displacement from the pad's
@@ -9,7 +9,6 @@ A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from ..kernels.functions import angle, direction, modulus
@@ -18,34 +17,35 @@ from ..quantities import places
 from .film_zone import (
     VECTORS,
     Film,
-    floored,
     solve_zone,
-    vectors,
     zone_bound,
     zone_load,
     zone_tangent,
 )
 from .full_film import full_load, full_tangent, solve_full
-from .short_film import blunted, shear, short_load
+from .short_film import short_load
 
 # first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
 # bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle
 # and whether its film fills it (a short one never ruptures then, of another what is negative of its
 # pressure does not count); the direction of its pivot, whether it tilts about that, and,
 # as it was put last, its tilt [m] and the rate of that [m/s]: how far the pad's centre moves
+# across its pivot; and how far it moves outwards, with its pivot [m], [m/s]
 PAD = places(
     (
         *("first", "last", "x", "y", "clearance", "is_whole", "is_full"),
-        *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate"),
+        *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate", "give", "giving"),
     )
 )
-STANDS, TILTS = (1.0, 0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0)  # how pads' rows end: of two, of three
+TILTS = (1.0, 0.0, 0.0, 0.0, 0.0)  # how the row of a pad that tilts ends
+STANDS = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # and that of one that stands, its pivot too
 TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
 class FilmBearing(NamedTuple):
     """What the film of a part and the contact behind it are made of, whatever the part: the place
-    of its table, and quantities of `parts.journal_bearing.FilmQuantities`."""
+    of its table, quantities of `parts.film_law.FilmQuantities`, and by how much the pressure around
+    the film is above that at which it ruptures [Pa]."""
 
     table: int
     journal_radius: float
@@ -63,16 +63,23 @@ class FilmBearing(NamedTuple):
     v_s: float
     mu_rise: float
     v_stribeck: float
+    ambient: float
+
+
+@jit
+def bearing_with(part, viscosity, ambient):
+    """Return the `FilmBearing` of a part with a viscosity [Pa.s] and an ambient pressure [Pa]."""
+    return FilmBearing(
+        *(part.table, part.journal_radius, part.length, part.clearance, viscosity),
+        *(part.roughness, part.short, part.points, part.k, part.c, part.delta_c, part.exponent),
+        *(part.mu, part.v_s, part.mu_rise, part.v_stribeck, ambient),
+    )
 
 
 @jit
 def bearing_of(part):
-    """Return the `FilmBearing` of a part."""
-    return FilmBearing(
-        *(part.table, part.journal_radius, part.length, part.clearance, part.viscosity),
-        *(part.roughness, part.short, part.points, part.k, part.c, part.delta_c, part.exponent),
-        *(part.mu, part.v_s, part.mu_rise, part.v_stribeck),
-    )
+    """Return the `FilmBearing` of a part of constant viscosity."""
+    return bearing_with(part, part.viscosity, 0.0)
 
 
 class Pad(NamedTuple):
@@ -109,17 +116,23 @@ def pad_of(bearing, tables, kinematics, i):
         turning = tables[at + PAD.rate]
         d += tables[at + PAD.tilt] * across
         v += turning * across
+        give, giving = tables[at + PAD.give], tables[at + PAD.giving]
+        if give != 0.0 or giving != 0.0:
+            outwards = complex(across.imag, -across.real)
+            d -= give * outwards
+            v -= giving * outwards
     inverse = 1.0 / c
     D, V = d * inverse, v * inverse
     S = 2.0 * V + complex(kinematics.speed * D.imag, -kinematics.speed * D.real)
     R, L = bearing.journal_radius, bearing.length
     ratio = 2.0 * R / L
+    pressure = 6.0 * bearing.viscosity * (R * inverse) * (R * inverse)
+    ambient = bearing.ambient / pressure if bearing.ambient > 0.0 else 0.0
     film = Film(
         *(D, S, 2.5 * ratio * ratio, bearing.roughness * inverse),
         *(tables[at + PAD.first], tables[at + PAD.last], tables[at + PAD.is_whole] > 0.0),
-        *(tables[at + PAD.is_full] > 0.0, int(bearing.points)),
+        *(tables[at + PAD.is_full] > 0.0, int(bearing.points), ambient),
     )
-    pressure = 6.0 * bearing.viscosity * (R * inverse) * (R * inverse)
     work = bearing.table + 1 + len(PAD) * pad_count(bearing, tables)
     size = VECTORS * (film.n + 1)
     load = 2.0 / 3.0 * L * R * pressure
@@ -127,7 +140,7 @@ def pad_of(bearing, tables, kinematics, i):
 
 
 @jit
-def _short_share(bearing):
+def short_share(bearing):
     """Return P over f / H^3 of Ocvirk's film [1]."""
     ratio = bearing.length / bearing.journal_radius
     return 0.125 * ratio * ratio
@@ -136,7 +149,7 @@ def _short_share(bearing):
 @jit_not_inlined
 def solved(film, bound, work):
     """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of
-    P exp(i theta) over it [1/s]; of a full film that of what is positive."""
+    P exp(i theta) over it [1/s]; of a full film that of what is above its rupture."""
     if film.is_full:
         zone = solve_full(film, work)
         return zone, full_load(film, zone, work)
@@ -162,7 +175,7 @@ def film_force(bearing, tables, kinematics):
                 load, _, _, _, _ = short_load(
                     film.D, film.S, film.floor, bound.low[1], bound.high[0]
                 )
-                force -= pad.load * _short_share(bearing) * load
+                force -= pad.load * short_share(bearing) * load
             else:
                 _, load = solved(film, bound, work)
                 force -= pad.load * load
@@ -178,7 +191,7 @@ def sensed(film):
     along = film.D if film.D != 0.0 else -1.0j
     moving = Film(
         *(film.D, along, film.a, film.floor, film.first, film.last, film.is_whole),
-        *(film.is_full, film.n),
+        *(film.is_full, film.n, film.ambient),
     )
     return moving, angle(along), 0.0
 
@@ -210,7 +223,7 @@ def film_tangent(bearing, tables, kinematics, weights):
                 continue
             scale = pad.load
             if bearing.short > 0.0:
-                scale *= _short_share(bearing)
+                scale *= short_share(bearing)
                 load, p_D, q_D, p_S, q_S = short_load(
                     film.D, film.S, film.floor, bound.low[1], bound.high[0]
                 )
@@ -223,20 +236,6 @@ def film_tangent(bearing, tables, kinematics, weights):
             p -= scale * (by_d_now * p_D + p_S * (2.0 * by_v - turn_d))
             q -= scale * (by_d_now * q_D + q_S * (2.0 * by_v + turn_d))
     return force, p, q
-
-
-class FilmState(NamedTuple):
-    """What a film does at an instant: force on the journal [N], torque that brakes it [N.m], the
-    thinnest film [m] and its angle [rad], largest pressure [Pa], side flow [m3/s], and the power
-    with which it tilts its pads [W]."""
-
-    force: complex
-    torque: float
-    thinnest: float
-    where: float
-    largest: float
-    flow: float
-    tilted: float
 
 
 @jit
@@ -257,86 +256,3 @@ def thinnest(pad):
     if near > far:
         return pad.clearance * (1.0 - near), first, 0.0
     return pad.clearance * (1.0 - far), last, 0.0
-
-
-@jit
-def _sheared(D, upstream, first, last):
-    """Return the integral of the shear over a ruptured arc, where the film is in strips as wide as
-    it was at the angle `upstream` [1]."""
-    if last - first <= 0.0:
-        return 0.0
-    at = direction(upstream)
-    return (1.0 - (at.conjugate() * D).real) * shear(D, first, last)[1]
-
-
-@jit
-def _short_pressure(film, share, theta):
-    """Return the pressure P of Ocvirk's film [1/s] and H^3 at an angle."""
-    e = direction(theta)
-    h = floored(1.0 - (e.conjugate() * film.D).real, film.floor).thickness
-    return share * (e.conjugate() * film.S).real / (h * h * h), h * h * h
-
-
-@jit_not_inlined
-def film_state(bearing, tables, kinematics):
-    """Return the `FilmState` of a bearing."""
-    force = 0.0j
-    torque = flow = largest = tilted = 0.0
-    least, where = math.inf, 1.0 + 0.0j
-    R, L, speed = bearing.journal_radius, bearing.length, kinematics.speed
-    share = _short_share(bearing)
-    for i in range(pad_count(bearing, tables)):
-        pad, work = pad_of(bearing, tables, kinematics, i)
-        film = pad.film
-        gap, direct, _ = thinnest(pad)
-        if gap < least:
-            least, where = gap, direct
-        D, _, _ = blunted(film.D, film.floor)
-        volume = pad.clearance * pad.clearance * pad.clearance
-        sheared, load = 0.0, 0.0j
-        reached = ended = film.first
-        begun = film.last
-        if film.S != 0.0:
-            sense = angle(film.S)
-            for turn in TURNS:
-                acts, bound = zone_bound(film, sense, turn)
-                if not acts:
-                    continue
-                first, last = bound.low[1], bound.high[0]
-                if bearing.short > 0.0:
-                    load += share * short_load(film.D, film.S, film.floor, first, last)[0]
-                    step = (last - first) / film.n
-                    for j in range(1, film.n):
-                        P, cube = _short_pressure(film, share, first + j * step)
-                        largest = max(largest, pad.pressure * P)
-                        flow += volume * pad.pressure * P * cube * step
-                else:
-                    zone, borne = solved(film, bound, work)
-                    load += borne
-                    first, last = zone.first, zone.last
-                    step = (last - first) / film.n
-                    at = vectors(film, work)
-                    for j in range(0 if film.is_full else 1, film.n):
-                        P, h = pad.pressure * at.P[j], at.thickness[j]
-                        if film.is_full:
-                            P = max(P, 0.0)
-                        largest = max(largest, P)
-                        flow += volume * P * h * h * h * step
-                sheared += shear(D, first, last)[0]
-                if film.is_whole:
-                    reached, begun = last, first + 2.0 * math.pi
-                    ended = last
-                else:
-                    upstream = reached if speed >= 0.0 else first
-                    sheared += _sheared(D, upstream, reached, first)
-                    reached, begun = last, film.last
-                    ended = last
-        sheared += _sheared(D, ended if speed >= 0.0 else begun, reached, begun)
-        load *= pad.load
-        force -= load
-        tilted -= (load * (pad.velocity - kinematics.velocity).conjugate()).real
-        torque += bearing.viscosity * R * R * R * L / pad.clearance * speed * sheared
-        torque += 0.5 * (pad.displacement * load.conjugate()).imag
-    # the side flow is 2 / 3 R / (mu L) times the integral of h^3 p
-    flow *= 2.0 * R / (3.0 * bearing.viscosity * L)
-    return FilmState(force, torque, least, angle(where), largest, flow, tilted)

@@ -53,7 +53,8 @@ def floored(h, floor):
 class Film(NamedTuple):
     """A pad's film, over the clearance: D [1], S [1/s], a [1], floor: the least thickness [1]; the
     pad's first and last angle [rad], whether it is a whole circle, and whether the film fills it
-    (`full_film`); n: elements of a zone."""
+    (`full_film`); n: elements of a zone; ambient: the pressure around the film above that at which
+    a full one ruptures, as P [1/s]."""
 
     D: complex
     S: complex
@@ -64,6 +65,7 @@ class Film(NamedTuple):
     is_whole: bool
     is_full: bool
     n: int
+    ambient: float
 
 
 class Zone(NamedTuple):
@@ -215,7 +217,7 @@ def solve_zone(film, bound, work):
     then on all."""
     few = Film(
         *(film.D, film.S, film.a, film.floor, film.first, film.last, film.is_whole),
-        *(film.is_full, max(_FEW, film.n // 4)),
+        *(film.is_full, max(_FEW, film.n // 4), film.ambient),
     )
     near = _ruptured(few, bound, bound.low[1], bound.high[0], _NEAR, work)
     return _ruptured(film, bound, near.first, near.last, _CONVERGED, work)

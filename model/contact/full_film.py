@@ -1,11 +1,15 @@
-"""A film that fills all of a pad, whose pressures below ambient do not count (Guembel's rupture).
+"""A film that fills all of a pad, whose pressures below rupture do not count (Guembel's rupture).
 
 Reynolds' equation of `film_zone` holds from edge to edge, or all around a whole circle; then what
-is negative of the pressure is left out (half of Sommerfeld's solution in a long plain bearing).
-Between nodes the pressure is linear, so that the load changes smoothly as it changes its sign.
+is below rupture of the pressure is left out (half of Sommerfeld's solution in a long plain bearing
+that is fed at the pressure of rupture). Between nodes the pressure is linear, so that the load
+changes smoothly as it changes its sign. Of a film that is fed at a higher pressure, which ruptures
+in the middle of its length first, what is below rupture is cut off across the length.
 """
 
 from __future__ import annotations
+
+import math
 
 from ..kernels.jit import jit, jit_not_inlined
 from .film_zone import (
@@ -84,15 +88,32 @@ def _falling(high, low, along, along_low):
     return total, by_high, t * t * (0.5 * along + 2.0 * t * change)
 
 
+@jit
+def _along_the_length(P, ambient):
+    """Return 3/2 of the mean along the length of a parabola of the middle P that is cut off at
+    -ambient, and its derivative by P."""
+    if -ambient <= P:
+        return P, 1.0
+    cut = math.sqrt(1.0 + ambient / P)  # so far from the middle, of half the length
+    slope = 1.0 - 1.5 * cut + 0.5 * cut * cut * cut
+    return P * slope - 1.5 * ambient * cut, slope
+
+
 @jit_not_inlined
 def full_load(film, zone, work):
-    """Return the integral of what is positive of P exp(i theta) over the solved film [1/s]."""
-    at = vectors(film, work)
+    """Return the integral of P exp(i theta) over the solved film [1/s], P being that of rupture
+    where it is below it."""
+    at, ambient = vectors(film, work), film.ambient
     x = y = 0.0
     for i in range(film.n):
-        P, after = at.P[i], at.P[i + 1]
-        x += _share(P, after, at.cosine[i], at.cosine[i + 1])[0]
-        y += _share(P, after, at.sine[i], at.sine[i + 1])[0]
+        if ambient > 0.0:
+            P = _along_the_length(at.P[i], ambient)[0]  # of a pad 0 at both edges
+            x += P * at.cosine[i]
+            y += P * at.sine[i]
+        else:
+            P, after = at.P[i], at.P[i + 1]
+            x += _share(P, after, at.cosine[i], at.cosine[i + 1])[0]
+            y += _share(P, after, at.sine[i], at.sine[i + 1])[0]
     step = (zone.last - zone.first) / film.n
     return complex(x * step, y * step)
 
@@ -100,14 +121,18 @@ def full_load(film, zone, work):
 @jit_not_inlined
 def _weigh(film, zone, work, is_y):
     """Fill in the derivatives of the load's x or y by the pressures."""
-    at = vectors(film, work)
+    at, ambient = vectors(film, work), film.ambient
     along, adjoint = (at.sine if is_y else at.cosine), at.adjoint
     step = (zone.last - zone.first) / film.n
     adjoint[0] = 0.0
     for i in range(film.n):
-        _, by, by_after = _share(at.P[i], at.P[i + 1], along[i], along[i + 1])
-        adjoint[i] += step * by
-        adjoint[i + 1] = step * by_after
+        if ambient > 0.0:
+            adjoint[i] = step * _along_the_length(at.P[i], ambient)[1] * along[i]
+            adjoint[i + 1] = 0.0
+        else:
+            _, by, by_after = _share(at.P[i], at.P[i + 1], along[i], along[i + 1])
+            adjoint[i] += step * by
+            adjoint[i + 1] = step * by_after
 
 
 @jit_not_inlined

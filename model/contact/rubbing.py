@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.functions import exponential, modulus
+from ..kernels.functions import exponential, modulus, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from .wall import touch
 
@@ -174,8 +174,8 @@ def contact_tangent(at, rubs, give, weights):
     t_ba = by_d * (-given * at.stiffness) + by_v * (-given * at.damping)
     t_bb = by_d * (-given * n_b + slope * at.velocity.real * bend - n * bend) + by_v * -slope
     # rotated back: e (T (conj(e) z)), a real 2x2 matrix written as p z + q conj(z)
-    p = 0.5 * complex(t_aa + t_bb, t_ba - t_ab)
-    q = 0.5 * complex(t_aa - t_bb, t_ba + t_ab)
+    p = scaled(0.5, complex(t_aa + t_bb, t_ba - t_ab))
+    q = scaled(0.5, complex(t_aa - t_bb, t_ba + t_ab))
     return p, q * e * e
 
 

@@ -10,6 +10,9 @@ the journal, and the friction f of the wall, which acts at the pad's surface, ne
 J: moment of inertia of the pad about its pivot. A pad without inertia has G = 0: a film's load is
 the gradient of a convex function of the velocities, so that G never grows with s', and one s'
 balances it. Where there is no pressure on either side of the pivot any would: the pad stays.
+
+A pivot of stiffness k that gives outwards, by u, moves the pad's centre by e u, and so the journal
+in its film back by as much: k u = -Re(conj(e) F), without mass.
 """
 
 from __future__ import annotations
@@ -24,10 +27,10 @@ from .film_wall import sliding_of, touch
 from .film_zone import zone_bound
 from .rubbing import Friction, contact_tangent, friction
 
-_ITERATIONS = 80
-_CONVERGED = 1e-7  # of the search's scale: the error left is of second order in it
+ITERATIONS = 80
+CONVERGED = 1e-7  # of the search's scale: the error left is of second order in it
 _NOTHING = 1e-12  # of a film's force
-_REACH = 0.2  # of a clearance, that a step of Newton's method tilts a pad
+REACH = 0.2  # of a clearance, that a step of Newton's method tilts a pad
 
 
 class _Share(NamedTuple):
@@ -93,6 +96,14 @@ def put(bearing, tables, i, tilt, rate):
     tables[at + PAD.rate] = rate
 
 
+@jit
+def put_pivot(bearing, tables, i, give, giving):
+    """Move a pad outwards with its pivot: by how much [m], at what rate [m/s]."""
+    at = row_of(bearing, i)
+    tables[at + PAD.give] = give
+    tables[at + PAD.giving] = giving
+
+
 @jit_not_inlined
 def pad_balance(bearing, tables, kinematics, i):
     """Return the `Balance` of a pad as it was put last."""
@@ -149,13 +160,32 @@ def _rubs(at, p, q):
     return -1j * e * p.conjugate() + 1j * e.conjugate() * q
 
 
+@jit
+def ahead_of(y, left, slope, low, high, reach, scale):
+    """Return the next y of a search for where what is left, which falls with y, is 0: by Newton's
+    method, in steps of `reach` at most, between the bounds known; those, and the next reach."""
+    if left > 0.0:
+        low = y
+    else:
+        high = y
+    step = reach if left > 0.0 else -reach
+    if slope < 0.0 and abs(left) < -slope * reach:
+        step = -left / slope
+    else:
+        reach *= 2.0
+    ahead = y + step
+    if abs(step) > CONVERGED * scale and not low < ahead < high:
+        ahead = 0.5 * (low + high)
+    return ahead, low, high, reach
+
+
 @jit_not_inlined
 def find(bearing, tables, kinematics, i, search):
     """Return y of a `Search`, how G - inertia (y - free) changes by it, and the `Balance` there;
     the pad is put there. By Newton's method, kept between values on both sides of the result."""
     y, reach = 0.0, search.reach
     low, high = -math.inf, math.inf
-    for _ in range(_ITERATIONS):
+    for _ in range(ITERATIONS):
         put(
             *(bearing, tables, i, search.tilt + search.by_tilt * y),
             search.rate + search.by_rate * y,
@@ -165,21 +195,10 @@ def find(bearing, tables, kinematics, i, search):
         slope = search.by_tilt * at.by_tilt + search.by_rate * at.by_rate - search.inertia
         if abs(left) <= search.none:
             return y, slope, at
-        if left > 0.0:
-            low = y
-        else:
-            high = y
-        step = reach if left > 0.0 else -reach
-        if slope < 0.0 and abs(left) < -slope * reach:
-            step = -left / slope
-        else:
-            reach *= 2.0
-        ahead = y + step
-        if abs(step) > _CONVERGED * search.scale and not low < ahead < high:
-            ahead = 0.5 * (low + high)
+        ahead, low, high, reach = ahead_of(y, left, slope, low, high, reach, search.scale)
         moved = ahead - y
         y = ahead
-        if abs(moved) <= _CONVERGED * search.scale:
+        if abs(moved) <= CONVERGED * search.scale:
             break
     moved_by = search.by_tilt * at.force_by_tilt + search.by_rate * at.force_by_rate
     put(
@@ -199,13 +218,13 @@ def _moved(at, change):
 
 
 @jit
-def _speed_of(bearing, kinematics):
+def speed_of(bearing, kinematics):
     """Return a velocity of the size of those in the film [m/s]."""
     return bearing.clearance * abs(kinematics.speed) + modulus(kinematics.velocity)
 
 
 @jit
-def _none(bearing, speed):
+def none_of(bearing, speed):
     """Return a force that is nothing beside that of a film whose surfaces move so fast [N]."""
     slender = bearing.journal_radius / bearing.clearance
     return _NOTHING * bearing.viscosity * speed * bearing.length * slender * slender * slender
@@ -214,20 +233,20 @@ def _none(bearing, speed):
 @jit
 def free_of_inertia(bearing, kinematics, tilt, b):
     """Return the `Search` for the rate of a pad without inertia at the tilt + b rate [m]."""
-    scale = _speed_of(bearing, kinematics)
+    scale = speed_of(bearing, kinematics)
     reach = scale
     if b > 0.0:
-        reach = min(reach, _REACH * bearing.clearance / b)
-    return Search(tilt, b, 0.0, 1.0, 0.0, 0.0, scale, reach, _none(bearing, scale))
+        reach = min(reach, REACH * bearing.clearance / b)
+    return Search(tilt, b, 0.0, 1.0, 0.0, 0.0, scale, reach, none_of(bearing, scale))
 
 
 @jit
 def with_inertia(bearing, kinematics, tilt, free, b, mass):
     """Return the `Search` for the rate of a pad of J / R^2 = mass [kg] at the end of a step of
     weight b > 0 [s], its tilt and its rate known before it."""
-    scale = _speed_of(bearing, kinematics) + abs(free)
-    reach = min(scale, _REACH * bearing.clearance / b)
-    return Search(tilt, b, 0.0, 1.0, mass / b, free, scale, reach, _none(bearing, scale))
+    scale = speed_of(bearing, kinematics) + abs(free)
+    reach = min(scale, REACH * bearing.clearance / b)
+    return Search(tilt, b, 0.0, 1.0, mass / b, free, scale, reach, none_of(bearing, scale))
 
 
 @jit
@@ -236,9 +255,9 @@ def at_rest(bearing, tables, kinematics, i):
     a pad that is tilted so far that nothing presses on it would stay."""
     across = across_of(bearing, tables, i)
     tilt = -(across.conjugate() * kinematics.displacement).real
-    none = _none(bearing, _speed_of(bearing, kinematics))
+    none = none_of(bearing, speed_of(bearing, kinematics))
     c = bearing.clearance
-    return Search(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, c, _REACH * c, none)
+    return Search(tilt, 1.0, 0.0, 0.0, 0.0, 0.0, c, REACH * c, none)
 
 
 @jit
@@ -259,23 +278,46 @@ def following(at, search, slope, by_d, by_v):
 def vibrating(at, mass, frequency):
     """Return p_d, q_d, p_v, q_v of a pad at rest that follows the journal at a frequency [rad/s]:
     its tilt is what G + frequency^2 mass tilt = 0 makes it; mass: J / R^2 [kg]."""
+    by = (at.p_d, at.q_d, at.p_v, at.q_v)
+    real = at.by_tilt + frequency * frequency * mass
+    of_moment = (at.g_d, at.g_v, real, at.by_rate)
+    return without(by, at.force_by_tilt, at.force_by_rate, of_moment, frequency)
+
+
+@jit
+def on_pivot(by, outwards, stiffness, frequency):
+    """Return p_d, q_d, p_v, q_v of a pad, `by`, whose pivot gives outwards, a spring in series with
+    its film: stiffness [N/m]."""
+    p_d, q_d, p_v, q_v = by
+    back = outwards.conjugate()
+    by_give, by_giving = p_d * outwards + q_d * back, p_v * outwards + q_v * back
+    g_d, g_v = outwards * p_d.conjugate() + back * q_d, outwards * p_v.conjugate() + back * q_v
+    real, rate = (back * by_give).real - stiffness, (back * by_giving).real
+    return without(by, by_give, by_giving, (g_d, g_v, real, rate), frequency)
+
+
+@jit
+def without(by, by_s, by_x, balance, frequency):
+    """Return p_d, q_d, p_v, q_v, `by`, of a force without an unknown s that a balance gives, as
+    all vibrate at a frequency [rad/s]: by_s, by_x: of the force by s and s'; balance: g_d, g_v,
+    real, rate, of g_d z + g_v z' + real s + rate s' = 0."""
+    p_d, q_d, p_v, q_v = by
+    g_d, g_v, real, rate = balance
     square = frequency * frequency
-    real, rate = at.by_tilt + square * mass, at.by_rate
     size = real * real + square * rate * rate
     if size == 0.0:  # nothing but squeezing holds it
         share = 0.5 / rate if rate < 0.0 else 0.0
-        f, g = at.force_by_rate * share, at.g_v
-        return at.p_d, at.q_d, at.p_v - f * g.conjugate(), at.q_v - f * g
+        f, g = by_x * share, g_v
+        return p_d, q_d, p_v - f * g.conjugate(), q_v - f * g
     # (f_s + i w f_x) conj(g_d + i w g_v) / (real + i w rate), where i is that of time
     u, w = 0.5 * real / size, -0.5 * rate / size
-    by_s, by_x, g_d, g_v = at.force_by_tilt, at.force_by_rate, at.g_d, at.g_v
     p_in = by_s * g_d.conjugate() - square * (by_x * g_v.conjugate())
     q_in = by_s * g_d - square * (by_x * g_v)
     p_out = by_s * g_v.conjugate() + by_x * g_d.conjugate()
     q_out = by_s * g_v + by_x * g_d
     return (
-        at.p_d - (u * p_in - square * w * p_out),
-        at.q_d - (u * q_in - square * w * q_out),
-        at.p_v - (w * p_in + u * p_out),
-        at.q_v - (w * q_in + u * q_out),
+        p_d - (u * p_in - square * w * p_out),
+        q_d - (u * q_in - square * w * q_out),
+        p_v - (w * p_in + u * p_out),
+        q_v - (w * q_in + u * q_out),
     )

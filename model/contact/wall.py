@@ -20,7 +20,7 @@ import math
 from dataclasses import MISSING, dataclass, fields
 from typing import Any, NamedTuple
 
-from ..kernels.functions import angle, direction, modulus, power
+from ..kernels.functions import angle, direction, modulus, power, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import ANY, NOT_NEGATIVE, Rule, quantity
 
@@ -157,7 +157,7 @@ def touch(part, kinematics):
     delta = r - s
     if delta <= 0.0:
         return Touch(delta, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0j, 0.0j, 0.0j, 0.0, 0.0)
-    e = d * (1.0 / r)
+    e = scaled(1.0 / r, d)
     velocity = e.conjugate() * kinematics.velocity
     gradient = complex(1.0, -s_1 / r)
     rate = velocity.real + gradient.imag * velocity.imag

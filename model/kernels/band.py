@@ -1,16 +1,17 @@
 """Symmetric band matrices: product, form, factorization A = L D L^T without pivoting, solution.
 
 Storage: `band[i, d]` is A[i + d, i], d = 0 .. half-bandwidth, a column of the lower triangle in a
-row. The kernels take real or complex symmetric (not Hermitian) matrices. No pivoting is needed for
-the step matrices of the time integration: their real part is positive definite, and growth is then
-bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., sec. 10.4; George, Ikramov
-and Kucherov 2002).
+row. What factorizes and solves takes real or complex symmetric (not Hermitian) matrices. No
+pivoting is needed for the step matrices of the time integration: their real part is positive
+definite, and growth is then bounded (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+ed., sec. 10.4; George, Ikramov and Kucherov 2002).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from .functions import scaled
 from .jit import jit
 
 
@@ -47,15 +48,16 @@ def product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 @jit
 def add_product(band, x, y):
-    """y += A x, x and y of shape (n,)."""
+    """y += A x of a real matrix and complex vectors of shape (n,)."""
     n, width = band.shape
     for i in range(n):
-        y[i] += band[i, 0] * x[i]
-    for d in range(1, width):
-        for i in range(n - d):
-            y[i] += band[i, d] * x[i + d]
-        for i in range(n - d):
-            y[i + d] += band[i, d] * x[i]
+        total = y[i] + scaled(band[i, 0], x[i])
+        for d in range(1, width):
+            if d < n - i:
+                total += scaled(band[i, d], x[i + d])
+            if d <= i:
+                total += scaled(band[i - d, d], x[i - d])
+        y[i] = total
 
 
 @jit
@@ -64,13 +66,26 @@ def form(band, x, y):
     n, width = band.shape
     total = 0.0j
     for i in range(n):
-        along = 0.5 * band[i, 0] * y[i]
-        across = 0.5 * band[i, 0] * x[i].conjugate()
+        along = scaled(0.5 * band[i, 0], y[i])
+        across = scaled(0.5 * band[i, 0], x[i])
         for d in range(1, min(width, n - i)):
-            along += band[i, d] * y[i + d]
-            across += band[i, d] * x[i + d].conjugate()
-        total += x[i].conjugate() * along + across * y[i]
+            along += scaled(band[i, d], y[i + d])
+            across += scaled(band[i, d], x[i + d])
+        total += x[i].conjugate() * along + across.conjugate() * y[i]
     return total
+
+
+@jit
+def square(band, x):
+    """Return x^H A x of a real matrix and a complex vector of shape (n,)."""
+    n, width = band.shape
+    total = 0.0
+    for i in range(n):
+        along = scaled(0.5 * band[i, 0], x[i])
+        for d in range(1, min(width, n - i)):
+            along += scaled(band[i, d], x[i + d])
+        total += x[i].real * along.real + x[i].imag * along.imag
+    return 2.0 * total
 
 
 @jit

@@ -23,6 +23,13 @@ def modulus(z):
 
 
 @jit
+def scaled(factor, z):
+    """Return the product of a real and a complex number. `factor * z` makes the factor complex
+    first, and then multiplies by its zeros as well: in a loop over all dofs that is felt."""
+    return complex(factor * z.real, factor * z.imag)
+
+
+@jit
 def inverse(z):
     """Return 1 / z of such a number. Division of complex numbers is rounded in as many ways as
     there are languages and libraries; this is the same in all."""
@@ -164,21 +171,27 @@ def _power_of_two(n):
     return y
 
 
+# Parabolas for the cube root in 1 to 8 and the fifth root in 1 to 32, within 2 and 5 per cent.
+_NEAR_CUBE_ROOT = (0.7625, 0.2681, -0.0147)
+_NEAR_FIFTH_ROOT = (0.974, 0.0762, -0.0015)
+
+
 @jit
 def cube_root(x):
     """Return the cube root of x >= 0 within 2 ulp."""
-    return _root(x, 3)
+    return _root(x, 3, _NEAR_CUBE_ROOT)
 
 
 @jit
 def fifth_root(x):
     """Return the fifth root of x >= 0 within 2 ulp."""
-    return _root(x, 5)
+    return _root(x, 5, _NEAR_FIFTH_ROOT)
 
 
 @jit
-def _root(x, n):
-    """Return the n-th root of x >= 0, n = 3 or 5, by Newton's method."""
+def _root(x, n, near):
+    """Return the n-th root of x >= 0, n = 3 or 5: twice by Halley's method, whose error is of third
+    order, and once by Newton's, whose correction is rounded and not its result."""
     if not 0.0 < x < math.inf:
         return x
     factor = _power_of_two(n)
@@ -189,10 +202,12 @@ def _root(x, n):
     while x < 1.0:
         x *= factor
         scale *= 0.5
-    y = 1.0 + (x - 1.0) / (factor - 1.0)
-    for _ in range(8):
-        power = y * y if n == 3 else y * y * y * y
-        y -= (y - x / power) / n
+    y = near[0] + x * (near[1] + x * near[2])
+    for _ in range(2):
+        power = y * y * y if n == 3 else y * y * y * y * y
+        y *= ((n - 1) * power + (n + 1) * x) / ((n + 1) * power + (n - 1) * x)
+    power = y * y if n == 3 else y * y * y * y
+    y -= (y - x / power) * (1.0 / n)
     return scale * y
 
 

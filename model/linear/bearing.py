@@ -10,9 +10,12 @@ from typing import get_args
 
 import numpy as np
 
+from ..contact.film import PAD
 from ..machine.rotor import Rotor
+from ..parts.film_heat import oil_of
 from ..parts.journal_bearing import JournalBearing
 from ..parts.rolling_bearing import RollingBearing
+from ..parts.speed_table import interpolant
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from .bearing_alone import BearingAlone, critical_mass
 from .film_in_plane import film_in_plane
@@ -28,19 +31,24 @@ ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 class BearingCurves:
     """A journal bearing over n speeds [rad/s], or loads.
 
-    bearing: its name; clearance [m]; load: on the journal, to the right and upwards, shape (n, 2)
-    [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa], torque [N.m], power
-    [W], flow [m3/s], shape (n,); around: pressure in the middle of the length every 3 degrees from
-    the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape (n, 2, 2); mass: that
-    the first load weighs [kg]; critical_mass [kg], whirl: frequency at that mass [rad/s];
-    threshold: speed above which `mass` whirls [rad/s], None if it does at none or the loads vary;
-    threshold_load: on either side of it a mass that weighs the load whirls, or does not [N], None
-    if the speeds vary or there is none; plane_error: of the load, against a two-dimensional
-    solution [1].
+    bearing: its name; clearance, journal_radius [m]; load: on the journal, to the right and
+    upwards, shape (n, 2) [N]; x, y [m], eccentricity [1], attitude [rad], film [m], pressure [Pa],
+    torque [N.m], power [W], flow [m3/s], shape (n,); around: pressure in the middle of the length
+    every 3 degrees from the right, anticlockwise, shape (n, 121) [Pa]; K [N/m], C [N.s/m], shape
+    (n, 2, 2); mass: that the first load weighs [kg]; critical_mass [kg], whirl: frequency at that
+    mass [rad/s]; threshold: speed above which `mass` whirls [rad/s], None if it does at none or the
+    loads vary; threshold_load: on either side of it a mass that weighs the load whirls, or does not
+    [N], None if the speeds vary or there is none; plane_error: of the load, against a two-
+    dimensional solution [1]; viscosity [Pa.s], temperature [degC]: of the lubricant, shape (n,),
+    None where no heat balance gives it; pads: of m pads the first and last angle, the angle of the
+    pivot [rad], the clearance and x, y of the journal from the pad's centre when it is in the
+    bearing's, over the clearance [1], shape (m, 6); tilts: of pads that tilt, how far, and how far
+    the pivot gives, shape (n, m, 2) [m]; pad_loads: what each bears, shape (n, m) [N].
     """
 
     bearing: str
     clearance: float
+    journal_radius: float
     speeds: np.ndarray
     load: np.ndarray
     x: np.ndarray
@@ -61,6 +69,11 @@ class BearingCurves:
     threshold: float | None
     threshold_load: float | None
     plane_error: np.ndarray
+    viscosity: np.ndarray
+    temperature: np.ndarray | None
+    pads: np.ndarray
+    tilts: np.ndarray
+    pad_loads: np.ndarray
 
 
 def bearings(rotor: Rotor) -> dict[str, AnyBearing]:
@@ -122,11 +135,14 @@ def bearing_curves(
     return BearingCurves(
         bearing=name,
         clearance=known[name].clearance,
+        journal_radius=known[name].journal_radius,
         speeds=np.array(speeds),
         load=np.column_stack([loads.real, loads.imag]),
         mass=mass,
         threshold=threshold,
         threshold_load=threshold_load,
+        temperature=_temperatures(known[name], np.array(speeds)),
+        pads=_pads(known[name]),
         **columns,
     )
 
@@ -136,7 +152,8 @@ def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, obj
     mass, whirl = critical_mass(K, C)
     known = alone.outputs(d)
     names = ("eccentricity", "attitude", "film", "pressure", "torque", "power", "flow")
-    in_plane = film_in_plane(part, alone.speed, d, tilts=alone.tilts(d))
+    tilts = alone.tilts(d)
+    in_plane = film_in_plane(part, alone.speed, d, tilts=tilts, viscosity=alone.viscosity)
     error = abs(alone.force(d) - in_plane) / abs(in_plane) if in_plane != 0.0 else math.nan
     return {name: known[name] for name in names} | {
         "x": d.real,
@@ -147,7 +164,28 @@ def _row(alone: BearingAlone, part: JournalBearing, d: complex) -> dict[str, obj
         "critical_mass": mass,
         "whirl": whirl,
         "plane_error": error,
+        "viscosity": alone.viscosity,
+        "tilts": np.column_stack([tilts.real, tilts.imag]),
+        "pad_loads": alone.pad_loads(d) if part.tilting else np.zeros(0),
     }
+
+
+def _temperatures(part: JournalBearing, speeds: np.ndarray) -> np.ndarray | None:
+    """Return the temperature of the lubricant at each speed [degC], as its table over the speed has
+    it; None without a heat balance."""
+    oil = oil_of(part) if part.temperature else None
+    if oil is None:
+        return None
+    fast = np.clip(np.abs(speeds), oil.speed[0], oil.speed[-1])
+    return np.asarray(interpolant(oil.speed, oil.temperature)(fast))
+
+
+def _pads(part: JournalBearing) -> np.ndarray:
+    """Return `BearingCurves.pads`."""
+    rows = np.array(part.pad_rows())
+    pivots = np.arctan2(rows[:, PAD.pivot_y], rows[:, PAD.pivot_x])
+    shape = (PAD.first, PAD.last, PAD.clearance, PAD.x, PAD.y)
+    return np.insert(rows[:, shape], 2, pivots, axis=1)
 
 
 def _threshold(

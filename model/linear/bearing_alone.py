@@ -8,23 +8,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..contact.film import pad_count, pad_of, solved
+from ..contact.film import bearing_of, pad_count, pad_of, solved
 from ..contact.film_zone import vectors, zone_bound
+from ..contact.tilting import pad_balance, put, put_pivot
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
+from ..parts.film_alone import FilmAlone
+from ..parts.film_law import bearing_at
 from ..parts.journal_bearing import JournalBearing
-from ..parts.law import Weights
+from ..parts.law_alone import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
-from .law_alone import LawAlone
+from ..parts.tilting_pads import states_of_pad
 from .linearized import LinearError
 
-_BY_D = Weights(1.0, 0.0, 0.0)
-_ITERATIONS, _CHANGE = 200, 1e-12
-_SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
-_HALVINGS, _FEW_HALVINGS = 30, 16
+_HALVINGS = 30
+_TURNS, _MOST_TURN = 8, 0.3  # steps of Newton's method, and their size [rad]
+_CLOSE = 1e-5  # of a displacement: what it makes of a load is not seen in a message
 
 
-class BearingAlone(LawAlone):
+class BearingAlone(FilmAlone):
     """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
 
     part: the bearing; where: its name, for messages.
@@ -38,15 +40,27 @@ class BearingAlone(LawAlone):
     ) -> None:
         super().__init__(part, speed, where)
         self.part = part
+        is_journal = isinstance(part, JournalBearing)
+        record, tables = self._record, self._tables
+        self._bearing = (
+            interpreted(bearing_at)(record, tables, self.speed)
+            if is_journal
+            else interpreted(bearing_of)(record)
+        )
+
+    @property
+    def viscosity(self) -> float:
+        """Viscosity of the lubricant at the speed [Pa.s]."""
+        return float(self._bearing.viscosity)
 
     def pressure(self, d: complex, angles: np.ndarray) -> np.ndarray:
         """Return the pressure in the middle of the length at angles from 0 to 2 pi, with the
         journal at rest at a displacement [Pa]."""
-        record, tables = self._record, self._tables
+        bearing, tables = self._bearing, self._tables
         self._settle_at(d, 0j)
         moving, result = self._moving(d, 0j), np.zeros_like(angles)
-        for i in range(interpreted(pad_count)(record, tables)):
-            pad, work = interpreted(pad_of)(record, tables, moving, i)
+        for i in range(interpreted(pad_count)(bearing, tables)):
+            pad, work = interpreted(pad_of)(bearing, tables, moving, i)
             if pad.film.S == 0.0:
                 continue
             for turn in (-1, 0, 1, 2):
@@ -62,25 +76,43 @@ class BearingAlone(LawAlone):
                 else:
                     zone, _ = interpreted(solved)(pad.film, bound, work)
                     P = interpreted(vectors)(pad.film, work).P
-                    P = np.maximum(P, 0.0) if pad.film.is_full else P
+                    P = np.maximum(P, -pad.film.ambient) if pad.film.is_full else P
                     theta = np.linspace(zone.first, zone.last, len(P))
+                of_zone = np.full_like(angles, np.nan)  # an angle may lie at both its ends
                 for whole in (-2 * math.pi, 0.0, 2 * math.pi):
-                    at = np.interp(angles + whole, theta, P, left=0.0, right=0.0)
-                    result += pad.pressure * at
+                    at = np.interp(angles + whole, theta, P, left=np.nan, right=np.nan)
+                    of_zone = np.where(np.isnan(of_zone), at, of_zone)
+                result += pad.pressure * np.nan_to_num(of_zone)
         return result
 
     def tilts(self, d: complex) -> np.ndarray:
-        """Return how far each pad that tilts does, where the journal rests at a displacement [m];
-        none of pads that stand."""
+        """Return how far each pad that tilts does, where the journal rests at a displacement [m],
+        the imaginary part being how far its pivot gives, if it does; none of pads that stand."""
         if not isinstance(self.part, JournalBearing):
             return np.zeros(0)
         self._settle_at(d, 0j)
-        return self._states[:: 2 if self.part.pad_inertia > 0.0 else 1].copy()
+        stride = interpreted(states_of_pad)(self.part)
+        tilts = self._states[::stride].copy()
+        gives = self.part.pivot_stiffness > 0.0
+        return tilts + 1j * self._states[stride - 1 :: stride] if gives else tilts
+
+    def pad_loads(self, d: complex) -> np.ndarray:
+        """Return what each pad bears where the journal rests at a displacement [N]."""
+        tilts = self.tilts(d)
+        moving, tables = self._moving(d, 0j), self._tables
+        for i, tilt in enumerate(tilts):
+            interpreted(put)(self._bearing, tables, i, tilt.real, 0.0)
+            interpreted(put_pivot)(self._bearing, tables, i, tilt.imag, 0.0)
+        count = interpreted(pad_count)(self._bearing, tables)
+        balance = interpreted(pad_balance)
+        return np.array(
+            [abs(balance(self._bearing, tables, moving, i).force) for i in range(count)]
+        )
 
     def rest(self, load: complex, start: complex | None = None) -> complex:
         """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
         `LinearError` with the load and what the film, or a damper's spring, carries."""
-        d = self._rest(load, start)
+        d = self.find_rest(load, start)
         if d is None or self.is_broken(d):
             raise self.no_equilibrium(load)
         return d
@@ -95,54 +127,55 @@ class BearingAlone(LawAlone):
             f"direction when the film is as thin as its roughness, {self.part.roughness:g} m"
         )
 
-    def _rest(self, load: complex, start: complex | None = None) -> complex | None:
-        c, stiffness = self.part.clearance, self._law.stiffness
-        is_held = stiffness is not None and stiffness(self.part) > 0.0
-        if self.speed == 0.0 and not is_held:  # on its wall, if there is one
-            if load == 0.0:
-                return 0j
-            if self.part.k == 0.0:
-                return None
-            start = c * load / abs(load)
-        turned = -1j if self.speed > 0 else 1j if self.speed < 0 else 0.0
-        ahead = load / abs(load) if load != 0.0 else 0j
-        d = 0.3 * c * ahead * (1.0 - turned) if start is None else start
-        for _ in range(_ITERATIONS):
-            left = self.force(d) + load
-            try:
-                change = np.linalg.solve(self.tangent(d, 0j, _BY_D), [-left.real, -left.imag])
-            except np.linalg.LinAlgError:
-                return None
-            step = complex(*change)
-            size = abs(step)
-            if not math.isfinite(size):
-                return None
-            step *= min(1.0, _SHARE * c / size) if size > 0.0 else 1.0
-            d += step
-            if size <= _CHANGE * c:
-                return d
-        return None
-
-    def is_broken(self, d: complex) -> bool:
-        """Return whether the film is thinner than its roughness, without a contact behind it."""
-        self._settle_at(d, 0j)
-        breaks = interpreted(self._law.breaks)
-        return bool(breaks(self._record, self._tables, complex(d), self._states))
-
     def _capacity(self, load: complex) -> float:
         """Return the largest share of a load that the film, or a damper's spring, carries [N]."""
         if isinstance(self.part, SqueezeFilmDamper):
             return self.part.stiffness * (self.part.clearance - self.part.roughness)
+        if self._law.vibrate is not None:  # each force takes a while then
+            return self._carried_at_roughness(load) if self.speed != 0.0 else 0.0
         low, high = 0.0, 1.0
-        start = None
-        follows = self._law.vibrate is not None  # each force takes a while then
-        for _ in range(_FEW_HALVINGS if follows else _HALVINGS):
+        for _ in range(_HALVINGS):
             middle = 0.5 * (low + high)
-            d = self._rest(middle * load, start)
+            d = self.find_rest(middle * load)
             is_carried = d is not None and not self.is_broken(d)
             low, high = (middle, high) if is_carried else (low, middle)
-            start = d if follows and is_carried else start
         return low * abs(load)
+
+    def _carried_at_roughness(self, load: complex) -> float:
+        """Return the film's force against the direction of a load where the journal has moved so
+        far that the film is as thin as its roughness [N]."""
+        ahead = load / abs(load)
+        d = 0.5 * self.part.clearance * ahead
+        low, high = 0.0, math.inf
+        fall, before = 1.0, None  # of the film by the displacement; the last of both
+        for _ in range(_HALVINGS):
+            d = self._turned(d, ahead)
+            size = abs(d)
+            left = self.outputs(d)["film"] - self.part.roughness
+            low, high = (size, high) if left > 0.0 else (low, size)
+            if before is not None and (before[1] - left) * (size - before[0]) > 0.0:
+                fall = (before[1] - left) / (size - before[0])
+            before = size, left
+            longer = size + left / fall
+            if not low < longer < high:
+                longer = 0.5 * (low + high)
+            if abs(longer - size) <= _CLOSE * size:
+                break
+            d *= longer / size
+        return max(0.0, -(self.force(d) * ahead.conjugate()).real)
+
+    def _turned(self, d: complex, ahead: complex) -> complex:
+        """Return a displacement [m] turned to where the film's force has a direction."""
+        for _ in range(_TURNS):
+            across = (self.force(d) * ahead.conjugate()).imag
+            x, y = self.tangent(d, 0j, BY_D) @ [(1j * d).real, (1j * d).imag]
+            slope = (complex(x, y) * ahead.conjugate()).imag
+            turn = -across / slope if slope != 0.0 else 0.0
+            turn = min(max(turn, -_MOST_TURN), _MOST_TURN)
+            if abs(turn) <= _CLOSE:
+                break
+            d *= complex(math.cos(turn), math.sin(turn))
+        return d
 
 
 def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..machine.rotor import Rotor
+from ..parts.law_alone import cleared
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from .bearing_alone import BearingAlone
-from .law_alone import cleared
 from .linearized import LinearError
 from .static import speeds_and_loads
 

@@ -23,22 +23,28 @@ def film_in_plane(
     d: complex,
     around: int = _AROUND,
     along: int = _ALONG,
-    tilts: Sequence[float] | np.ndarray = (),
+    tilts: Sequence[complex] | np.ndarray = (),
+    viscosity: float | None = None,
 ) -> complex:
-    """Return the film's force on a journal that rests at d [m] at a speed [rad/s], with Reynolds'
-    rupture at grid points [N]; around: cells of a whole circle, along: of half the length; tilts:
-    of pads that tilt [m]."""
+    """Return the film's force on a journal that rests at d [m] at a speed [rad/s], with its rupture
+    at grid points [N]; around: cells of a whole circle, along: of half the length; tilts: of pads
+    that tilt, their imaginary part how far the pivot gives [m]; viscosity [Pa.s], by default that
+    of the part, a constant."""
+    if viscosity is None:
+        assert not isinstance(part.viscosity, tuple)
+        viscosity = part.viscosity
     force = 0j
     for i, row in enumerate(part.pad_rows()):
         at = np.array(row)
         tilt = 1j * complex(at[PAD.pivot_x], at[PAD.pivot_y]) * (tilts[i] if len(tilts) else 0.0)
-        force += _pad(part, at, speed, d + tilt, around, along)
+        force += _pad(part, at, viscosity * speed, d + tilt, around, along)
     return force
 
 
 def _pad(
-    part: JournalBearing, row: np.ndarray, speed: float, d: complex, around: int, along: int
+    part: JournalBearing, row: np.ndarray, shear: float, d: complex, around: int, along: int
 ) -> complex:
+    """Return the force of a pad on the journal [N]; shear: viscosity times speed [Pa]."""
     first, last = row[PAD.first], row[PAD.last]
     is_whole = row[PAD.is_whole] > 0
     n = around if is_whole else max(16, math.ceil(around * (last - first) / (2 * math.pi)))
@@ -52,7 +58,7 @@ def _pad(
     # unknowns: at the angles of a circle's n or a pad's n - 1 inner nodes, from the middle of the
     # length, where it is symmetric, to the side, where the pressure is 0
     theta = first + step * (np.arange(n) if is_whole else np.arange(1, n))
-    R, mu = part.journal_radius, part.viscosity
+    R = part.journal_radius
     h = thickness(theta)
     before, behind = (thickness(theta + s * step / 2) ** 3 / (step * R) ** 2 for s in (-1, 1))
     m = len(theta)
@@ -65,18 +71,16 @@ def _pad(
     ).tolil()
     across[0, 1] = -2.0
     A = sp.kron(sp.eye_array(along), circle) + sp.kron(across, sp.diags_array(h**3 / width**2))
-    source = 6 * mu * speed * (np.exp(-1j * theta) * -1j * d).real
+    source = 6 * shear * (np.exp(-1j * theta) * -1j * d).real
     b = np.tile(source, along)
-    p = _at_least_nothing(A.tocsr(), b) if part.rupture != GUEMBEL else _of_full(A, b)
+    if part.rupture == GUEMBEL:
+        p = np.maximum(spsolve(A.tocsc(), b), -part.supply_pressure)
+    else:
+        p = _at_least_nothing(A.tocsr(), b)
     weights = np.full(along, 2.0 * width)
     weights[0] = width
     around_force = (p.reshape(along, m) * weights[:, None]).sum(axis=0) @ np.exp(1j * theta)
     return complex(-around_force * R * step)
-
-
-def _of_full(A: sp.csr_array, b: np.ndarray) -> np.ndarray:
-    """Return what is positive of p with A p = b."""
-    return np.maximum(spsolve(A.tocsc(), b), 0.0)
 
 
 def _at_least_nothing(A: sp.csr_array, b: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ does). The laws of all other interfaces are linearized where gravity holds them 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,15 +19,14 @@ import scipy.sparse as sp
 
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
-from ..parts.base import Interface, Mount, Spring
 from ..parts.housing import masses
-from ..parts.linear_bearing import LINEAR_BEARING
 from ..structure.assembly import assemble
 from ..structure.elastic import factorized
 from ..structure.parameters import elastic_share, lengths_of
 from .bearing_alone import check_films
 from .linearized import Linear, LinearError, Strain
 from .matrices import TURN, differences, expansion, in_plane, matrices_of, to_complex
+from .supports import are_linear, interfaces, seat, supports
 from .tangents import Tangents, tangents
 
 OPEN, PINNED = "open", "pinned"
@@ -36,15 +35,6 @@ _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not 
 _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
-
-
-class Supports(NamedTuple):
-    """The supports of the shaft, in the order of the parts: names of springs to ground, of
-    interfaces; housings' names."""
-
-    springs: tuple[str, ...]
-    interfaces: tuple[str, ...]
-    housings: tuple[str, ...]
 
 
 class LinearMachine:
@@ -59,7 +49,7 @@ class LinearMachine:
             raise LinearError(f"contacts = {contacts}: must be one of {', '.join(CONTACTS)}")
         self.rotor = rotor
         self.structure = assemble(rotor)
-        self.supports = _supports(rotor)
+        self.supports = supports(rotor)
         self._full = matrices_of(rotor, self.structure)
         self._set_contacts(contacts or OPEN)
         if contacts is None and self.has_contacts and not self.is_held:
@@ -70,8 +60,8 @@ class LinearMachine:
         self.contacts = contacts
         self.pinned = np.flatnonzero(s.interfaces.has_wall == 1)
         self._acts = s.interfaces.has_wall == 0
-        self._is_curved = ~_are_linear(self.rotor)
-        self._follows = any(e.law.vibrate is not None for e in _interfaces(self.rotor))
+        self._is_curved = ~are_linear(self.rotor)
+        self._follows = any(e.law.vibrate is not None for e in interfaces(self.rotor))
         size = len(s.weight) + len(s.housings) + 1
         pinned = self.pinned if contacts == PINNED else np.arange(0)
         held = zip(s.interfaces.dof[pinned], s.interfaces.end[pinned], strict=True)
@@ -85,7 +75,7 @@ class LinearMachine:
         self.across = differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
         self._strained = (self._full.strained @ self.expand).tocsr()
-        self._seated = self._rigid()[:, 1] * -_seat(self.rotor)
+        self._seated = self._rigid()[:, 1] * -seat(self.rotor)
         self._is_held_at_rest = self._holds(self._linear(0.0, self._seated))
         turning = s.numbers[0].lowest_omega
         self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
@@ -324,29 +314,3 @@ def _forces_of_pins(across: sp.csr_matrix, left: np.ndarray) -> np.ndarray:
     """Return the forces f of the pins with across^T f = left, ground's rows aside."""
     rows = across.toarray().T[:-2]
     return np.linalg.lstsq(rows, left[:-2], rcond=None)[0]
-
-
-def _seat(rotor: Rotor) -> float:
-    """Return how far the shaft falls before its bearings hold it [m]."""
-    seats = (e.law.seat(e.source) for e in _interfaces(rotor) if e.law.seat)
-    return max(seats, default=0.0)
-
-
-def _interfaces(rotor: Rotor) -> Iterator[Interface]:
-    """Yield the interfaces of all parts, in their order."""
-    for where, part in rotor.named_parts():
-        yield from (e for e in part.elements(where, 1.0) if isinstance(e, Interface))
-
-
-def _are_linear(rotor: Rotor) -> np.ndarray:
-    """Return which interfaces have a force that is linear in displacement and velocity."""
-    return np.array([e.law is LINEAR_BEARING for e in _interfaces(rotor)], bool)
-
-
-def _supports(rotor: Rotor) -> Supports:
-    names: dict[type, list[str]] = {Spring: [], Interface: [], Mount: []}
-    for where, part in rotor.named_parts():
-        for element in part.elements(where, rotor.material.density):
-            if type(element) in names:
-                names[type(element)].append(element.name if type(element) is Mount else where)
-    return Supports(*(tuple(names[kind]) for kind in (Spring, Interface, Mount)))

@@ -13,8 +13,8 @@ from scipy.optimize import minimize
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.law import Weights
+from ..parts.law_alone import LawAlone, cleared
 from ..parts.rolling_bearing import RollingBearing, cage_ratio
-from .law_alone import LawAlone, cleared
 from .linearized import LinearError
 from .static import speeds_and_loads
 

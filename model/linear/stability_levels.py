@@ -266,12 +266,17 @@ def _forward_place(result: Modes) -> int:
 
 class _FirstForward:
     """The first forward mode over the cross coupling at a node: the mode that is the lowest forward
-    one without it, followed by its eigenvalue, since cross coupling changes a mode's whirl."""
+    one without it, followed by its eigenvalue, since cross coupling changes a mode's whirl.
+
+    On bearings that differ in x and y the modes are nearly planar without cross coupling, and their
+    sense says little: where it makes another mode grow first, that mode is the one followed.
+    """
 
     def __init__(self, rotor: Rotor, speed: float, node: int, contacts: str | None) -> None:
         self._rotor, self._speed, self._node = rotor, speed, node
         first = modes(rotor, speed, count=_COUNT, contacts=contacts)
         self._contacts = first.contacts
+        self._growing_alone = int((first.eigenvalues.real > 0).sum())
         at = _forward_place(first)
         self._known = {0.0: complex(first.eigenvalues[at])}
         mass = float(sum(_masses(rotor)))
@@ -291,24 +296,22 @@ class _FirstForward:
     def _with(self, q: float) -> Rotor:
         return replace(self._rotor, parts=(*self._rotor.parts, _coupling(self._node, q)))
 
+    def _roots(self, q: float) -> np.ndarray:
+        rotor = self._with(q)
+        return modes(rotor, self._speed, count=_COUNT, contacts=self._contacts).eigenvalues
+
     def __call__(self, q: float) -> StabilityCase:
         """Return the mode with the cross coupling q [N/m]."""
-        root = self._eigenvalue(q)
-        return StabilityCase(f"{q:g} N/m", -2 * math.pi * root.real / root.imag, root.imag)
-
-    def _eigenvalue(self, q: float) -> complex:
         if q not in self._known:
             # from the nearest one that is known, by steps that leave no doubt which it is
             known = [k for k in self._known if k > 0 or len(self._known) == 1]
-            nearest = min(known, key=lambda k: abs(k - q))
-            self._known[q] = self._onward(nearest, q)
-        return self._known[q]
+            self._known[q] = self._onward(min(known, key=lambda k: abs(k - q)), q)
+        root = self._known[q]
+        return StabilityCase(f"{q:g} N/m", -2 * math.pi * root.real / root.imag, root.imag)
 
     def _onward(self, start: float, end: float, depth: int = 0) -> complex:
         expected = self._known[start]
-        found = modes(
-            self._with(end), self._speed, count=_COUNT, contacts=self._contacts
-        ).eigenvalues
+        found = self._roots(end)
         away = np.sort(np.abs(found - expected))
         if len(found) == 0:
             raise LinearError(f"no mode oscillates with a cross coupling of {end:g} N/m")
@@ -326,11 +329,21 @@ class _FirstForward:
         high = anticipated or 1e-3 * self.scale
         limit = max(_SPAN * anticipated, 10 * self.scale)
         low = 0.0
-        while self(high).log_dec > 0:
+        while self(high).log_dec > 0 and not self._follow_growing(high):
             if high >= limit:
                 return None
             low, high = high, 1.5 * high
         return float(brentq(lambda q: self(q).log_dec, low, high, rtol=1e-10))
+
+    def _follow_growing(self, q: float) -> bool:
+        """Whether another mode grows because of the cross coupling q, which is followed then."""
+        roots = self._roots(q)
+        if int((roots.real > 0).sum()) <= self._growing_alone:
+            return False
+        before, self._known = self._known, {q: complex(roots[np.argmax(roots.real)])}
+        for smaller in sorted((k for k in before if k < q), reverse=True):
+            self(smaller)
+        return True
 
 
 def _masses(rotor: Rotor) -> np.ndarray:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from ..parts.journal_bearing import JournalBearing
 from .rotor import Rotor
 
 
@@ -19,15 +20,18 @@ class SpeedRange(NamedTuple):
 
 def tables_of(rotor: Rotor) -> list[SpeedRange]:
     """Return the ranges that the tables of a machine's parts cover."""
-    named = ((where, getattr(part, "speed", ())) for where, part in rotor.named_parts())
-    return [
-        SpeedRange(
-            speeds[0],
-            speeds[-1],
-            f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {speeds[0]:g} to "
-            f"{speeds[-1]:g} rad/s; from there on its coefficients are those of the end",
-            "beyond-table",
-        )
-        for where, speeds in named
-        if speeds
-    ]
+    named = ((where, part) for where, part in rotor.named_parts() if getattr(part, "speed", ()))
+    return [_range_of(where, part) for where, part in named]
+
+
+def _range_of(where: str, part: Any) -> SpeedRange:
+    low, high = part.speed[0], part.speed[-1]
+    is_film = isinstance(part, JournalBearing)
+    values = "viscosity is that" if is_film else "coefficients are those"
+    return SpeedRange(
+        -high if is_film and low == 0.0 else low,  # a film's is the same in either sense
+        high,
+        f"{where}: speed {{speed:.4g}} rad/s lies outside its table, {low:g} to {high:g} rad/s; "
+        f"from there on its {values} of the end",
+        "beyond-table",
+    )

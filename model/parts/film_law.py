@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..contact.film import STANDS, bearing_of
+from ..contact.film import PAD, STANDS, bearing_of, bearing_with
 from ..contact.film_wall import breaks
 from ..contact.film_zone import VECTORS
 from ..contact.wall import contact_quantity
@@ -29,9 +29,11 @@ from ..quantities import (
 )
 from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .law import Kinematics
+from .speed_table import cubic, row_at
 
 _POINTS = Rule(8.0, False, "must be from 8 to 1024", most=1024.0)
 _LONGEST = 2.0  # length over diameter
+_WIDTH = 5  # of a row of the viscosity's `speed_table`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,15 +93,38 @@ def film_breaks(part, tables, displacement, internal_state):
 
 
 @jit
+def viscosity_at(part, tables, speed):
+    """Return the viscosity of a part at a speed [rad/s], of either sign: by the rows of
+    `speed_table` behind its film's table, if there are some [Pa.s]."""
+    first = part.table + 1 + len(PAD) * int(tables[part.table]) + VECTORS * (int(part.points) + 1)
+    rows = (part.table + part.rows - first) // _WIDTH
+    if rows == 0:
+        return part.viscosity
+    fast = abs(speed)
+    at = row_at(tables, first, rows, _WIDTH, fast)
+    return cubic(tables, at + 1, max(0.0, fast - tables[at]))
+
+
+@jit
+def bearing_at(part, tables, speed):
+    """Return the `FilmBearing` of a journal bearing at a speed [rad/s]."""
+    return bearing_with(part, viscosity_at(part, tables, speed), part.supply_pressure)
+
+
+@jit
 def film_length(part):
     """Implement this function of a law; see `parts.law`."""
     return part.clearance
 
 
-def film_table(rows: Sequence[Sequence[float]], points: float) -> np.ndarray:
-    """Return rows of `contact.film.PAD` as a table, with the room in which the films are solved."""
+def film_table(
+    rows: Sequence[Sequence[float]], points: float, viscosity: np.ndarray | None = None
+) -> np.ndarray:
+    """Return rows of `contact.film.PAD` as a table, with the room in which the films are solved,
+    and the `speed_table` of the viscosity."""
     room = np.zeros(VECTORS * (int(points) + 1))
-    return np.concatenate([[len(rows)], np.ravel(rows), room])
+    behind = np.zeros(0) if viscosity is None else np.ravel(viscosity)
+    return np.concatenate([[len(rows)], np.ravel(rows), room, behind])
 
 
 def whole_circle(is_full: bool = False) -> list[float]:

@@ -12,25 +12,28 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ..contact.film import (
     PAD,
     STANDS,
     TILTS,
-    bearing_of,
     film_force,
-    film_state,
     film_tangent,
     pad_count,
 )
+from ..contact.film_state import film_state
 from ..contact.film_wall import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import interpreted, jit, jit_not_inlined
 from ..quantities import ANY, QuantityError, Rule, check_all, places, quantity
 from .base import GROUND, Element, Interface, Part, Shape
 from .clearance_contact import STORES
+from .film_heat import HeatQuantities, check_viscosity, oil_of
 from .film_law import (
     LOSSES,
     OUTPUTS,
+    bearing_at,
     check_film,
     film_breaks,
     film_length,
@@ -38,6 +41,7 @@ from .film_law import (
     whole_circle,
 )
 from .law import Kinematics, Law, Weights
+from .speed_table import speed_table
 from .tilting_pads import (
     PADS,
     TiltingQuantities,
@@ -66,7 +70,7 @@ _BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    bearing = bearing_of(part)
+    bearing = bearing_at(part, tables, kinematics.speed)
     put_pads(part, bearing, tables, kinematics, internal_state)
     wall = wall_state(bearing, tables, kinematics)
     return film_force(bearing, tables, kinematics) + wall.force
@@ -75,7 +79,7 @@ def _force(part, tables, kinematics, internal_state):
 @jit_not_inlined
 def _tangent(part, tables, kinematics, weights, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    bearing = bearing_of(part)
+    bearing = bearing_at(part, tables, kinematics.speed)
     if part.tilting > 0.0:
         return pads_tangent(part, bearing, tables, kinematics, weights, free, internal_state)
     force, p, q = film_tangent(bearing, tables, kinematics, weights)
@@ -86,7 +90,7 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
 @jit_not_inlined
 def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law (see `parts.law`): contact, pads that tilt."""
-    bearing = bearing_of(part)
+    bearing = bearing_at(part, tables, 0.0)
     put_pads_still(part, bearing, tables, internal_state)
     still = Kinematics(displacement, 0.0j, 0.0, 0.0, 0.0)
     return wall_energy(bearing, tables, still), energy_of_pads(
@@ -104,7 +108,7 @@ def _film_power(film, kinematics):
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
     """Implement this function of a law (see `parts.law`): film, contact damping, friction."""
-    bearing = bearing_of(part)
+    bearing = bearing_at(part, tables, kinematics.speed)
     put_pads(part, bearing, tables, kinematics, internal_state)
     film = film_state(bearing, tables, kinematics)
     wall = wall_state(bearing, tables, kinematics)
@@ -117,7 +121,7 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
-    bearing = bearing_of(part)
+    bearing = bearing_at(part, tables, kinematics.speed)
     put_pads(part, bearing, tables, kinematics, internal_state)
     film = film_state(bearing, tables, kinematics)
     wall = wall_state(bearing, tables, kinematics)
@@ -136,23 +140,26 @@ def _observe(part, tables, kinematics, internal_state, out):
     out[_OUT.fn] = wall.normal
     out[_OUT.contact] = 1.0 if wall.normal > 0.0 else 0.0
     if part.tilting > 0.0:
-        stride = states_of_pad(part)
-        for i in range(pad_count(bearing, tables)):
+        stride, count = states_of_pad(part), pad_count(bearing, tables)
+        for i in range(count):
             out[_TILTS + i] = internal_state[stride * i] / part.journal_radius
+            if part.pivot_stiffness > 0.0:
+                out[_TILTS + count + i] = internal_state[stride * (i + 1) - 1]
 
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
     if part.tilting > 0.0:
-        rates_of_pads(part, bearing_of(part), tables, kinematics, internal_state, out)
+        bearing = bearing_at(part, tables, kinematics.speed)
+        rates_of_pads(part, bearing, tables, kinematics, internal_state, out)
 
 
 @jit_not_inlined
 def _vibrate(part, tables, kinematics, frequency, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
     if part.tilting > 0.0:
-        bearing = bearing_of(part)
+        bearing = bearing_at(part, tables, kinematics.speed)
         return pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_state)
     _, p_d, q_d = _tangent(part, tables, kinematics, _BY_D, free, internal_state)
     force, p_v, q_v = _tangent(part, tables, kinematics, _BY_V, free, internal_state)
@@ -162,7 +169,7 @@ def _vibrate(part, tables, kinematics, frequency, free, internal_state):
 @jit_not_inlined
 def _breaks(part, tables, displacement, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    put_pads_still(part, bearing_of(part), tables, internal_state)
+    put_pads_still(part, bearing_at(part, tables, 0.0), tables, internal_state)
     return film_breaks(part, tables, displacement, internal_state)
 
 
@@ -179,7 +186,7 @@ JOURNAL_BEARING = Law(
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,
-    table=lambda part: film_table(part.pad_rows(), part.points),
+    table=lambda part: film_table(part.pad_rows(), part.points, part.viscosity_table()),
 )
 # with states of each pad, outputs and energy more; the kernels are the same
 TILTING_PADS = replace(
@@ -199,7 +206,7 @@ def _per_pad(unit: str, text: str, rule: Rule, default: float) -> Any:
 
 
 @dataclass(frozen=True, kw_only=True)
-class JournalBearing(TiltingQuantities, Part):
+class JournalBearing(HeatQuantities, TiltingQuantities, Part):
     """A journal bearing with an oil film, between a node (from 1) and the housing of that name or
     ground.
 
@@ -246,18 +253,28 @@ class JournalBearing(TiltingQuantities, Part):
             raise QuantityError(f"{where}.pads: none is given for an arc or a preload")
         self._check_overlap(where)
         self._check_tilting(where)
+        self._check_rupture(where)
+        check_viscosity(where, self)
+
+    def _check_rupture(self, where: str) -> None:
         if self.rupture not in RUPTURES:
             raise QuantityError(
                 f"{where}.rupture = {self.rupture}: must be one of {', '.join(RUPTURES)}"
             )
+        if self.supply_pressure > 0.0 and not self._is_full:
+            raise QuantityError(
+                f"{where}.supply_pressure = {self.supply_pressure:g} Pa: needs {where}.rupture = "
+                f"{GUEMBEL} and {where}.short = false, a film that fills its pads"
+            )
 
     def _check_tilting(self, where: str) -> None:
         if not self.tilting:
-            if self.pad_inertia > 0.0:
-                raise QuantityError(
-                    f"{where}.pad_inertia = {self.pad_inertia:g} kg.m2: needs {where}.tilting = "
-                    "true"
-                )
+            for name, unit in (("pad_inertia", "kg.m2"), ("pivot_stiffness", "N/m")):
+                if getattr(self, name) > 0.0:
+                    raise QuantityError(
+                        f"{where}.{name} = {getattr(self, name):g} {unit}: needs {where}.tilting = "
+                        "true"
+                    )
             return
         if not self.pads:
             raise QuantityError(f"{where}.tilting = true: needs {where}.pads, which tilt")
@@ -324,6 +341,13 @@ class JournalBearing(TiltingQuantities, Part):
             )
             rows.append([*shape, *motion])
         return rows
+
+    def viscosity_table(self) -> np.ndarray | None:
+        """Return the `speed_table` of the viscosity, None of a constant."""
+        oil = oil_of(self)
+        if oil is None:
+            return None
+        return speed_table(oil.speed, ("viscosity",), {"viscosity": oil.viscosity})
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""

@@ -15,9 +15,8 @@ whirl.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -35,6 +34,14 @@ from ..quantities import (
 )
 from .base import GROUND, Element, Interface, Part, Probe, Shape
 from .law import Law
+from .speed_table import (
+    check_ascending,
+    check_column,
+    cubic,
+    interpolant,
+    row_at,
+    speed_table,
+)
 
 
 def _stiffness(direction: str, default: Any = ...) -> Any:
@@ -64,15 +71,9 @@ class Coefficients:
     cyy: float | tuple[float, ...] = _damping("vertical")
 
 
-# A row of a table: its speed, and the cubics of the interval that begins there, each four numbers.
+# of a row of `speed_table`
 _COLUMNS = 1 + 4 * len(quantities(Coefficients))
 _CUBICS = places(quantities(Coefficients), 1, 4)
-
-
-@jit
-def _cubic(tables, at, s):
-    """Return a cubic of s, highest power first."""
-    return ((tables[at] * s + tables[at + 1]) * s + tables[at + 2]) * s + tables[at + 3]
 
 
 @jit_not_inlined
@@ -83,23 +84,16 @@ def coefficients(part, tables, speed):
     cxx, cxy, cyx, cyy = part.cxx, part.cxy, part.cyx, part.cyy
     rows = part.rows
     if rows > 0:
-        at, left = part.table, rows
-        while left > 1:  # the last row that does not begin beyond the speed
-            half = left // 2
-            if tables[at + half * _COLUMNS] <= speed:
-                at += half * _COLUMNS
-                left -= half
-            else:
-                left = half
+        at = row_at(tables, part.table, rows, _COLUMNS, speed)
         s = max(0.0, speed - tables[at])
-        kxx += _cubic(tables, at + _CUBICS.kxx, s)
-        kxy += _cubic(tables, at + _CUBICS.kxy, s)
-        kyx += _cubic(tables, at + _CUBICS.kyx, s)
-        kyy += _cubic(tables, at + _CUBICS.kyy, s)
-        cxx += _cubic(tables, at + _CUBICS.cxx, s)
-        cxy += _cubic(tables, at + _CUBICS.cxy, s)
-        cyx += _cubic(tables, at + _CUBICS.cyx, s)
-        cyy += _cubic(tables, at + _CUBICS.cyy, s)
+        kxx += cubic(tables, at + _CUBICS.kxx, s)
+        kxy += cubic(tables, at + _CUBICS.kxy, s)
+        kyx += cubic(tables, at + _CUBICS.kyx, s)
+        kyy += cubic(tables, at + _CUBICS.kyy, s)
+        cxx += cubic(tables, at + _CUBICS.cxx, s)
+        cxy += cubic(tables, at + _CUBICS.cxy, s)
+        cyx += cubic(tables, at + _CUBICS.cyx, s)
+        cyy += cubic(tables, at + _CUBICS.cyy, s)
     k, l = 0.5 * complex(kxx + kyy, kyx - kxy), 0.5 * complex(kxx - kyy, kyx + kxy)  # noqa: E741
     return k, l, 0.5 * complex(cxx + cyy, cyx - cxy), 0.5 * complex(cxx - cyy, cyx + cxy)
 
@@ -168,24 +162,9 @@ def _observe(part, tables, kinematics, internal_state, out):
 
 
 def _table(part: LinearBearing) -> np.ndarray:
-    """Return the rows of a speed and the PCHIP cubics from there on, of all coefficients; 0 of
-    constants."""
-    speeds = np.array(part.speed, dtype=float)
-    rows = np.zeros((len(speeds), _COLUMNS))
-    rows[:, 0] = speeds
-    for name, first in zip(_CUBICS._fields, _CUBICS, strict=True):
-        values = getattr(part, name)
-        if isinstance(values, tuple):
-            rows[:-1, first : first + 4] = _cubics(speeds, values).c.T
-            rows[-1, first + 3] = values[-1]
-    return rows
-
-
-def _cubics(speeds: Any, values: Sequence[float]) -> Any:
-    # imported where a table is: it takes longer than all else that a machine is made of
-    from scipy.interpolate import PchipInterpolator
-
-    return PchipInterpolator(speeds, values)
+    """Return the rows of `speed_table` of all coefficients; 0 of constants."""
+    lists = {n: v for n in _CUBICS._fields if isinstance(v := getattr(part, n), tuple)}
+    return speed_table(part.speed, _CUBICS._fields, lists)
 
 
 LINEAR_BEARING = Law(
@@ -228,17 +207,11 @@ class LinearBearing(Coefficients, Part):
         check_all(where, self)
         if not isinstance(self.speed, tuple):
             raise QuantityError(f"{where}.speed = {self.speed!r}: must be a list of numbers")
-        for i, (low, high) in enumerate(pairwise(self.speed), 2):
-            if not low < high:
-                raise QuantityError(f"{where}.speed[{i}] = {high:g} rad/s: must be above {low:g}")
+        check_ascending(f"{where}.speed", "rad/s", self.speed)
         tabulated = [n for n in quantities(Coefficients) if isinstance(getattr(self, n), tuple)]
         for name in tabulated:
-            count = len(getattr(self, name))
-            if count != len(self.speed):
-                raise QuantityError(
-                    f"{where}.{name}: {count} given, {len(self.speed)} needed, as many as "
-                    f"{where}.speed has"
-                )
+            values, over = getattr(self, name), f"{where}.speed"
+            check_column(f"{where}.{name}", values, over, len(self.speed))
         if tabulated and len(self.speed) < 2:
             raise QuantityError(f"{where}.speed: {len(self.speed)} given, at least 2 are needed")
         if self.speed and not tabulated:
@@ -248,7 +221,7 @@ class LinearBearing(Coefficients, Part):
         """Return K [N/m] and C [N.s/m] at a speed [rad/s], each of shape (2, 2)."""
         at = float(np.clip(speed, self.speed[0], self.speed[-1])) if self.speed else speed
         values = [
-            float(_cubics(self.speed, v)(at)) if isinstance(v, tuple) else v
+            float(interpolant(self.speed, v)(at)) if isinstance(v, tuple) else v
             for v in (getattr(self, name) for name in quantities(Coefficients))
         ]
         return np.reshape(values[:4], (2, 2)), np.reshape(values[4:], (2, 2))

@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..contact.film import bearing_of, film_force, film_state, film_tangent
+from ..contact.film import bearing_of, film_force, film_tangent
+from ..contact.film_state import film_state
 from ..contact.film_wall import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined

@@ -87,11 +87,11 @@ def _to_coarse(survey, basis, mass):
     """column = M^-1 basis^T product."""
     for i in range(len(mass)):
         if basis.shape[1] == 0:
-            survey.column[i] = survey.product[i]
+            survey.column[i] = survey.product[i].real
         else:
             survey.column[i] = 0.0
             for k in range(len(survey.product)):
-                survey.column[i] += basis[k, i] * survey.product[k]
+                survey.column[i] += basis[k, i] * survey.product[k].real
     solve(mass, survey.column[: len(mass)])
 
 

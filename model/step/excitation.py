@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ..kernels.band import form
+from ..kernels.band import form, square
 from ..kernels.functions import direction
 from ..kernels.jit import jit
 
@@ -114,7 +114,7 @@ def internal_torque(structure, q, v, omega):
         return 0.0
     n = len(structure.weight)
     by_velocity = form(structure.K_shaft, v[:n], q[:n]).imag
-    by_displacement = form(structure.K_shaft, q[:n], q[:n]).real
+    by_displacement = square(structure.K_shaft, q[:n])
     return eta_v * by_velocity + kappa * by_displacement
 
 

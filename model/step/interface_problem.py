@@ -14,7 +14,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.functions import modulus
+from ..kernels.functions import modulus, scaled
 from ..kernels.jit import jit, jit_inlined, jit_not_inlined
 from ..parts.law import Kinematics
 from .laws import law_gap, law_tangent
@@ -113,10 +113,10 @@ def _linearize(problem, laws, interfaces, spin, weights):
         problem.force[j] = 0.0
         problem.p[j] = 0.0
         problem.q[j] = 0.0
-        d = problem.d0[j] + b_d * problem.w[j]
+        d = problem.d0[j] + scaled(b_d, problem.w[j])
         if interface.states == 0 and not law_gap(laws, interface, d) < 0.0:
             continue
-        d_dot = problem.d0_dot[j] + b_v * problem.w[j]
+        d_dot = problem.d0_dot[j] + scaled(b_v, problem.w[j])
         kinematics = Kinematics(d, d_dot, spin.omega, spin.sliding, spin.theta)
         free, internal_state = (
             problem.free[interface.internal_state :],
@@ -150,7 +150,7 @@ def _start(problem, laws, interfaces, place, b_d):
         w = problem.w_free[j]
         if place == EXPECTED:
             if problem.expected[j] != 0.0:
-                w = (problem.expected[j] - problem.d0[j]) * (1.0 / b_d)
+                w = scaled(1.0 / b_d, problem.expected[j] - problem.d0[j])
         elif place == WALL and interfaces[j].has_wall == 1:
             free = problem.d0[j] + b_d * w
             gap = law_gap(laws, interfaces[j], free)
@@ -166,8 +166,9 @@ def _correct(problem, interfaces, relax, b_d):
     is_converged = True
     for j in range(len(interfaces)):
         change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
-        problem.w[j] += relax * change
-        problem.force[j] += relax * (problem.p[j] * change + problem.q[j] * change.conjugate())
+        problem.w[j] += scaled(relax, change)
+        by_motion = problem.p[j] * change + problem.q[j] * change.conjugate()
+        problem.force[j] += scaled(relax, by_motion)
         if not b_d * modulus(change) <= TOLERANCE * interfaces[j].length:
             is_converged = False
     return is_converged

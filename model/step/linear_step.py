@@ -13,6 +13,7 @@ from that motion, a penalty law with friction or a hard stop, is left to the clo
 
 from __future__ import annotations
 
+from ..kernels.functions import scaled
 from ..kernels.jit import jit
 
 
@@ -29,8 +30,8 @@ def predict(scheme, h, q0, v0, a0, q, v):
     by_displacement = h * h * (0.5 - scheme.beta)
     by_velocity = h * (1.0 - scheme.gamma)
     for i in range(len(q)):
-        q[i] = q0[i] + h * v0[i] + by_displacement * a0[i]
-        v[i] = v0[i] + by_velocity * a0[i]
+        q[i] = q0[i] + scaled(h, v0[i]) + scaled(by_displacement, a0[i])
+        v[i] = v0[i] + scaled(by_velocity, a0[i])
 
 
 @jit
@@ -39,8 +40,8 @@ def correct(scheme, h, a, q, v):
     by_displacement = h * h * scheme.beta
     by_velocity = h * scheme.gamma
     for i in range(len(q)):
-        q[i] += by_displacement * a[i]
-        v[i] += by_velocity * a[i]
+        q[i] += scaled(by_displacement, a[i])
+        v[i] += scaled(by_velocity, a[i])
 
 
 @jit
@@ -53,7 +54,7 @@ def balance(scheme, mass_factor, a0, v_dot0, a, v_dot):
     by_old = mass_factor * scheme.alpha_m * share
     by_balance = scheme.alpha_f * share
     for i in range(len(v_dot)):
-        v_dot[i] = by_new * a[i] + by_old * a0[i] - by_balance * v_dot0[i]
+        v_dot[i] = scaled(by_new, a[i]) + scaled(by_old, a0[i]) - scaled(by_balance, v_dot0[i])
 
 
 @jit

@@ -5,7 +5,7 @@ interfaces do to their motion at all stages. See `stages`.
 from __future__ import annotations
 
 from ..kernels.band import factorize, solve
-from ..kernels.functions import inverse
+from ..kernels.functions import inverse, scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..schemes.radau import LAMBDA, SHARES, STAGES
@@ -27,14 +27,14 @@ def factorize_systems(structure, spin, h, stages):
             for d in range(width):
                 factors[i, d] = (
                     structure.M[i, d]
-                    + by_v * structure.C[i, d]
-                    + by_q * structure.K[i, d]
-                    + gyroscopic * structure.G[i, d]
+                    + scaled(structure.C[i, d], by_v)
+                    + scaled(structure.K[i, d], by_q)
+                    + scaled(structure.G[i, d], gyroscopic)
                 )
         if kappa != 0.0:
             for i in range(n):
                 for d in range(width):
-                    factors[i, d] += circulatory * structure.K_shaft[i, d]
+                    factors[i, d] += scaled(structure.K_shaft[i, d], circulatory)
         factorize(factors)
     _factor_housings(structure, h, stages)
     stages.key[0] = h

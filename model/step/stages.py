@@ -16,6 +16,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import add_product, solve
+from ..kernels.functions import scaled
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..schemes.radau import A_SQUARED, END_SLOPE, STAGES, T_INVERSE, A, C, T
@@ -136,7 +137,7 @@ def _free_response(structure, spin, h, old, stages):
     for k in range(STAGES):
         ahead = C[k] * h
         for i in range(n):
-            right[i] = at_start[i] + ahead * by_time[i]
+            right[i] = at_start[i] + scaled(ahead, by_time[i])
         at = spin_of_stage(stages, k)
         add_applied(structure, at, stages.loads[k], right)
         add_bows(structure, at, ahead, old, right)
@@ -179,7 +180,7 @@ def _fill_free(structure, h, old, stages):
         interface = structure.interfaces[j]
         d, v = relative(interface, old.q), relative(interface, old.v)
         for i in range(STAGES):
-            free_d = d + (C[i] * h) * v
+            free_d = d + scaled(C[i] * h, v)
             free_v = v
             for k in range(STAGES):
                 w = 0.0j
@@ -187,8 +188,8 @@ def _fill_free(structure, h, old, stages):
                     w += T[k, s] * stages.modal[s, interface.dof]
                 if interface.end < n + len(structure.housings):
                     w -= stages.v_dot[k, interface.end]
-                free_d += (h * h * A_SQUARED[i, k]) * w
-                free_v += (h * A[i, k]) * w
+                free_d += scaled(h * h * A_SQUARED[i, k], w)
+                free_v += scaled(h * A[i, k], w)
             stages.d_free[i, j] = free_d
             stages.v_free[i, j] = free_v
             is_finite = is_finite and is_sane(free_d, 1e150)
@@ -222,10 +223,10 @@ def _fill_motion(structure, h, old, stages):
         for i in range(size):
             by_q = by_v = 0.0j
             for l in range(STAGES):  # noqa: E741
-                by_q += A_SQUARED[k, l] * stages.v_dot[l, i]
-                by_v += A[k, l] * stages.v_dot[l, i]
-            stages.q[k, i] = old.q[i] + (C[k] * h) * old.v[i] + (h * h) * by_q
-            stages.v[k, i] = old.v[i] + h * by_v
+                by_q += scaled(A_SQUARED[k, l], stages.v_dot[l, i])
+                by_v += scaled(A[k, l], stages.v_dot[l, i])
+            stages.q[k, i] = old.q[i] + scaled(C[k] * h, old.v[i]) + scaled(h * h, by_q)
+            stages.v[k, i] = old.v[i] + scaled(h, by_v)
 
 
 @jit
@@ -238,8 +239,8 @@ def _arrive(structure, h, stages, new):
         new.a[i] = new.v_dot[i] = stages.v_dot[last, i]
         slope = 0.0j
         for k in range(STAGES):
-            slope += END_SLOPE[k] * stages.v_dot[k, i]
-        new.jerk[i] = slope * (1.0 / h)
+            slope += scaled(END_SLOPE[k], stages.v_dot[k, i])
+        new.jerk[i] = scaled(1.0 / h, slope)
     for j in range(len(new.force)):
         new.force[j] = stages.force[last, j]
     for i in range(len(new.internal_state)):

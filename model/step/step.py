@@ -13,7 +13,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.band import add_product, factorize, solve
-from ..kernels.functions import modulus
+from ..kernels.functions import modulus, scaled
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..parts.law import Weights
@@ -71,14 +71,14 @@ def add_internal(structure, spin, factor, damping, q, v, scratch, out):
     """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
     n = len(out)
     for i in range(n):
-        scratch[i] = factor * damping * v[i]
+        scratch[i] = scaled(factor * damping, v[i])
     add_product(structure.C, scratch, out)
     for i in range(n):
-        scratch[i] = factor * q[i]
+        scratch[i] = scaled(factor, q[i])
     add_product(structure.K, scratch, out)
     for i in range(n):
-        turned = factor * (damping * spin.omega * v[i] + 0.5 * spin.alpha * q[i])
-        scratch[i] = complex(turned.imag, -turned.real)
+        turned = scaled(damping * spin.omega, v[i]) + scaled(0.5 * spin.alpha, q[i])
+        scratch[i] = complex(factor * turned.imag, -factor * turned.real)
     add_product(structure.G, scratch, out)
     kappa = factor * circulation(structure, spin.omega)
     if kappa != 0.0:
@@ -209,8 +209,8 @@ def _free_response(structure, scheme, fit, spin, h, loads, old, new, work):
     add_applied(structure, spin, loads, free)
     add_bows(structure, spin, h, old, free)
     for i in range(n):
-        free[i] *= share
-        scratch[i] = af * old.v_dot[i] - am * old.a[i]
+        free[i] = scaled(share, free[i])
+        scratch[i] = scaled(af, old.v_dot[i]) - scaled(am, old.a[i])
     add_product(structure.M, scratch, free)
     add_internal(structure, spin, -share, fit.damping, new.q, new.v, scratch, free)
     solve(work.factors, free)
@@ -233,10 +233,11 @@ def _expect(problem, interfaces, old, b_d):
     for j in range(len(interfaces)):
         problem.expected[j] = 0.0
         if interfaces[j].has_wall == 0:
-            problem.expected[j] = problem.d0[j] + b_d * relative(interfaces[j], old.a)
+            problem.expected[j] = problem.d0[j] + scaled(b_d, relative(interfaces[j], old.a))
         elif old.force[j] != 0.0:
-            ahead = problem.d0[j] + b_d * relative(interfaces[j], old.a)
-            problem.expected[j] = ahead * (modulus(relative(interfaces[j], old.q)) / modulus(ahead))
+            ahead = problem.d0[j] + scaled(b_d, relative(interfaces[j], old.a))
+            deep = modulus(relative(interfaces[j], old.q))
+            problem.expected[j] = scaled(deep / modulus(ahead), ahead)
 
 
 @jit

@@ -40,7 +40,8 @@ from ..parts.base import (
     outputs_of,
 )
 from ..parts.housing import HousingQuantities
-from ..quantities import QuantityError, quantities
+from ..parts.law_alone import numbers_of
+from ..quantities import QuantityError
 from .beam import shaft_element
 from .bow import bows_of
 from .ledger import law_entries
@@ -198,7 +199,7 @@ def _mechanism(
     """Housings, interfaces, the records of each law and the tables; n: the shaft's dofs."""
     mounts = _of(Mount, elements)
     places = {mount.name: n + h for h, (_, mount) in enumerate(mounts)} | {GROUND: n + len(mounts)}
-    housings = [(outputs[i], *_numbers(HousingQuantities, m.source)) for i, m in mounts]
+    housings = [(outputs[i], *numbers_of(HousingQuantities, m.source)) for i, m in mounts]
     rows: list[list[tuple]] = [[] for _ in LAWS]
     interfaces = []
     tables: list[float] = []
@@ -220,7 +221,7 @@ def _mechanism(
                 0.0,
             )
         )
-        record = _numbers(element.law.kind, element.source)
+        record = numbers_of(element.law.kind, element.source)
         if element.law.table is not None:
             table = element.law.table(element.source)
             record = (*record, len(tables), len(table))
@@ -229,12 +230,6 @@ def _mechanism(
         internal_state += states
     laws = tuple(_rows(law.dtype, of) for law, of in zip(LAWS, rows, strict=True))
     return _rows(HOUSING, housings), _rows(INTERFACE, interfaces), (*laws, np.array(tables))
-
-
-def _numbers(kind: type, source: Any) -> tuple[float, ...]:
-    """The quantities of a part, those in its table 0."""
-    values = [getattr(source, name) for name in quantities(kind)]
-    return tuple(0.0 if isinstance(value, tuple) else value for value in values)
 
 
 def _add(band: np.ndarray, first: int, matrix: np.ndarray) -> None:

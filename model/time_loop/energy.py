@@ -7,7 +7,7 @@ residual falls with the step length.
 
 from __future__ import annotations
 
-from ..kernels.band import form
+from ..kernels.band import form, square
 from ..kernels.jit import jit
 from ..parts.housing import masses
 from ..quantities import places
@@ -33,8 +33,9 @@ def powers(structure, spin, loads, motion, scratch, out):
     q, v = motion.q, motion.v
     external = 0.0
     for i in range(len(loads)):
-        external += load_power(structure, spin, i, loads[i], v)
-    structural = form(structure.C, v[:n], v[:n]).real
+        if loads[i] != 0.0:
+            external += load_power(structure, spin, i, loads[i], v)
+    structural = square(structure.C, v[:n])
     internal = internal_torque(structure, q, v, spin.omega)
     if internal != 0.0:
         kappa = circulation(structure, spin.omega)
@@ -111,10 +112,10 @@ def total_energy(structure, spin, motion, out):
     n = structure.M.shape[0]
     numbers = structure.numbers[0]
     rotor_q, rotor_v = motion.q[:n], motion.v[:n]
-    kinetic = 0.5 * form(structure.M, rotor_v, rotor_v).real
+    kinetic = 0.5 * square(structure.M, rotor_v)
     kinetic += 0.5 * numbers.inertia * spin.omega * spin.omega
     kinetic -= 0.5 * spin.omega * form(structure.G, rotor_q, rotor_v).imag
-    elastic = 0.5 * form(structure.K, rotor_q, rotor_q).real
+    elastic = 0.5 * square(structure.K, rotor_q)
     if len(structure.bows) > 0:
         elastic += bow_energy(structure, spin, motion)
     g = numbers.gravity * complex(numbers.down_x, numbers.down_y)

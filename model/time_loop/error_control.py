@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..kernels.functions import fifth_root
+from ..kernels.functions import fifth_root, scaled
 from ..kernels.jit import jit
 from ..step.laws import law_gap, relative
 
@@ -86,7 +86,7 @@ def update_size(structure, omega, h, new, memory):
     share = min(1.0, turns / r.turns_remembered)
     center = memory.center
     for i in range(len(center)):
-        center[i] += share * (new.q[i] - center[i])
+        center[i] += scaled(share, new.q[i] - center[i])
     apart, velocity = 0.0, 0.0
     weights = structure.weights
     for j in range(len(weights)):

@@ -7,7 +7,10 @@ from ..step.step import accelerate
 from .energy import FLOW, has_power, port_power, powers, total_energy
 from .memory import spin_now, take_loads
 from .monitors import open_window
-from .rotation import SPIN_ITERATIONS, SPIN_TOLERANCE, imbalance
+from .rotation import SPIN_ITERATIONS, imbalance
+
+# Of a free rotor's rate where an interval begins: no noise of a step's contacts is in it.
+_BALANCED = 1e-14
 
 
 @jit
@@ -51,7 +54,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
         accelerate(structure, spin, r.damping, loads, motion, work)
         r.torque = powers(structure, spin, loads, motion, work.losses, memory.power)
         change = imbalance(structure, memory.record, r.omega, r.torque, 0.0)
-        if abs(change) <= SPIN_TOLERANCE * (1.0 + abs(r.alpha)):
+        if abs(change) <= _BALANCED * (1.0 + abs(r.alpha)):
             break
         r.alpha += change
     for i in range(len(motion.a)):

@@ -93,7 +93,7 @@ PEAK = places(("this_revolution", "last_revolution", "since_communication"))
 AXIS = places(("x", "y", "squared_distance"))
 ONCE = places(("now", "integral", "mean"))
 SENSE = places(("forward", "backward"))
-BOUNCE = places(("cosine", "sine", "steps", "score"))
+BOUNCE = places(("x", "y", "steps", "score"))
 
 
 class Memory(NamedTuple):
@@ -103,11 +103,11 @@ class Memory(NamedTuple):
     and squared distance [m2] from rest of the probes in the present revolution, in the one before,
     and since the last communication point; once: of their z from rest, z exp(-i theta) and
     z exp(i theta) now [m], integrated over the present revolution [m.rad], and their means over the
-    one before, by the angle turned [m]; bounce: of each interface the direction of the last contact
-    (cos, sin), steps since then, score of crossings; rest: the probes under the loads at the start
-    [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t [N], of the
-    base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have been linear
-    in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
+    one before, by the angle turned [m]; bounce: of each interface the displacement at the last
+    contact (x, y) [m], steps since then, score of crossings; rest: the probes under the loads at
+    the start [m]; center: the mean position of the last revolutions [m]; loads: on the ports at t
+    [N], of the base its acceleration [m/s2]; load_refs, load_rates: at t_ref, since when they have
+    been linear in time [N, N/s]; load_work, load_power: of each load since t_ref [J] and now [W].
     """
 
     record: Annotated[np.recarray, RECORD, "1"]

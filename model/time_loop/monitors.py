@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.functions import modulus
+from ..kernels.functions import scaled
 from ..kernels.jit import jit
 from ..step.excitation import at_place
 from ..step.laws import relative
@@ -79,8 +79,8 @@ def monitor_revolution(structure, spin, motion, memory):
         for way in range(len(SENSE)):
             last, now = once[ONCE.now, way, i], turned[way]
             # at the end of the revolution, as if it were linear over the step
-            end = last + before * (now - last)
-            once[ONCE.integral, way, i] += 0.5 * before * by_step * (last + end)
+            end = last + scaled(before, now - last)
+            once[ONCE.integral, way, i] += scaled(0.5 * before * by_step, last + end)
             if is_whole:
                 # by the angle turned, so that a lag is negative whichever way the shaft turns
                 ahead = way if past > 0.0 else 1 - way
@@ -139,14 +139,16 @@ def monitor_bounces(structure, motion, memory):
         bounce[j, BOUNCE.score] = max(0.0, bounce[j, BOUNCE.score] - 1.0)
         if motion.force[j] != 0.0:
             d = relative(interfaces[j], motion.q)
-            e = d * (1.0 / modulus(d))
-            is_opposite = e.real * bounce[j, BOUNCE.cosine] + e.imag * bounce[j, BOUNCE.sine] < -0.5
+            x, y = bounce[j, BOUNCE.x], bounce[j, BOUNCE.y]
+            along = d.real * x + d.imag * y
+            size = (d.real * d.real + d.imag * d.imag) * (x * x + y * y)
+            is_opposite = along < 0.0 and along * along > 0.25 * size  # by more than 120 degrees
             if is_opposite and bounce[j, BOUNCE.steps] <= CROSSING_STEPS:
                 bounce[j, BOUNCE.score] = min(
                     2.0 * TRAPPED_SCORE, bounce[j, BOUNCE.score] + CROSSING_SCORE
                 )
-            bounce[j, BOUNCE.cosine] = e.real
-            bounce[j, BOUNCE.sine] = e.imag
+            bounce[j, BOUNCE.x] = d.real
+            bounce[j, BOUNCE.y] = d.imag
             bounce[j, BOUNCE.steps] = 0.0
         if bounce[j, BOUNCE.score] >= TRAPPED_SCORE:
             r.trapped += 1

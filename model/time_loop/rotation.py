@@ -53,8 +53,11 @@ def turn(structure, scheme, control, t, h, motion, trial, memory, work, problem)
         torque = powers(structure, spin, loads, trial, work.losses, work.powers)
         change = imbalance(structure, memory.record, spin.omega, torque, h)
         is_small = 0.5 * h * abs(change) <= SPIN_TOLERANCE * (1.0 + abs(spin.omega))
-        if r.is_free == 0 or (is_small and correction > 0):
+        if r.is_free == 0:
             break
+        # the last change, too, of which the motion takes next to nothing
         spin = spin_at(memory.record, t, spin.alpha + change)
+        if is_small and correction > 0:
+            break
         status = NOT_CONVERGED
     return status, total, fit, spin, torque

@@ -80,9 +80,23 @@ def torque_along(structure, spin, i, row, d_spin, motion, memory, work, tangents
     by = step_along(structure, spin, row, d_spin)
     if by == 0.0:
         return 0.0
-    ahead = torque_at(structure, spin, i, row, d_spin, by, motion, memory, work, tangents)
-    behind = torque_at(structure, spin, i, row, d_spin, -by, motion, memory, work, tangents)
+    # linear in the rate, whose share of the torque is the largest: the others are lost in it
+    still = spin_of(spin.omega, 0.0, spin.theta)
+    ahead = torque_at(structure, still, i, row, d_spin, by, motion, memory, work, tangents)
+    behind = torque_at(structure, still, i, row, d_spin, -by, motion, memory, work, tangents)
     return (ahead - behind) * (0.5 / by)
+
+
+@jit
+def rotation_along(structure, record, d_spin, torque, out):
+    """Fill in the derivatives of what is read of the rotation, by those of the spin and of the
+    torque that the motion needs: a change of the speed by a force is lost in the speed's
+    rounding."""
+    inertia, impedance = structure.numbers[0].inertia, record[0].drive_impedance
+    out[_SHAFT.phi], out[_SHAFT.w], out[_SHAFT.a] = d_spin[2], d_spin[0], d_spin[1]
+    out[_SHAFT.tau] = torque
+    out[_SHAFT.tau_load] = torque - inertia * d_spin[1]
+    out[_SHAFT.tau_wave] = torque - impedance * d_spin[0]
 
 
 @jit

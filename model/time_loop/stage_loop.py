@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 
+from ..kernels.functions import scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..schemes.radau import EXPECTED, STAGES, A, C, weight_at, weight_until
 from ..step.excitation import spin_of
@@ -108,9 +109,9 @@ def stage_error(structure, control, size, frequency, h, motion, stages):
     weights, difference = structure.weights, stages.scratch[0]
     for i in range(len(difference)):
         difference[i] = (
-            EXPECTED[0] * motion.v_dot[i]
-            + EXPECTED[1] * stages.v_dot[0, i]
-            + EXPECTED[2] * stages.v_dot[1, i]
+            scaled(EXPECTED[0], motion.v_dot[i])
+            + scaled(EXPECTED[1], stages.v_dot[0, i])
+            + scaled(EXPECTED[2], stages.v_dot[1, i])
             - stages.v_dot[2, i]
         )
     total = 0.0
@@ -172,7 +173,7 @@ def _displace_within(h, x, motion, trial, stages):
     for k in range(STAGES):
         back = _back(h, x, k)
         for i in range(len(motion.q)):
-            trial.q[i] += back * stages.v[k, i]
+            trial.q[i] += scaled(back, stages.v[k, i])
 
 
 @jit_not_inlined
@@ -219,8 +220,8 @@ def _move_within(h, x, motion, trial, memory, stages):
         r.alpha += at * stages.alpha[k]
         r.torque += at * stages.torque[k]
         for i in range(len(motion.q)):
-            trial.v[i] += back * stages.v_dot[k, i]
-            trial.v_dot[i] += at * stages.v_dot[k, i]
+            trial.v[i] += scaled(back, stages.v_dot[k, i])
+            trial.v_dot[i] += scaled(at, stages.v_dot[k, i])
         for i in range(len(motion.internal_state)):
             trial.internal_state[i] += back * stages.internal_rate[k, i]
         for i in range(len(memory.work)):

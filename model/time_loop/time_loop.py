@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.functions import direction
+from ..kernels.functions import direction, scaled
 from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, unfitted
 from ..step.status import DONE, ENDED_EARLY, UNFINISHED
@@ -76,7 +76,7 @@ def _rescale(record, h, motion):
     if r.h_carried > 0.0 and h != r.h_carried:
         ratio = h / r.h_carried
         for i in range(len(motion.a)):
-            motion.a[i] = motion.v_dot[i] + ratio * (motion.a[i] - motion.v_dot[i])
+            motion.a[i] = motion.v_dot[i] + scaled(ratio, motion.a[i] - motion.v_dot[i])
         for i in range(len(motion.internal_state)):
             change = motion.internal_rate_carried[i] - motion.internal_rate[i]
             motion.internal_rate_carried[i] = motion.internal_rate[i] + ratio * change

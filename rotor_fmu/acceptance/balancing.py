@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from ..api.machine import Machine
 from ..api.simulate import simulate
+from ..display import current
 from ..errors import InputError, RunFailed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..linear.answers import Displayed, modes
@@ -111,17 +112,23 @@ class Balancing(Displayed):
             "left",
             "expected",
         )
+        d, unit = current(), current().amplitude_words
         planes = [
-            (f"plane at node {p.node} [g.mm]", *_polar(p.trial), *_polar(p.unbalance), *4 * ("",))
+            (
+                f"plane at node {p.node} [g.mm]",
+                *_polar(p.trial, 1e6),
+                *_polar(p.unbalance, 1e6),
+                *4 * ("",),
+            )
             for p in self.planes
         ]
         measured = [
             (
-                f"node {v.node} {v.axis}, {v.speed * 30 / math.pi:.5g} rev/min [um]",
+                f"node {v.node} {v.axis}, {v.speed * 30 / math.pi:.5g} rev/min [{unit}]",
                 *4 * ("",),
-                *_polar(v.initial),
-                abs(v.corrected) * 1e6,
-                abs(v.expected) * 1e6,
+                *_polar(v.initial, d.amplitude),
+                abs(v.corrected) * d.amplitude,
+                abs(v.expected) * d.amplitude,
             )
             for v in self.vibrations
         ]
@@ -141,6 +148,7 @@ class Balancing(Displayed):
         """
         figure, grid = new_figure(5.4, 5.2, 1)
         axes = grid[0, 0]
+        d = current()
         axes.axhline(0, color=GREY, lw=0.8)
         axes.axvline(0, color=GREY, lw=0.8)
         for kind, color, mark in (
@@ -148,28 +156,28 @@ class Balancing(Displayed):
             ("expected", GREEN, "x"),
             ("corrected", BLUE, "s"),
         ):
-            values = np.array([getattr(v, kind) for v in self.vibrations]) * 1e6
+            values = np.array([getattr(v, kind) for v in self.vibrations]) * d.amplitude
             label = "with the correction" if kind == "corrected" else kind
             axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
         for v in self.vibrations:
             axes.annotate(
                 f"{v.node}{v.axis}",
-                (v.initial.real * 1e6, v.initial.imag * 1e6),
+                (v.initial.real * d.amplitude, v.initial.imag * d.amplitude),
                 xytext=(5, 4),
                 textcoords="offset points",
                 fontsize=8,
             )
         axes.set_aspect("equal", adjustable="datalim")
         axes.margins(0.15)
-        axes.set_xlabel("1x vibration in phase with the mark [um 0-p]")
-        axes.set_ylabel("a quarter turn ahead of it [um 0-p]")
+        axes.set_xlabel(f"1x vibration in phase with the mark [{d.amplitude_words}]")
+        axes.set_ylabel(f"a quarter turn ahead of it [{d.amplitude_words}]")
         axes.legend(frameon=False, fontsize=8)
         axes.set_title("Vibration at the measuring points", loc="left", fontsize=10)
         return figure
 
 
-def _polar(value: complex) -> tuple[float, float]:
-    return abs(value) * 1e6, math.degrees(np.angle(value))
+def _polar(value: complex, factor: float) -> tuple[float, float]:
+    return abs(value) * factor, math.degrees(np.angle(value))
 
 
 def balance(

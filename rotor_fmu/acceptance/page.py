@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display import current
 from ..linear import acceptance, answers
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
@@ -92,7 +93,10 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
         "Mode shapes": [
             _html(at_speed.table()),
             _TURNING,
-            figure_html(mode_shapes_figure(at_speed), "The same at one instant, with whirl orbits"),
+            figure_html(
+                mode_shapes_figure(at_speed, rotor.name, at_speed.shear),
+                "The same at one instant, with whirl orbits",
+            ),
         ],
         "Response to unbalance": [
             f"<p>{escape(_acting(unbalances, asked.mode))}</p>",
@@ -202,13 +206,14 @@ def _conclusions(
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
     tight = [c.name for c in check.clearances if not c.is_met]
     speeds = ", ".join(dict.fromkeys(_rpm(c.peak.speed) for c in near))
+    limit = f"{check.limit * current().small:.3g} {current().small_word}"
     return (
         f"Critical speeds too near to the operating range [rev/min]: {speeds}."
         if near
         else "All critical speeds have their separation margins.",
-        f"Probes above {check.limit * 1e6:.3g} um: node {', '.join(str(p.node) for p in loud)}."
+        f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
         if loud
-        else f"All probes stay below {check.limit * 1e6:.3g} um peak-to-peak.",
+        else f"All probes stay below {limit} peak-to-peak.",
         f"More than 75 % of a clearance is taken: {', '.join(tight)}."
         if tight
         else (

@@ -6,6 +6,7 @@ import math
 
 from matplotlib.figure import Figure
 
+from ..display import current
 from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..linear.linear_plots import RANGE, new_figure
 from .rub_check import RubCheck
@@ -18,12 +19,13 @@ def rub_figure(rub: RubCheck) -> Figure:
     """Draw the linear amplitude over the speed beside those of the runs with contacts."""
     figure, grid = new_figure(6.8, 4.4, 1)
     axes = grid[0, 0]
+    small, unit = current().small, current().small_word
     axes.axvspan(rub.low * _RPM, rub.high * _RPM, color=RANGE, alpha=0.25, lw=0)
-    axes.plot(rub.speed * _RPM, rub.linear * 1e6, color=GREY, lw=1.4, label="linear")
+    axes.plot(rub.speed * _RPM, rub.linear * small, color=GREY, lw=1.4, label="linear")
     for run, color, dashes in zip(rub.runs, (BLUE, ORANGE), ("-", (0, (4, 2))), strict=False):
         axes.plot(
             run.speed * _RPM,
-            run.amplitude * 1e6,
+            run.amplitude * small,
             color=color,
             ls=dashes,
             lw=1.6,
@@ -31,12 +33,13 @@ def rub_figure(rub: RubCheck) -> Figure:
         )
     gaps = sorted({c.clearance for c in rub.closings if not math.isnan(c.begin)})
     for gap in gaps:
-        axes.axhline(gap * 1e6, color=GREEN, lw=1.0, ls=":", label=f"clearance {gap * 1e6:.4g} um")
+        label = f"clearance {gap * small:.4g} {unit}"
+        axes.axhline(gap * small, color=GREEN, lw=1.0, ls=":", label=label)
     largest = max((float(run.amplitude.max(initial=0.0)) for run in rub.runs), default=0.0)
     linear = min(float(rub.linear.max(initial=0.0)), _HIGHEST * largest)
-    axes.set_ylim(0, 1.1e6 * max(largest, linear, *gaps, 1e-9))
+    axes.set_ylim(0, 1.1 * small * max(largest, linear, *gaps, 1e-9))
     axes.set_xlabel("Rotational speed [rev/min]; the operating range is shaded")
-    axes.set_ylabel(f"Amplitude of {rub.place} 0-p [um]")
+    axes.set_ylabel(f"Amplitude of {rub.place} 0-p [{unit}]")
     axes.legend(frameon=False, fontsize=8)
     axes.set_title("Where a clearance closes", loc="left", fontsize=10)
     return figure

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ..display import current
 from ..linear.linear_tables import Table
 from .rub_check import RubCheck
 
@@ -14,13 +15,15 @@ def _rpm(omega: float) -> float:
 
 def closings_table(rub: RubCheck) -> Table:
     """Return a table with one row for each clearance that the linear response closes."""
-    heads = ("contact", "clearance [um]", "sag [um]", "amplitude [um]", "closed from", "to")
+    small, unit = current().small, current().small_word
+    quantities = (f"{name} [{unit}]" for name in ("clearance", "sag", "amplitude"))
+    heads = ("contact", *quantities, "closed from", "to")
     rows = [
         (
             c.name,
-            c.clearance * 1e6,
-            c.sag * 1e6,
-            c.amplitude * 1e6,
+            c.clearance * small,
+            c.sag * small,
+            c.amplitude * small,
             _rpm(c.begin),
             _rpm(c.end),
         )

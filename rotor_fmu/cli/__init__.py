@@ -54,7 +54,18 @@ COMMANDS = {
 _PLACES = {name: place for panel in COMMANDS.values() for name, place in panel.items()}
 
 
-class _Commands(TyperGroup):
+class _Flags:
+    """A command whose help shows no type beside a flag, which takes no value."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        params: list[Any] = super().get_params(ctx)  # type: ignore[misc]
+        for param in params:
+            if getattr(param, "is_flag", False):
+                param.__dict__["display_type_rich"] = _no_type
+        return params
+
+
+class _Commands(_Flags, TyperGroup):
     """Commands that are known by name and by the first sentence of their docstring until called."""
 
     def __init__(self, **attributes: Any) -> None:
@@ -74,15 +85,8 @@ class _Commands(TyperGroup):
         return name, name and command and _loaded(name), rest
 
 
-class _Command(TyperCommand):
-    """A command whose help shows no type beside a flag, which takes no value."""
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        params = super().get_params(ctx)
-        for param in params:
-            if getattr(param, "is_flag", False):
-                param.__dict__["display_type_rich"] = _no_type
-        return params
+class _Command(_Flags, TyperCommand):
+    """A command that was loaded."""
 
 
 def _no_type(ctx: Any) -> None:

@@ -9,9 +9,9 @@ import typer
 
 from ..errors import InputError
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
-from .answers import print_answer
-from .shared import PictureFolder, RotorFile
+from ..units import in_si
+from .answers import machine_in_units, print_answer
+from .shared import PictureFolder, RotorFile, Units
 from .speeds import one_speed
 
 
@@ -33,20 +33,23 @@ def balance(
         typer.Option(help="Node where vibration is measured; repeatable; default: the planes."),
     ] = None,
     trial: Annotated[
-        float | None,
+        str | None,
         typer.Option(
-            help="Trial unbalance of each plane, in kg.m; default: all together pull with a "
-            "tenth of the rotor's weight."
+            metavar="UNBALANCE",
+            help="Trial unbalance of each plane, such as 50g.mm, or in kg.m; default: all together "
+            "pull with a tenth of the rotor's weight.",
         ),
     ] = None,
+    units: Units = None,
     out: PictureFolder = Path("out/balance"),
 ) -> dict[str, Any]:
     """Balance a machine by influence coefficients (ISO 21940-12), from runs in time: as it is, with
     a trial unbalance in each correction plane, and with the correction unbalances."""
     if not speed or not plane:
         raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
-    speeds, (_, machine) = [one_speed(text) for text in speed], load_rotor(rotor)
+    speeds, machine = [one_speed(text) for text in speed], machine_in_units(rotor, units)
+    amount = None if trial is None else in_si("--trial", trial, "kg.m")
     from ..acceptance.balancing import balance as balanced
 
-    result = balanced(machine, speeds, plane, measured=node, trial=trial)
+    result = balanced(machine, speeds, plane, measured=node, trial=amount)
     return print_answer(result, result.table(), result.figure(), out, "balance")

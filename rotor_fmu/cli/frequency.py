@@ -11,9 +11,8 @@ import typer
 
 from ..errors import InputError
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
-from .answers import print_answer
-from .shared import Contacts, PictureFolder, RotorFile
+from .answers import machine_in_units, print_answer
+from .shared import Contacts, PictureFolder, RotorFile, Units
 from .speeds import One, one_speed, speed_range
 
 _POINTS = 801
@@ -47,12 +46,13 @@ def frequency_response(
         ),
     ] = None,
     contacts: Contacts = None,
+    units: Units = None,
     out: PictureFolder = Path("out/frequency_response"),
 ) -> dict[str, Any]:
     """Compute the frequency response of displacements to a force at a speed, or, with --loop, the
     sensitivity of the control loops of magnetic bearings (ISO 14839-3)."""
     ends, at = speed_range(frequency, _POINTS, "--frequency"), one_speed(speed)
-    _, machine = load_rotor(rotor)
+    machine = machine_in_units(rotor, units)
     if len(ends) < 2 or ends[0] <= 0:
         raise InputError(f"--frequency {frequency}: must be FROM:TO, both above 0")
     if (force is None) == (loop is None):

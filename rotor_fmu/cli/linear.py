@@ -51,7 +51,7 @@ def modes(
     result = answers.modes(machine, at, count=count, contacts=contacts)
     name_films(machine)
     data = print_answer(result, result.table(), result.figure(), out, "modes")
-    save(mode_shapes_figure(result), out / "modes_3d.png")
+    save(mode_shapes_figure(result, result.machine_name, result.shear), out / "modes_3d.png")
     return data
 
 

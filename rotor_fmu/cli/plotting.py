@@ -13,8 +13,9 @@ from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
 from ..runs import PLOTS
-from ..runs.job import load_rotor, write_json
+from ..runs.job import write_json
 from ..units import in_si
+from .answers import machine_in_units
 from .completion import one_of, places
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Page, Units, check_page
@@ -135,7 +136,7 @@ def report(
         return _report_of_runs(paths or [], is_live, units, out)
     if paths:
         raise InputError(f"{paths[0]} and --rotor: the report is of a run or of a machine")
-    machine = load_rotor(rotor)[1]
+    machine = machine_in_units(rotor, units)
     ends = operating_range(operating, rated, machine)
     if ends is None:
         raise InputError(

@@ -14,6 +14,7 @@ from ..display import choose
 from ..errors import writable_folder
 from ..model.settings import PRESETS
 from ..output_options import with_options_of, with_output_options
+from ..units import in_si
 from .completion import one_of, settable
 from .shared import Free, RotorFile, Units
 
@@ -75,10 +76,15 @@ def _run(
         ),
     ] = None,
     stop: Annotated[
-        float | None,
-        typer.Option(help="End of the run, in seconds; default: when the speed has changed."),
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="End of the run, in s or such as 2min; default: when the speed has changed.",
+        ),
     ] = None,
-    step: Annotated[float | None, typer.Option(help="Communication step, in seconds.")] = None,
+    step: Annotated[
+        str | None, typer.Option(metavar="TIME", help="Communication step, in s or such as 0.5ms.")
+    ] = None,
     direct: Annotated[
         bool, typer.Option("--direct", help="Run the model directly, without an FMU.")
     ] = False,
@@ -105,7 +111,9 @@ def _run(
     name = kind.replace("-", "_")
     out = out or Path("out") / name
     ramp = RampGiven(is_up, first, last, rate, hold)
-    job = jobs.prepare(rotor, preset, sets or [], signals, stop, step, ramp)
+    end = None if stop is None else in_si("--stop", stop, "s")
+    interval = None if step is None else in_si("--step", step, "s")
+    job = jobs.prepare(rotor, preset, sets or [], signals, end, interval, ramp)
     choose(units, job.rotor.units)
     if verify:
         finer_job(job)  # refused before anything is run

@@ -12,6 +12,7 @@ from ..cosimulation import ALGORITHMS
 from ..errors import InputError, writable_folder
 from ..model.kernels.library import here
 from ..output_options import with_output_options
+from ..units import in_si
 from .fmus import Native
 from .shared import RotorFile
 from .speeds import one_speed
@@ -23,7 +24,10 @@ _DRIVE = "drive_train"
 def ssp(
     rotor: RotorFile = None,
     is_native: Native = False,
-    tau_max: Annotated[float, typer.Option(help="Torque limit of the motor, in N.m.")] = 0.2,
+    tau_max: Annotated[
+        str,
+        typer.Option(metavar="TORQUE", help="Torque limit of the motor, such as 5kN.m, or in N.m."),
+    ] = "0.2",
     target: Annotated[
         str | None,
         typer.Option(
@@ -31,8 +35,17 @@ def ssp(
             "rated speed."
         ),
     ] = None,
-    step: Annotated[float, typer.Option(help="Communication step, in seconds.")] = 0.002,
-    stop: Annotated[float, typer.Option(help="End of the run, in seconds.")] = 60.0,
+    step: Annotated[
+        str, typer.Option(metavar="TIME", help="Communication step, in s or such as 1ms.")
+    ] = "0.002",
+    stop: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="End of the run, in s or such as 2min; default: one and a half times the run-up "
+            "at the machine's rate.",
+        ),
+    ] = None,
     algorithm: Annotated[
         str, typer.Option(help=f"How libcosim steps: {' or '.join(ALGORITHMS)}.")
     ] = ALGORITHMS[0],
@@ -52,16 +65,21 @@ def ssp(
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)
+    speeds = operating_speeds(machine)
+    speed = speeds.rated if target is None else one_speed(target, "--target")
+    if not abs(speed) <= 1e6:
+        raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
+    if stop is None:  # of a machine that is kept at rest: any
+        stop = f"{1.5 * abs(speed) / speeds.run_up_rate or 1.0:.3g}"
+    torque, interval = in_si("--tau-max", tau_max, "N.m"), in_si("--step", step, "s")
+    end = in_si("--stop", stop, "s")
     for name, value, most in (
-        ("--tau-max", tau_max, 1e6),
-        ("--step", step, 1.0),
-        ("--stop", stop, 1e6),
+        ("--tau-max", torque, 1e6),
+        ("--step", interval, 1.0),
+        ("--stop", end, 1e6),
     ):
         if not 0 < value <= most:
             raise InputError(f"{name} {value:g}: must be > 0 and at most {most:g}")
-    speed = operating_speeds(machine).rated if target is None else one_speed(target, "--target")
-    if not abs(speed) <= 1e6:
-        raise InputError(f"--target {target}: must be at most 1e+06 rad/s in size")
     if algorithm not in ALGORITHMS:
         raise InputError(f"--algorithm {algorithm}: must be one of {', '.join(ALGORITHMS)}")
     platform = here()
@@ -74,11 +92,11 @@ def ssp(
         if is_native
         else build_python(folder, toml)
     )
-    values = {"tau_max": tau_max, "w_target": speed, "w_start": 0.0}
+    values = {"tau_max": torque, "w_target": speed, "w_start": 0.0, "ramp": speeds.run_up_rate}
     if algorithm == "ecco":  # whose longer steps need a load that goes on
         values["continuation"] = 1.0
     drive = Component("drive", coupling.build(folder), coupling.variables, values)
-    system = drive_system(machine_of(toml, False, 0), drive, fmu, step, stop)
+    system = drive_system(machine_of(toml, False, 0), drive, fmu, interval, end)
     package, structure = replace(system, algorithm=algorithm).write(folder)
     typer.echo(f"{package}\n{structure}")
     return {"ssp": package, "osp": structure, "rotor": fmu, "drive": drive.fmu}

@@ -62,7 +62,7 @@ class CriticalPeaks(Displayed):
         matplotlib.figure.Figure
             The amplification factors.
         """
-        return acceptance_plots.peaks_figure(self.criticals)
+        return acceptance_plots.peaks_figure(self.criticals, self.machine_name)
 
 
 class StabilityLevel1(Displayed, linear.StabilityLevel1):
@@ -109,7 +109,10 @@ def critical_peaks(
     machine: Machine, top: float, nodes: Sequence[int], **options: Any
 ) -> CriticalPeaks:
     """Return `model.linear.critical_peaks` of a machine."""
-    return CriticalPeaks(linear.critical_peaks(rotor_of(machine), top, nodes, **options))
+    rotor = rotor_of(machine)
+    result = CriticalPeaks(linear.critical_peaks(rotor, top, nodes, **options))
+    object.__setattr__(result, "machine_name", rotor.name)
+    return result
 
 
 @on_one_thread

@@ -17,7 +17,7 @@ from ..model.linear.critical_map import CriticalMap
 from ..model.linear.stability_levels import LEAST_LOG_DEC, StabilityLevel1, StabilityLevel2
 from ..model.linear.unbalance_check import ProbeCritical, UnbalanceCheck
 from .acceptance_tables import rpm
-from .linear_plots import PURPLE, RANGE, new_figure
+from .linear_plots import PURPLE, RANGE, new_figure, titled
 
 _DASHES = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))
 
@@ -64,8 +64,13 @@ def critical_map_figure(result: CriticalMap) -> Figure:
     axes.set_ylabel(f"Undamped {what} [rev/min]")
     if result.own:
         figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
-    axes.set_title("Undamped critical speed map", loc="left", fontsize=10)
+    axes.set_title(_named(result, "Undamped critical speed map"), loc="left", fontsize=10)
     return figure
+
+
+def _named(result: object, text: str) -> str:
+    """Return a title with the name of the machine that a result is of."""
+    return titled(getattr(result, "machine_name", ""), text)
 
 
 def plain_ticks(axis: Axis) -> None:
@@ -82,13 +87,13 @@ def rpm_of(omega: np.ndarray) -> np.ndarray:
     return np.asarray(omega) * 30 / math.pi
 
 
-def peaks_figure(criticals: Sequence[ProbeCritical]) -> Figure:
+def peaks_figure(criticals: Sequence[ProbeCritical], name: str = "") -> Figure:
     """Draw the amplification factors of peaks over the speed."""
     figure, axes = _factors()
     for critical in criticals:
         _mark(axes, critical, BLUE)
     axes.set_xlabel("Rotational speed [rev/min]")
-    axes.set_title("Critical speeds (circles x, squares y)", loc="left", fontsize=10)
+    axes.set_title(titled(name, "Critical speeds (circles x, squares y)"), loc="left", fontsize=10)
     axes.set_xlim(left=0)
     plain_ticks(axes.yaxis)
     return figure
@@ -120,8 +125,8 @@ def unbalance_check_figure(result: UnbalanceCheck) -> Figure:
             axes.plot([at[0], to], [at[1], at[1]], color=color, lw=1.4)
     axes.set_xlabel("Rotational speed [rev/min]")
     axes.set_title(
-        "Critical speeds (circles x, squares y), each with the separation that it needs;\n"
-        "orange: too near to the operating range, which is shaded",
+        _named(result, "Critical speeds (circles x, squares y), each with the separation that it ")
+        + "needs;\norange: too near to the operating range, which is shaded",
         loc="left",
         fontsize=9,
     )
@@ -168,7 +173,9 @@ def level_1_figure(result: StabilityLevel1) -> Figure:
     axes.set_xlabel(f"Cross-coupled stiffness at node {result.node} [N/m]")
     axes.set_ylabel("Logarithmic decrement [1]")
     axes.set_title(
-        f"First forward mode at {rpm(result.speed):.5g} rev/min", loc="left", fontsize=10
+        _named(result, f"First forward mode at {rpm(result.speed):.5g} rev/min"),
+        loc="left",
+        fontsize=10,
     )
     axes.legend(frameon=False, fontsize=8)
     return figure
@@ -198,5 +205,6 @@ def level_2_figure(result: StabilityLevel2) -> Figure:
     axes.set_xlabel(
         f"Logarithmic decrement of the first forward mode [1]; dashed: {LEAST_LOG_DEC:g}"
     )
-    axes.set_title(f"Stability level 2 at {rpm(result.speed):.5g} rev/min", loc="left", fontsize=10)
+    title = f"Stability level 2 at {rpm(result.speed):.5g} rev/min"
+    axes.set_title(_named(result, title), loc="left", fontsize=10)
     return figure

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from ..display import current
 from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import CriticalMap
 from ..model.linear.stability_levels import (
@@ -45,7 +46,7 @@ def critical_map_table(result: CriticalMap) -> Table:
 
 def peaks_table(criticals: Sequence[ProbeCritical]) -> Table:
     """Return a table with one row for each peak of a node."""
-    heads = ("node", "axis", "critical [rev/min]", "um 0-p", "N1", "N2", "AF")
+    heads = ("node", "axis", "critical [rev/min]", current().amplitude_words, "N1", "N2", "AF")
     rows = [_peak(c) for c in criticals]
     return Table("Critical speeds with their amplification factors (API 684)", heads, rows)
 
@@ -56,7 +57,7 @@ def _peak(critical: ProbeCritical) -> tuple[object, ...]:
         critical.node,
         critical.axis,
         rpm(peak.speed),
-        peak.amplitude * 1e6,
+        peak.amplitude * current().amplitude,
         rpm(peak.below),
         rpm(peak.above),
         peak.amplification,
@@ -66,14 +67,17 @@ def _peak(critical: ProbeCritical) -> tuple[object, ...]:
 def unbalance_check_table(result: UnbalanceCheck) -> Table:
     """Return a table with one row for each critical speed of a probe, for each probe, and for each
     clearance."""
+    d = current()
+    small = d.small_word
     heads = (
-        *("what", "critical [rev/min]", "um", "N1", "N2", "AF"),
+        *("what", "critical [rev/min]", small, "N1", "N2", "AF"),
         *("required [%]", "actual [%]", "met"),
     )
     title = (
         f"API 617 between {rpm(result.low):.5g} and {rpm(result.high):.5g} rev/min, contacts "
-        f"{result.contacts}: critical speeds (um 0-p) with separation margins, probes (um p-p) "
-        f"against {result.limit * 1e6:.4g} um, clearances (um 0-p{_scaled(result)}) against 75 %"
+        f"{result.contacts}: critical speeds ({d.amplitude_words}) with separation margins, probes "
+        f"({small} p-p) against {result.limit * d.small:.4g} {small}, clearances "
+        f"({small} 0-p{_scaled(result)}) against 75 %"
     )
     return Table(title, heads, list(_check_rows(result)))
 
@@ -92,6 +96,7 @@ def _scaled(result: UnbalanceCheck) -> str:
 
 
 def _check_rows(result: UnbalanceCheck) -> Iterable[tuple[object, ...]]:
+    small = current().small
     for c in result.criticals:
         node, axis, *numbers = _peak(c)
         if c.margin is not None:
@@ -102,11 +107,11 @@ def _check_rows(result: UnbalanceCheck) -> Iterable[tuple[object, ...]]:
         met = _MET[p.peak_to_peak <= result.limit]
         share = 100 * p.peak_to_peak / result.limit
         where = f"probe at node {p.node}"
-        yield (where, rpm(p.speed), p.peak_to_peak * 1e6, "", "", "", 100.0, share, met)
+        yield (where, rpm(p.speed), p.peak_to_peak * small, "", "", "", 100.0, share, met)
     for g in result.clearances:
         share = 100 * g.scaled / g.clearance
         where = f"clearance {g.name}"
-        yield (where, rpm(g.speed), g.scaled * 1e6, "", "", "", 75.0, share, _MET[g.is_met])
+        yield (where, rpm(g.speed), g.scaled * small, "", "", "", 75.0, share, _MET[g.is_met])
 
 
 def level_1_table(result: StabilityLevel1) -> Table:

@@ -19,11 +19,10 @@ from .linear_plots import COLORS, PURPLE, new_figure, style
 
 def bearing_figure(result: BearingCurves) -> Figure:
     """Draw the journal's locus in its clearance, the pressure around it, and stiffness and damping
-    over the speed."""
-    figure, grid = new_figure(8.4, 7.4, 2, 2)
-    locus, around, stiffness, damping = grid.ravel()
-    circle = np.exp(1j * ANGLES)
-    locus.plot(circle.real, circle.imag, color="black", lw=1.2)
+    over the speed; of pads that tilt also how far they do and what they bear."""
+    tilts = result.tilts.shape[1] > 0
+    figure, grid = new_figure(8.4, 10.9 if tilts else 7.4, 3 if tilts else 2, 2)
+    locus, around, stiffness, damping, *of_pads = grid.ravel()
     x, y = result.x / result.clearance, result.y / result.clearance
     locus.plot(x, y, "-", color=BLUE, lw=1.4)
     varied, unit, what = _varied(result)
@@ -31,6 +30,8 @@ def bearing_figure(result: BearingCurves) -> Figure:
         label = f"{varied[i]:.4g} {unit}"
         locus.plot(x[i], y[i], "o", color=color, label=label)
         around.plot(np.degrees(ANGLES), result.around[i] / 1e6, color=color, label=label)
+        if i == 0 or tilts:
+            _pads(locus, result, i, color if tilts else "black")
         if len(x) == 1:
             break
     locus.set_aspect("equal")
@@ -45,12 +46,58 @@ def bearing_figure(result: BearingCurves) -> Figure:
     mark = "o-" if len(x) < 3 else "-"
     threshold = result.threshold_load if unit == "N" else result.threshold
     _coefficients((stiffness, damping), varied, result.K, result.C, mark)
-    for axes in (stiffness, damping):
+    if tilts:
+        _pads_over(of_pads, varied, result, mark)
+        for first, last, pivot, *_ in result.pads:
+            spans = np.degrees([first, last]) % 360.0
+            turned = spans if spans[0] < spans[1] else [spans[0], 360.0, 0.0, spans[1]]
+            for begin, end in zip(turned[::2], turned[1::2], strict=True):
+                around.axvspan(begin, end, color="0.92", lw=0)
+            around.axvline(np.degrees(pivot) % 360.0, color="0.6", lw=0.8, ls="--")
+    for axes in (stiffness, damping, *of_pads):
         axes.set_xlabel(f"{what} [{unit}]")
         if threshold is not None:
             axes.axvline(threshold, color=PURPLE, lw=1.2, ls=":")
     figure.suptitle(bearing_table(result).title, fontsize=10, x=0.01, ha="left")
     return figure
+
+
+def _pads(axes: Axes, result: BearingCurves, i: int, color: str) -> None:
+    """Draw how far the journal may go: where it would touch each pad as that stands in row i, and
+    the pads' pivots."""
+    moved = np.zeros((len(result.pads), 2))
+    moved[: result.tilts.shape[1]] = result.tilts[i] / result.clearance
+    for n, ((first, last, pivot, clearance, x, y), (tilt, give)) in enumerate(
+        zip(result.pads, moved, strict=True), 1
+    ):
+        theta = np.linspace(first, last, max(2, round(np.degrees(last - first))))
+        centre = complex(x, y) + (1j * tilt - give) * np.exp(1j * pivot)
+
+        def touch(
+            theta: np.ndarray, clearance: float = clearance, centre: complex = centre
+        ) -> np.ndarray:
+            e = np.exp(1j * theta)
+            return (clearance - (centre * e.conj()).real) * e
+
+        surface = touch(theta)
+        axes.plot(surface.real, surface.imag, color=color, lw=1.2)
+        if result.tilts.shape[1]:
+            at = touch(np.array([pivot]))[0]
+            axes.plot(at.real, at.imag, "^", ms=4, color=color)
+            if i == 0:
+                axes.annotate(f"{n}", (1.18 * at.real, 1.18 * at.imag), fontsize=8, ha="center")
+
+
+def _pads_over(panels: Sequence[Axes], over: np.ndarray, result: BearingCurves, mark: str) -> None:
+    """Draw how far each pad is tilted, and what it bears."""
+    angles = 1e3 * result.tilts[:, :, 0] / result.journal_radius
+    loads, names = result.pad_loads, ("Tilt [mrad]", "Load of a pad [N]")
+    for axes, values, name in zip(panels, (angles, loads), names, strict=True):
+        for n, color in zip(range(values.shape[1]), COLORS, strict=False):
+            label = f"pad {n + 1}"
+            axes.plot(over, values[:, n], _mark(mark, n), ms=4, color=color, lw=1.4, label=label)
+        axes.set_ylabel(name)
+        axes.legend(frameon=False, fontsize=8, ncols=2)
 
 
 def _varied(result: BearingCurves | RollingCurves) -> tuple[np.ndarray, str, str]:
@@ -60,6 +107,11 @@ def _varied(result: BearingCurves | RollingCurves) -> tuple[np.ndarray, str, str
     return result.speeds, "rad/s", "Speed"
 
 
+def _mark(mark: str, i: int) -> str:
+    """Return how a line is drawn, every other one dashed: those of the same values are seen."""
+    return mark.replace("-", "--") if i % 2 else mark
+
+
 def _coefficients(
     panels: Sequence[Axes], over: np.ndarray, K: np.ndarray, C: np.ndarray, mark: str
 ) -> None:
@@ -67,7 +119,7 @@ def _coefficients(
     for axes, of, letter, unit in zip(panels, (K, C), "kc", ("N/m", "N.s/m"), strict=True):
         for (i, j), color in zip(((0, 0), (0, 1), (1, 0), (1, 1)), COLORS, strict=False):
             label = f"{letter}{'xy'[i]}{'xy'[j]}"
-            axes.plot(over, of[:, i, j], mark, ms=4, color=color, lw=1.4, label=label)
+            axes.plot(over, of[:, i, j], _mark(mark, i), ms=4, color=color, lw=1.4, label=label)
         axes.set_ylabel(f"{'Stiffness' if letter == 'k' else 'Damping'} [{unit}]")
         axes.legend(frameon=False, fontsize=8, ncols=2)
 

@@ -19,6 +19,11 @@ def bearing_table(result: BearingCurves) -> Table:
         *("kxx [N/m]", "kxy", "kyx", "kyy", "cxx [N.s/m]", "cxy", "cyx", "cyy"),
         *("torque [N.m]", "critical mass [kg]", "whirl [1]", "off 2D [%]"),
     )
+    oil = {}
+    if np.ptp(result.viscosity) > 0.0 or result.temperature is not None:
+        oil["viscosity [mPa.s]"] = 1e3 * result.viscosity
+    if result.temperature is not None:
+        oil["oil [degC]"] = result.temperature
     rows = [
         (
             *(float(speed), float(np.hypot(*result.load[i])), float(result.eccentricity[i])),
@@ -28,10 +33,11 @@ def bearing_table(result: BearingCurves) -> Table:
             *(float(result.torque[i]), float(result.critical_mass[i])),
             float(result.whirl[i] / speed) if speed else 0.0,
             100 * float(result.plane_error[i]),
+            *(float(values[i]) for values in oil.values()),
         )
         for i, speed in enumerate(result.speeds)
     ]
-    return Table(f"{result.bearing}: {_stability(result)}", heads, rows)
+    return Table(f"{result.bearing}: {_stability(result)}", (*heads, *oil), rows)
 
 
 def _stability(result: BearingCurves) -> str:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..display import current
 from ..errors import InputError, read_text
 from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..model.linear import frequency_response as model
@@ -20,7 +21,7 @@ from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
 from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
-from .linear_plots import PURPLE, new_figure
+from .linear_plots import PURPLE, new_figure, titled
 from .linear_tables import Table, hertz, turns
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
@@ -38,7 +39,8 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         Table
             A row for each resonance of each node.
         """
-        heads = ("node", "direction", "[Hz]", "um/N", "phase [deg]")
+        d = current()
+        heads = ("node", "direction", "[Hz]", f"{d.small_word}/{d.force_unit}", "phase [deg]")
         rows = []
         for k, node in enumerate(self.nodes):
             for i, axis in enumerate("xy"):
@@ -48,7 +50,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
                         node,
                         f"{axis} by {axis}",
                         hertz(self.frequencies[at]),
-                        abs(values[at]) * 1e6,
+                        abs(values[at]) * d.small / d.force,
                         math.degrees(np.angle(values[at])),
                     )
                     for at in _peaks(np.abs(values))
@@ -70,27 +72,30 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
         above, below = grid[:, 0]
         frequency = self.frequencies / (2 * math.pi)
+        d = current()
         for k, (node, color) in enumerate(zip(self.nodes, _COLORS, strict=False)):
             for (i, j), dashes in (((0, 0), "-"), ((1, 1), (0, (4, 2))), ((1, 0), (0, (1, 1.5)))):
                 values = self.receptance[:, k, i, j]
                 if i != j and not (np.abs(values) > 0).any():
                     continue
                 label = f"node {node}: {'xy'[i]} by {'xy'[j]}"
-                above.plot(
-                    frequency, np.abs(values) * 1e6, color=color, lw=1.3, ls=dashes, label=label
-                )
+                size = np.abs(values) * d.small / d.force
+                above.plot(frequency, size, color=color, lw=1.3, ls=dashes, label=label)
                 if i == j:
                     phase = np.degrees(np.unwrap(np.angle(values)))
                     below.plot(frequency, phase, color=color, lw=1.2, ls=dashes)
         above.set_yscale("log")
         plain_ticks(above.yaxis)
-        above.set_ylabel("Displacement by force [um/N]")
+        above.set_ylabel(f"Displacement by force [{d.small_word}/{d.force_unit}]")
         below.set_ylabel("Phase [deg]")
         below.set_xlabel("Frequency [Hz]")
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = turns(self.speed, self.contacts)
         figure.suptitle(
-            f"Response to a force on node {self.force}, {state}", fontsize=10, x=0.01, ha="left"
+            titled(self.machine_name, f"Response to a force on node {self.force}, {state}"),
+            fontsize=10,
+            x=0.01,
+            ha="left",
         )
         return figure
 
@@ -188,9 +193,8 @@ class Sensitivity(model.Sensitivity, Displayed):
         axes.set_xlabel("Frequency [Hz]")
         axes.set_ylabel("Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
-        axes.set_title(
-            f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}", loc="left", fontsize=10
-        )
+        title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"
+        axes.set_title(titled(self.machine_name, title), loc="left", fontsize=10)
         return figure
 
 

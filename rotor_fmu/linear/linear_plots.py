@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from scipy.interpolate import BPoly
 
-from ..display import current, frequency_unit
+from ..display import current, frequency_unit, shown_speed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
@@ -57,10 +57,10 @@ def _curve(
     that by bending [1].
     """
     fine = np.unique(np.concatenate([np.linspace(a, b, _FINE) for a, b in pairwise(z)]))
-    return fine * current().length, _deflection(z, w, slope, shear)(fine)
+    return fine * current().length, deflection(z, w, slope, shear)(fine)
 
 
-def _deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[float]) -> BPoly:
+def deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence[float]) -> BPoly:
     """Return the deflection between nodes: each element's own cubic, that of a Timoshenko beam,
     whose sections turn by less than its axis slopes where it shears."""
     length = np.diff(z)
@@ -73,7 +73,8 @@ def _deflection(z: np.ndarray, w: np.ndarray, slope: np.ndarray, shear: Sequence
     return BPoly([w[:-1], w[:-1] + third * left, w[1:] - third * right, w[1:]], z)
 
 
-def _titled(name: str, text: str) -> str:
+def titled(name: str, text: str) -> str:
+    """Return the title of a picture of a machine."""
     return f"{name}: {text}" if name else text
 
 
@@ -108,7 +109,7 @@ def modes_figure(result: Modes, name: str = "", shear: Sequence[float] = ()) -> 
         axes.margins(y=0.08)
         zeta = result.damping_ratio[i]
         axes.set_title(
-            f"{i + 1}: {_speed(result.damped[i]):.4g} {frequency_unit()}, {result.whirl[i]}, "
+            f"{i + 1}: {shown_speed(result.damped[i])} {frequency_unit()}, {result.whirl[i]}, "
             f"damping {0.0 if abs(zeta) < 1e-10 else zeta:.2g}",
             loc="left",
             fontsize=9,
@@ -121,7 +122,7 @@ def modes_figure(result: Modes, name: str = "", shear: Sequence[float] = ()) -> 
     if shown:
         figure.legend(*grid.flat[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
     figure.suptitle(
-        _titled(name, f"Modes at {turns(result.speed, result.contacts)}"),
+        titled(name, f"Modes at {turns(result.speed, result.contacts)}"),
         fontsize=10,
         x=0.01,
         ha="left",
@@ -148,7 +149,7 @@ def campbell_figure(
         place = _speed(c.speed), c.harmonic * _speed(c.speed)
         above.plot(*place, "o", color="black", mfc="white", ms=5)
         above.annotate(
-            f"{place[0]:.4g}",
+            shown_speed(c.speed),
             place,
             xytext=(5, -9) if c.whirl == FORWARD else (-4, 5),
             ha="left" if c.whirl == FORWARD else "right",
@@ -160,7 +161,7 @@ def campbell_figure(
         for axes in (above, below):
             axes.axvline(_speed(result.threshold), color=PURPLE, lw=1.2, ls=":")
         below.annotate(
-            f"unstable above {_speed(result.threshold):.4g} {current().speed_unit}",
+            f"unstable above {shown_speed(result.threshold)} {current().speed_unit}",
             (_speed(result.threshold), 0.97),
             xycoords=("data", "axes fraction"),
             xytext=(-4, 0),
@@ -190,7 +191,7 @@ def campbell_figure(
         below.set_ylim(min(-0.1, 1.1 * finite.min()), 3)
     below.set_xlabel(current().speed_label)
     above.set_title(
-        _titled(name, f"Campbell diagram, contacts {result.contacts}"), loc="left", fontsize=10
+        titled(name, f"Campbell diagram, contacts {result.contacts}"), loc="left", fontsize=10
     )
     return figure
 
@@ -258,7 +259,7 @@ def unbalance_figure(
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_xlabel(current().speed_label)
     title = f"Steady response to unbalance, contacts {result.contacts}"
-    above.set_title(_titled(name, title), loc="left", fontsize=10)
+    above.set_title(titled(name, title), loc="left", fontsize=10)
     return figure
 
 
@@ -297,5 +298,5 @@ def static_figure(result: Static, name: str = "", shear: Sequence[float] = ()) -
     axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
     axes.set_ylabel(f"Deflection [{current().small_unit}]")
     state = turns(result.speed, result.contacts)
-    axes.set_title(_titled(name, f"At rest under gravity, {state}"), loc="left", fontsize=10)
+    axes.set_title(titled(name, f"At rest under gravity, {state}"), loc="left", fontsize=10)
     return figure

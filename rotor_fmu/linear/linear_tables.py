@@ -119,7 +119,7 @@ def campbell_table(result: Campbell) -> Table:
 def static_table(result: Static) -> Table:
     """Return a table with one row for each node, then a row for the load on each support."""
     d = current()
-    small, force = d.small_unit.replace("µ", "u"), d.force_unit
+    small, force = d.small_word, d.force_unit
     heads = (
         *("where", f"z [{d.length_unit}]", f"x [{small}]", f"y [{small}]"),
         *(f"load x [{force}]", f"load y [{force}]"),
@@ -148,7 +148,7 @@ def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
     """Return the rows of speed and node (from 1): at every speed where they are few, else where the
     largest semi-axis of a node peaks."""
     d = current()
-    unit = d.amplitude_unit.replace("µ", "u")
+    unit = d.amplitude_words
     heads = (
         *("node", "speed [rad/s]", f"[{d.speed_unit}]"),
         *(f"{name} [{unit}]" for name in ("x", "y", "major", "minor")),

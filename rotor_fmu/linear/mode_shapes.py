@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from scipy.interpolate import CubicHermiteSpline
 
+from ..display import current, frequency_unit, shown_speed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, Modes
+from .linear_plots import deflection, titled
 from .linear_tables import hertz, turns
 
 _COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN}
@@ -21,9 +23,10 @@ _FINE = 12  # points an element of the shaft's line
 _GAP = 0.93  # of a turn: an orbit ends before it closes, so that its sense can be seen
 
 
-def mode_shapes_figure(result: Modes) -> Figure:
+def mode_shapes_figure(result: Modes, name: str = "", shear: Sequence[float] = ()) -> Figure:
     """Draw the lowest modes in space: each node's orbit, open where it begins again, with a dot at
-    its begin, and the shaft through the dots."""
+    its begin, and the shaft through the dots, bent as its elements bend; shear: see
+    `linear_plots.deflection`."""
     shown = min(_MOST_SHAPES, len(result.eigenvalues))
     columns = 2 if shown > 1 else 1
     rows = max(1, -(-shown // columns))
@@ -32,7 +35,7 @@ def mode_shapes_figure(result: Modes) -> Figure:
     for i in range(shown):
         axes = figure.add_subplot(rows, columns, i + 1, projection="3d")
         color = _COLORS.get(result.whirl[i], GREY)
-        z = result.z * 1e3
+        z = result.z * current().length
         turn = np.exp(1j * _ANGLES * _GAP)
         for node in range(len(z)):
             x, y = ((w[i, node] * turn).real for w in (result.x, result.y))
@@ -40,24 +43,31 @@ def mode_shapes_figure(result: Modes) -> Figure:
         axes.plot(z, 0 * z, 0 * z, color=GREY, lw=0.8)
         fine = np.unique(np.concatenate([np.linspace(a, b, _FINE) for a, b in pairwise(result.z)]))
         line = [
-            CubicHermiteSpline(result.z, w[i].real, slope[i].real)(fine)
+            deflection(result.z, w[i].real, slope[i].real, shear)(fine)
             for w, slope in ((result.x, result.slope_x), (result.y, result.slope_y))
         ]
-        axes.plot(fine * 1e3, *line, color="black", lw=1.6)
+        axes.plot(fine * current().length, *line, color="black", lw=1.6)
         axes.plot(z, result.x[i].real, result.y[i].real, "o", color="black", ms=2.5)
-        axes.set_ylim(-1.05, 1.05)
-        axes.set_zlim(-1.05, 1.05)
+        widest = 1.05 * max(np.abs(each).max() for each in (result.x[i], result.y[i], *line))
+        axes.set_ylim(-widest, widest)
+        axes.set_zlim(-widest, widest)
         axes.set_box_aspect((2.4, 1, 1), zoom=1.25)
+        for drawn in axes.lines:  # the box is larger than what the picture has kept for it
+            drawn.set_clip_on(False)
+            drawn.set_in_layout(False)
         axes.view_init(elev=18, azim=-62)
         axes.set_yticks([])
         axes.set_zticks([])
         axes.tick_params(labelsize=7, pad=-2)
-        axes.set_xlabel("z [mm]", fontsize=7, labelpad=-4)
+        axes.set_xlabel(f"z [{current().length_unit}]", fontsize=7, labelpad=-4)
         axes.set_title(
-            f"{i + 1}: {hertz(result.damped[i]):.4g} Hz, {result.whirl[i]}", fontsize=9, y=0.98
+            f"{i + 1}: {shown_speed(result.damped[i])} {frequency_unit()}, {result.whirl[i]}",
+            fontsize=9,
+            y=0.98,
         )
+    state = turns(result.speed, result.contacts)
     figure.suptitle(
-        f"Mode shapes at {turns(result.speed, result.contacts)}; x across, y up",
+        titled(name, f"Mode shapes at {state}; x across, y up"),
         fontsize=10,
         x=0.01,
         ha="left",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..display import current
 from ..model.linear.campbell import campbell
 from ..model.linear.machine import OPEN, PINNED, LinearError, LinearMachine
 from ..model.machine.rotor import Rotor
@@ -26,17 +28,20 @@ class Criticals(NamedTuple):
         """What is to be said of them."""
         if not self.hz:
             return ""
-        listed = " and ".join(f"{hz:.1f}" for hz in self.hz)
+        in_unit = [hz * 2 * math.pi * current().speed for hz in self.hz]
+        digits = 1 if max(in_unit) < 1e3 else 0
+        listed = " and ".join(f"{value:.{digits}f}" for value in in_unit)
         listed = listed.replace(" and ", ", ", len(self.hz) - 2)
+        unit = current().speed_unit
         if not self.contacts:
-            return f"Linear critical speeds, dashed: {listed} Hz."
+            return f"Linear critical speeds, dashed: {listed} {unit}."
         why = {
             PINNED: "a journal that leaves its wall is held less than one that is pinned to it",
             OPEN: "a journal that touches is held more than one that is free",
         }[self.contacts]
         return (
-            f"Linear critical speeds with contacts {self.contacts}, dashed: {listed} Hz. The run's "
-            f"peaks lie elsewhere where contacts open and close: {why}."
+            f"Linear critical speeds with contacts {self.contacts}, dashed: {listed} {unit}. The "
+            f"run's peaks lie elsewhere where contacts open and close: {why}."
         )
 
 

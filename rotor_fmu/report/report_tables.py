@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
+from ..display import current, shown_speed
 from ..status import FAILED, OK
 from ..vibration import TooFewTurns
-from .measuring_points import Recorded, hertz
+from .measuring_points import Recorded
 from .verification import headline_of, rows_of
 
+_UM = 1e-6  # [m], in which signals are recorded and resampled here
 _SUMMARY = {
     "solver_s": "time of the run [s]",
     "steps": "steps",
@@ -47,12 +49,12 @@ def notices(run: Recorded, why: str | None) -> str:
 def _reached(run: Recorded) -> str:
     if not len(run.t):
         return "no step"
-    return f"t = {run.t[-1]:.4g} s at {_speed(run, -1)} Hz"
+    return f"t = {run.t[-1]:.4g} s at {_speed(run, -1)} {current().speed_unit}"
 
 
 def _speed(run: Recorded, at: int) -> str:
     # rounding leaves something of a shaft that stands
-    return f"{hertz(run.w[at]) if abs(run.w[at]) > 1e-9 else 0.0:.4g}"
+    return shown_speed(run.w[at]) if abs(run.w[at]) > 1e-9 else "0"
 
 
 def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
@@ -72,7 +74,10 @@ def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
     if len(run.t):
         rows += [
             ["reached [s]", run.t[-1]],
-            ["speed, from and to [Hz]", f"{_speed(run, 0)} to {_speed(run, -1)}"],
+            [
+                f"speed, from and to [{current().speed_unit}]",
+                f"{_speed(run, 0)} to {_speed(run, -1)}",
+            ],
             ["turns", float(np.abs(np.diff(run.phi)).sum()) / (2 * math.pi)],
         ]
     rows.append(["samples", len(run.t)])
@@ -91,19 +96,21 @@ def _verification(run: Recorded, of: str) -> str:
 
 
 def _places(run: Recorded, of: str) -> str:
+    d = current()
+    small = d.small_unit
     heads = [
-        "place", "1x, largest [µm 0-p]", "at [Hz]", "amplification [1]", "x [µm pp]", "y [µm pp]",
-        "S_max [µm 0-p]",
-    ]  # fmt: skip
+        *("place", f"1x, largest [{d.amplitude_unit}]", f"at [{d.speed_unit}]"),
+        *("amplification [1]", f"x [{small} pp]", f"y [{small} pp]", f"S_max [{small} 0-p]"),
+    ]
     rows = []
     for place in run.places:
         signal = run.resampled(place)
         track = vibration.order_track_of(signal, (1.0,))
         at = int(np.nanargmax(track.major()))
         direct = vibration.displacement_of(signal)
-        largest = [float(v.max()) for v in (direct.x_pp, direct.y_pp, direct.s_max)]
-        speed = hertz(track.speed[at])
-        rows.append([place.label, track.major()[at], speed, _amplification(track), *largest])
+        largest = [float(v.max()) * d.small * _UM for v in (direct.x_pp, direct.y_pp, direct.s_max)]
+        peak, speed = track.major()[at] * d.amplitude * _UM, track.speed[at] * d.speed
+        rows.append([place.label, peak, speed, _amplification(track), *largest])
     return table(f"{of}responses over the run (API RP 684, ISO 20816-1)", heads, rows)
 
 
@@ -126,13 +133,18 @@ def _passes(speed: np.ndarray) -> bool:
 
 
 def _contacts(run: Recorded, of: str) -> str:
-    heads = ["contact", "largest force [N]", "at [Hz]", "touches [% of the time]"]
+    heads = [
+        "contact",
+        "largest force [N]",
+        f"at [{current().speed_unit}]",
+        "touches [% of the time]",
+    ]
     rows = []
     weight = np.gradient(run.t) if len(run.t) > 1 else run.t
     for touch in run.touches if weight.any() else ():
         at = int(np.argmax(np.nan_to_num(touch.fn)))
         share = 100 * float((weight * (touch.fn > 0)).sum() / weight.sum())
-        rows.append([touch.label, touch.fn[at], hertz(run.w[at]), share])
+        rows.append([touch.label, touch.fn[at], run.w[at] * current().speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 

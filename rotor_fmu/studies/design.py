@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
+from ..units import in_si, split
 
 GRID = "grid"
 SAMPLED = ("random", "latin-hypercube", "sobol")
@@ -262,9 +263,9 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
         raise InputError(f"{where}: must have one of values, grid, distribution")
     allowed = {"names", given[0]}
     if given[0] == "values":
-        values = _numbers(where, "values", table["values"])
+        values = _numbers(where, "values", table["values"], unit)
     elif given[0] == "grid":
-        values = _grid(where, table["grid"])
+        values = _grid(where, table["grid"], unit)
     else:
         allowed |= {p for needed, _ in DISTRIBUTIONS.values() for p in needed}
     for key in table:
@@ -272,10 +273,10 @@ def axis_of(name: str, targets: Sequence[str], table: Mapping[str, Any], unit: s
             raise InputError(f"{where}: {key} is unknown beside {given[0]}")
     if given[0] != "distribution":
         return Axis(name, tuple(targets), tuple(dict.fromkeys(values)), unit=unit)
-    return Axis(name, tuple(targets), distribution=_distribution(where, table), unit=unit)
+    return Axis(name, tuple(targets), distribution=_distribution(where, table, unit), unit=unit)
 
 
-def _distribution(where: str, table: Mapping[str, Any]) -> Distribution:
+def _distribution(where: str, table: Mapping[str, Any], unit: str) -> Distribution:
     kind = table["distribution"]
     if kind not in DISTRIBUTIONS:
         raise InputError(
@@ -289,14 +290,14 @@ def _distribution(where: str, table: Mapping[str, Any]) -> Distribution:
     for key in parameters:
         if key not in needed:
             raise InputError(f"{where}: a {kind} distribution has no {key}")
-    numbers = {key: number(f"{where}: {key}", parameters[key]) for key in needed}
+    numbers = {key: number(f"{where}: {key}", parameters[key], unit) for key in needed}
     try:
         return Distribution(kind, numbers)
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
 
 
-def _grid(where: str, grid: object) -> tuple[float, ...]:
+def _grid(where: str, grid: object, unit: str) -> tuple[float, ...]:
     if not isinstance(grid, dict):
         raise InputError(f"{where}: grid must be {{ from, to, count }}")
     unknown = sorted(grid.keys() - {"from", "to", "count", "spacing"})
@@ -304,7 +305,7 @@ def _grid(where: str, grid: object) -> tuple[float, ...]:
     if unknown or missing:
         what = f"has no {missing[0]}" if missing else f"knows no {unknown[0]}"
         raise InputError(f"{where}: grid {what}; it is {{ from, to, count, spacing }}")
-    low, high = (number(f"{where}: grid {key}", grid[key]) for key in ("from", "to"))
+    low, high = (number(f"{where}: grid {key}", grid[key], unit) for key in ("from", "to"))
     count = whole(f"{where}: grid count", grid["count"])
     spacing = grid.get("spacing", "linear")
     if spacing not in ("linear", "log"):
@@ -315,14 +316,17 @@ def _grid(where: str, grid: object) -> tuple[float, ...]:
     return tuple(spread(low, high, count).tolist())
 
 
-def _numbers(where: str, key: str, values: object) -> tuple[float, ...]:
+def _numbers(where: str, key: str, values: object, unit: str) -> tuple[float, ...]:
     if not isinstance(values, list) or not values:
         raise InputError(f"{where}: {key} = {values!r}: must be a list of numbers")
-    return tuple(number(f"{where}: {key}", value) for value in values)
+    return tuple(number(f"{where}: {key}", value, unit) for value in values)
 
 
-def number(where: str, value: object) -> float:
-    """Return a finite number, or `InputError`."""
+def number(where: str, value: object, unit: str = "") -> float:
+    """Return a finite number, or `InputError`; unit: in which it is, if it may be given in another,
+    such as `3000 rpm`."""
+    if unit and isinstance(value, str) and split(value):
+        return in_si(f"{where} =", value, unit)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         raise InputError(f"{where} = {value!r}: must be a finite number")
     return float(value)

@@ -51,9 +51,10 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
             check_values(model, axes)
         _check_columns(model.columns, axes)
         limits = {}
-        numbers = [c.name for c in model.columns if not c.dimension]
+        numbers = {c.name: c.unit for c in model.columns if not c.dimension}
         for name, value in table_of(tables, "limits").items():
-            limits[known_name("limits", name, numbers)] = number(f"limits {name}", value)
+            unit = numbers[known_name("limits", name, numbers)]
+            limits[name] = number(f"limits {name}", value, unit)
     except (InputError, QuantityError) as error:
         raise InputError(f"{path}: {error}") from error
     return Study(str(tables.get("name", path.stem)), model, design, limits, text)

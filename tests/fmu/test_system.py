@@ -23,7 +23,7 @@ SEEN = ["speed", "tau_load", "w", "energy.residual"]
 def folder(tmp_path_factory):
     """Of a machine that is no example of coupling."""
     out = tmp_path_factory.mktemp("system")
-    ssp.__wrapped__(rotor=MACHINE, is_native=True, step=1e-3, stop=1.0, out=out)
+    ssp.__wrapped__(rotor=MACHINE, is_native=True, step="1ms", stop="1", out=out)
     return out
 
 
@@ -129,15 +129,24 @@ def test_by_ecco_the_load_goes_on_and_a_step_may_lose_little_of_the_energy(tmp_p
 
 
 @pytest.mark.parametrize(
-    ("given", "expected"), [({}, 523.598776), ({"target": "3000rpm"}, 314.159265)]
+    ("given", "expected", "stop"),
+    [({}, 523.598776, 39.3), ({"target": "3000rpm", "stop": "9s"}, 314.159265, 9.0)],
 )
-def test_the_drive_runs_up_to_the_machines_own_speed(tmp_path, given, expected):
+def test_the_drive_runs_up_to_the_machines_own_speed(tmp_path, given, expected, stop):
     machine = tmp_path / "fan.toml"
-    machine.write_text(f'{MACHINE.read_text()}[operation]\nrated_speed = "5000 rpm"\n')
+    machine.write_text(
+        f'{MACHINE.read_text()}[operation]\nrated_speed = "5000 rpm"\nrun_up_rate = 20.0\n'
+    )
     ssp.__wrapped__(rotor=machine, is_native=True, out=tmp_path, **given)
     root = etree.parse(tmp_path / "OspSystemStructure.xml").getroot()
     values = {v.get("variable"): float(v[0].get("value")) for v in root.iter("{*}InitialValue")}
     assert values["w_target"] == pytest.approx(expected, rel=1e-8)
+    assert values["ramp"] == 20.0
+    structure = etree.fromstring(
+        zipfile.ZipFile(tmp_path / "System.ssp").read("SystemStructure.ssd")
+    )
+    (experiment,) = structure.iter("{*}DefaultExperiment")
+    assert float(experiment.get("stopTime")) == stop  # one and a half times the run-up
 
 
 @needs("libcosimpy", "pip install libcosimpy")
@@ -152,8 +161,9 @@ def test_osps_file_is_valid(folder):
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"step": 0.0}, "--step 0: must be > 0 and at most 1"),
-        ({"tau_max": -1.0}, "--tau-max -1: must be > 0"),
+        ({"step": "0"}, "--step 0: must be > 0 and at most 1"),
+        ({"tau_max": "5 mm"}, "--tau-max 5 mm: must be a torque, in N.m or such as"),
+        ({"tau_max": "-1"}, "--tau-max -1: must be > 0"),
         ({"target": "20 mm"}, "--target 20 mm: must be a speed"),
         ({"target": "1e7"}, "--target 1e7: must be at most 1e+06 rad/s in size"),
         ({"algorithm": "eco"}, "--algorithm eco: must be one of fixedStep, ecco"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -61,9 +62,10 @@ def test_a_short_film_is_the_pi_film(e):
     assert expected / scale == pytest.approx(closed, rel=1e-9)
 
 
+@pytest.mark.parametrize("supply", [0.0, 2e5, 3e6])
 @pytest.mark.parametrize("shape", _SHAPES)
-def test_its_tangent_and_its_load_in_two_dimensions(shape):
-    part = _bearing(**_SHAPES[shape])
+def test_its_tangent_and_its_load_in_two_dimensions(shape, supply):
+    part = _bearing(**_SHAPES[shape], supply_pressure=supply)
     part.check("journal_bearing")
     alone, random = BearingAlone(part, _SPEED), np.random.default_rng(5)
     for _ in range(6):
@@ -82,7 +84,35 @@ def test_its_tangent_and_its_load_in_two_dimensions(shape):
         seen = alone.outputs(d, v)
         assert seen["power"] > 0.0
         assert seen["flow"] > 0.0
-        assert alone.pressure(d, np.linspace(0, 2 * math.pi, 50)).min() >= 0.0
+        assert alone.pressure(d, np.linspace(0, 2 * math.pi, 50)).min() >= -supply
+
+
+@pytest.mark.parametrize("e", [0.3, 0.7])
+def test_a_film_that_is_fed_so_that_it_never_ruptures_is_the_full_film(e):
+    """Ocvirk's over the whole circle: no force towards the middle, twice that across it. Fed a
+    little, it is between both."""
+    part = _bearing(length=2e-3, points=384.0)
+    scale = 0.1 * 0.05 * part.length**3 * _SPEED / _C**2
+    full = 1j * math.pi * e / (2 * (1 - e**2) ** 1.5)
+    largest = BearingAlone(part, _SPEED).outputs(e * _C)["pressure"]
+    shares = []
+    for supply in (0.0, 0.1 * largest, 0.5 * largest, 2.0 * largest):
+        film = BearingAlone(replace(part, supply_pressure=supply), _SPEED)
+        shares.append(film.force(e * _C) / scale)
+    assert shares[-1] == pytest.approx(full, abs=2e-3 * abs(full))
+    for before, after in pairwise(shares):
+        assert before.real < after.real <= 1e-3
+        assert before.imag < after.imag
+
+
+def test_a_supply_pressure_needs_a_film_that_fills_its_pads():
+    for more in ({"rupture": "reynolds"}, {"short": True}):
+        with pytest.raises(QuantityError) as refused:
+            _bearing(**more, supply_pressure=1e5).check("journal_bearing[1]")
+        assert str(refused.value) == (
+            "journal_bearing[1].supply_pressure = 100000 Pa: needs journal_bearing[1].rupture = "
+            "guembel and journal_bearing[1].short = false, a film that fills its pads"
+        )
 
 
 def test_it_bears_otherwise_than_reynolds_rupture():
@@ -93,7 +123,8 @@ def test_it_bears_otherwise_than_reynolds_rupture():
 
 def test_a_rotor_runs_in_such_films():
     halves = {"pads": [1.570796, 4.712389], "arc": 2.8, "rupture": "guembel"}
-    rotor = parse_rotor(heavy_shaft(2e-6) + film(1, **halves) + film(3, rupture="guembel"))
+    fed = film(3, rupture="guembel", supply_pressure=2e5)
+    rotor = parse_rotor(heavy_shaft(2e-6) + film(1, **halves) + fed)
     run = Simulation(
         rotor, choose("controlled", tolerance=1e-3), speed=400.0, warn=lambda message: None
     )

@@ -111,16 +111,24 @@ def _states(part, count, seed):
 
 
 @pytest.mark.parametrize("inertia", [0.0, 2e-3])
-@pytest.mark.parametrize("k", [0.0, 1e8])
-def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k):
-    part = _part(_ON_PAD, pad_inertia=inertia, k=k, roughness=1.5e-5 if k else 1e-6)
+@pytest.mark.parametrize(("k", "pivot"), [(0.0, 0.0), (1e8, 0.0), (1e8, 3e8)])
+def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k, pivot):
+    part = _part(
+        *(_ON_PAD,),
+        pad_inertia=inertia,
+        k=k,
+        roughness=1.5e-5 if k else 1e-6,
+        pivot_stiffness=pivot,
+    )
     law = _Law(part)
     tried = 0
     for d, v, tilts, random in _states(part, 12, 1):
-        free = tilts
+        columns = [tilts]
         if inertia:
-            rates = part.clearance * _SPEED * random.normal(size=len(tilts))
-            free = np.column_stack([tilts, rates]).ravel()
+            columns.append(part.clearance * _SPEED * random.normal(size=len(tilts)))
+        if pivot:
+            columns.append(part.clearance * random.uniform(0.0, 0.1, len(tilts)))
+        free = np.column_stack(columns).ravel()
         b = 10 ** random.uniform(-6, -3)
         weights = Weights(0.5 * b * b, b, b)
         _, tangent, own = law.step(d, v, weights, free)
@@ -130,7 +138,7 @@ def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k):
         bears = borne > 1e-6 * borne.max()
         assert bears.sum() >= 2
         moved = free + b * law.rates(d, v, own)
-        each, atol = 2 if inertia else 1, 1e-9 * part.clearance
+        each, atol = len(columns), 1e-9 * part.clearance
         np.testing.assert_allclose(own[::each][bears], moved[::each][bears], atol=atol)
         seen = law.force(d, v, own)
         assert law.step(d, v, weights, free)[0] == pytest.approx(seen, abs=1e-7 * abs(seen))
@@ -156,22 +164,25 @@ def test_tangent_of_a_step_is_the_derivative_of_its_force(inertia, k):
     assert tried == 12
 
 
-def test_a_vibration_is_reduced_as_its_implicit_steps_are():
+@pytest.mark.parametrize("pivot", [0.0, 1e9])
+def test_a_vibration_is_reduced_as_its_implicit_steps_are(pivot):
     """Pads that follow a harmonic motion of small size: amplitudes of the force by the states'
     own rates, against the reduced coefficients."""
-    part = _part(_ON_PAD, pad_inertia=1e-2)
+    part = _part(_ON_PAD, pad_inertia=1e-2, pivot_stiffness=pivot)
     film = BearingAlone(part, _SPEED)
     d = film.rest(-1j * _load(part, 0.5))
     K, C = film.coefficients(d)
-    law, n = _Law(part), len(part.pads)
-    rest = np.zeros(2 * n)
-    rest[::2] = film.tilts(d)
+    law, n, each = _Law(part), len(part.pads), 3 if pivot else 2
+    rest = np.zeros(each * n)
+    rest[::each] = film.tilts(d).real
+    if pivot:
+        rest[2::3] = film.tilts(d).imag
     size = 1e-4 * part.clearance
 
     def linear(of, *at):
         """Derivatives by displacement, velocity and states, of x and y in turn."""
         columns = []
-        for i in range(4 + 2 * n):
+        for i in range(4 + each * n):
             ends = []
             for s in (1.0, -1.0):
                 moved, own = [d, 0j], rest.copy()
@@ -179,7 +190,7 @@ def test_a_vibration_is_reduced_as_its_implicit_steps_are():
                     scale = size if i < 2 else size * _SPEED
                     moved[i // 2] += s * scale * (1.0, 1j)[i % 2]
                 else:
-                    scale = size if i % 2 == 0 else size * _SPEED
+                    scale = size * _SPEED if (i - 4) % each == 1 else size
                     own[i - 4] += s * scale
                 ends.append(of(*moved, own))
             columns.append((ends[0] - ends[1]) / (2 * scale))
@@ -188,7 +199,7 @@ def test_a_vibration_is_reduced_as_its_implicit_steps_are():
     F = linear(lambda *at: np.array([law.force(*at).real, law.force(*at).imag]))
     r = linear(law.rates)
     i_w = 1j * _SPEED
-    states = np.linalg.solve(i_w * np.eye(2 * n) - r[:, 4:], r[:, :2] + i_w * r[:, 2:4])
+    states = np.linalg.solve(i_w * np.eye(each * n) - r[:, 4:], r[:, :2] + i_w * r[:, 2:4])
     dynamic = -(F[:, :2] + i_w * F[:, 2:4] + F[:, 4:] @ states)
     most = np.abs(dynamic).max()
     np.testing.assert_allclose(K, dynamic.real, atol=1e-4 * most)
@@ -196,6 +207,39 @@ def test_a_vibration_is_reduced_as_its_implicit_steps_are():
     # which is not what pads without inertia do
     light = BearingAlone(_part(_ON_PAD), _SPEED).coefficients(d)
     assert np.abs(light[0] - K).max() > 1e-3 * most
+
+
+def test_a_stiff_pivot_is_a_rigid_one():
+    """Whose flexibility adds to that of the film, by 1 / stiffness."""
+    rigid = BearingAlone(_part(), _SPEED)
+    load = _load(rigid.part, 1.0)
+    d = rigid.rest(-1j * load)
+    K_rigid = rigid.coefficients(d)[0]
+    changes = []
+    for stiffness in (1e13, 1e12):
+        film = BearingAlone(_part(pivot_stiffness=stiffness), _SPEED)
+        K = film.coefficients(film.rest(-1j * load, d))[0]
+        changes.append(np.abs(K - K_rigid).max() / np.abs(K_rigid).max())
+    assert changes[0] < 3.0 * K_rigid[1, 1] / 1e13
+    assert changes[1] / changes[0] == pytest.approx(10.0, rel=1e-2)
+
+
+def test_a_pivot_is_a_spring_in_series_with_the_film_of_its_pad():
+    """Two pads without preload bear the load, each 45 degrees beside it: both pivots together are
+    as stiff as one, and as much more flexible than rigid ones is the bearing at rest."""
+    load, k = 1e4, 3e8
+    rests = []
+    for stiffness in (0.0, k):
+        film = BearingAlone(_part(preload=0.0, pivot_stiffness=stiffness), _SPEED)
+        d = film.rest(-1j * load, rests[-1][0] if rests else None)
+        rests.append((d, -film.tangent(d, 0j, Weights(1.0, 0.0, 0.0))[1, 1]))
+    (d_rigid, K_rigid), (d, K) = rests
+    assert 0.2 < k / K_rigid < 5.0
+    assert 1.0 / K - 1.0 / K_rigid == pytest.approx(1.0 / k, rel=1e-5)
+    assert d - d_rigid == pytest.approx(-1j * load / k, abs=1e-6 * abs(d))
+    assert film.tilts(d).imag[2:] == pytest.approx(load / math.sqrt(2) / k, rel=1e-6)
+    loads = [0.0, 0.0, load / math.sqrt(2), load / math.sqrt(2)]
+    assert film.pad_loads(d) == pytest.approx(loads, abs=1e-6 * load)
 
 
 # --- in motion ---
@@ -222,9 +266,9 @@ def _place(run):
     return complex(run.read("body[1].x"), run.read("body[1].y"))
 
 
-@pytest.mark.parametrize("inertia", [0.0, 1e-3])
-def test_a_run_begins_at_the_static_position_and_comes_back_to_it(inertia):
-    rotor = _in_pads(pad_inertia=inertia)
+@pytest.mark.parametrize(("inertia", "pivot"), [(0.0, 0.0), (1e-3, 0.0), (0.0, 1e8), (1e-3, 1e8)])
+def test_a_run_begins_at_the_static_position_and_comes_back_to_it(inertia, pivot):
+    rotor = _in_pads(pad_inertia=inertia, pivot_stiffness=pivot)
     run = _run(rotor, 500.0)
     rest = _place(run)
     film = bearing_curves(rotor, [500.0])
@@ -289,9 +333,9 @@ def test_ledger_closes_as_pads_are_rubbed():
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):
     """The FMU in Python and the native one, pads with inertia and without."""
-    text = heavy_shaft(1e-5) + _pads(1, k=1e8) + _pads(3, pad_inertia=1e-3)
+    text = heavy_shaft(1e-5) + _pads(1, k=1e8) + _pads(3, pad_inertia=1e-3, pivot_stiffness=5e8)
     names = ("journal_bearing[1].fx", "journal_bearing[1].tilt_3", "journal_bearing[2].tilt_4")
-    names = (*names, "journal_bearing[2].film", "energy.pads")
+    names = (*names, "journal_bearing[2].film", "journal_bearing[2].pivot_3", "energy.pads")
     simulation = _run(parse_rotor(text), 500.0)
     with machine_of(text).start(speed=500.0, tolerance=1e-3) as run:
         for i in range(1, 6):
@@ -317,6 +361,11 @@ def test_fmu_has_the_bits_of_the_simulation(machine_of):
             {"tilting": False, "pad_inertia": 1e-3},
             "pad_inertia = 0.001 kg.m2: needs journal_bearing.tilting = true",
         ),
+        (
+            {"tilting": False, "pivot_stiffness": 1e8},
+            "pivot_stiffness = 1e+08 N/m: needs journal_bearing.tilting = true",
+        ),
+        ({"pivot_stiffness": -1.0}, "pivot_stiffness = -1 N/m: must be >= 0 and finite"),
     ],
 )
 def test_pads_that_cannot_tilt_are_refused(more, message):

@@ -6,7 +6,7 @@ import pytest
 import rotor_fmu as rf
 from rotor_fmu.periodic.response_page import response_page
 
-from ..browser import NASTY, NEEDED, Page, driver, silent  # noqa: F401
+from ..browser import NASTY, Page
 from .machines import CLEARANCE, OMEGA, jeffcott, rub
 
 
@@ -21,8 +21,7 @@ def test_the_page_is_one_file_with_tables_and_a_name_that_is_text(result):
     assert "<td>fold</td>" in html
 
 
-@NEEDED
-def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_path):  # noqa: F811
+def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_path):
     path = tmp_path / "response.html"
     path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
     page = Page(silent, path)
@@ -50,8 +49,7 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_pa
     assert "disc.x_1x" in page.text("reading")
 
 
-@NEEDED
-def test_unstable_motions_are_dashed(silent, result, tmp_path):  # noqa: F811
+def test_unstable_motions_are_dashed(silent, result, tmp_path):
     path = tmp_path / "response.html"
     path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
     page = Page(silent, path)

@@ -14,7 +14,6 @@ from rotor_fmu.errors import InputError
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, drive_train, fmus
-from rotor_fmu.studies.machine.run_excitation import KINDS
 from rotor_fmu.studies.reading import read_study
 from rotor_fmu.studies.runner import run_study
 
@@ -133,9 +132,11 @@ def test_what_lies_between_communication_points_is_not_kept(tmp_path, kind, keep
         read_study(path)
 
 
-def test_the_usual_drive_train_of_a_study_is_that_of_its_fmu():
+def test_the_usual_drive_train_of_a_study_of_the_rig_is_that_of_its_fmu(tmp_path):
+    path = tmp_path / "study.toml"
+    path.write_text(STUDY.replace("target = 200\n", ""))
+    numbers = read_study(path).model.how.numbers
     usual = {v.name: v.start for v in drive_train().variables}
-    numbers = KINDS["drive-train"]
     for name, number in _OF_THE_DRIVE.items():
         if number not in ("torque", "from"):
-            assert numbers[number].default == usual[name], name
+            assert numbers[number] == usual[name], name

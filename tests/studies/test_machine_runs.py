@@ -204,6 +204,7 @@ def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
         ("run-up", {"from": 0.0, "to": 110.0, "rate": 3.0}),
         ("up-and-down", {"from": 0.0, "to": 110.0, "rate": 3.0}),
         ("motor", {"target": 90.0, "ramp": 3.0}),
+        ("drive-train", {"target": 90.0, "ramp": 3.0}),
     ],
 )
 def test_a_run_is_that_of_the_machines_own_speeds(tmp_path, kind, expected):
@@ -214,7 +215,7 @@ def test_a_run_is_that_of_the_machines_own_speeds(tmp_path, kind, expected):
         + rig_toml().partition("[material]")[2]
     )
     path = tmp_path / "study.toml"
-    needed = "torque = 1\nstop = 1\n" if kind == "motor" else ""
+    needed = "torque = 1\nstop = 1\n" if "target" in expected else ""
     path.write_text(
         f'machine = "machine.toml"\n[run]\nkind = "{kind}"\n{needed}'
         '[vary]\n"solver.tolerance" = { values = [1e-3] }\n[keep]\nend = { last = "w" }\n'

@@ -55,6 +55,31 @@ def test_what_is_varied_has_the_unit_of_its_quantity_in_the_rows(tmp_path):
     assert [axis.unit for axis in axes] == ["m", "m", "rad/s2", "1"]
 
 
+def test_numbers_may_have_units(tmp_path):
+    text = (
+        STUDY.replace("from = 220", 'from = "2100 rpm"\nstep = "20 ms"')
+        .replace("rate = 40", 'rate = "6 Hz/s"')
+        .replace("[40e-6, 60e-6]", '["0.04 mm", "60 um"]')
+        .replace("from = 10e-6, to = 90e-6", 'from = "10 um", to = "90 um"')
+        .replace("X = 400e-6", 'X = "0.4 mm"')
+        .replace("[limits]", 'at = { value = "disc[3].x_amp", speed = "30 Hz" }\n[limits]')
+        .replace("[set]", '[set]\n"disc[1].e" = "20 um"')
+    )
+    study = read(tmp_path, text)
+    numbers = study.model.how.numbers
+    assert [numbers[name] for name in ("from", "step", "rate")] == pytest.approx(
+        [70 * np.pi, 0.02, 12 * np.pi]
+    )
+    assert study.model.values["disc[1].e"] == pytest.approx(20e-6)
+    clearances, eccentricities = (axis.values for axis in study.design.axes)
+    assert clearances == pytest.approx([40e-6, 60e-6])
+    assert eccentricities == pytest.approx([10e-6, 50e-6, 90e-6])
+    assert study.limits["X"] == pytest.approx(400e-6)
+    assert dict(study.model.metrics[1].options)["speed"] == pytest.approx(60 * np.pi)
+    with pytest.raises(InputError, match=r"run.from = 2 mm: must be a speed of rotation"):
+        read(tmp_path, STUDY.replace("from = 220", 'from = "2 mm"'))
+
+
 def test_quantities_in_different_units_are_not_varied_as_one(tmp_path):
     text = STUDY.replace('"bearing[*].clearance"', '["bearing[1].clearance", "bearing[1].mu"]')
     with pytest.raises(InputError, match=r"clearance is in m, bearing\[1\].mu in 1"):

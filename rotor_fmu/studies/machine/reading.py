@@ -87,7 +87,7 @@ def _value(where: str, variable: Variable, value: object) -> float:
         if value not in variable.choices:
             raise InputError(f"{where} = {value}: must be one of {', '.join(variable.choices)}")
         return variable.choices.index(value)
-    given = number(where, value)
+    given = number(where, value, variable.unit or "1")
     low = -math.inf if variable.low is None else variable.low
     high = math.inf if variable.high is None else variable.high
     if not low <= given <= high:
@@ -103,9 +103,10 @@ def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Ex
         name: getattr(speeds, of.default) if isinstance(of.default, str) else of.default
         for name, of in KINDS[kind].items()
     }
+    along = _along(machine, over)
     for name, value in run.items():
         known_name(f"run {kind}:", name, numbers)
-        numbers[name] = number(f"run.{name}", value)
+        numbers[name] = number(f"run.{name}", value, KINDS[kind][name].unit or along)
     for name, value in numbers.items():
         if value is None:
             raise InputError(f"run {kind}: needs {name} [{KINDS[kind][name].unit}]")
@@ -114,9 +115,7 @@ def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Ex
     if over is not None:
         if kind != RESPONSE or not isinstance(over, str):
             raise InputError(f"run {kind}: over = {over!r}: the name of a quantity, of a response")
-        known_name(
-            "run response: over", over, [str(name) for name, _, _ in machine.rotor.parameters()]
-        )
+        known_name("run response: over", over, _quantities(machine))
     if kind == RESPONSE and (kick is not None or (over is None) != (given["speed"] == 0)):
         raise InputError("run response: speed is given with over, and only then; it has no kick")
     if (kind == "signals") != isinstance(file, str):
@@ -132,6 +131,16 @@ def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Ex
     return Excitation(kind, given, signals, _kick(kick, loads), loads, over or "")
 
 
+def _quantities(machine: Machine) -> dict[str, str]:
+    """Return what a response may go over, with its unit."""
+    return {str(name): described.unit for name, described, _ in machine.rotor.parameters()}
+
+
+def _along(machine: Machine, over: object) -> str:
+    """Return the unit of what a run goes over: the speed, or, of a response, another quantity."""
+    return _quantities(machine).get(str(over), "") if over else "rad/s"
+
+
 def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
     if table is None:
         return None
@@ -140,7 +149,10 @@ def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
         raise InputError(f"run kick: must be {{ {', '.join(names)} }}")
     ports = [x.removesuffix(".fx") for x, _ in loads if x.endswith(".fx")]
     port = known_name("run kick: port", str(table["port"]), ports)
-    force, rate, duration = (number(f"run kick {n}", table[n]) for n in names[1:])
+    force, rate, duration = (
+        number(f"run kick {name}", table[name], unit)
+        for name, unit in zip(names[1:], ("N", "rad/s", "s"), strict=True)
+    )
     if not duration > 0:
         raise InputError(f"run kick duration = {duration:g} s: must be > 0")
     return Kick(port, force, rate, duration)
@@ -208,7 +220,8 @@ def _metric(
             raise InputError(f"{where}: {kind} needs {key}")
     if not isinstance(of, str):
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
-    checked = {key: _option(where, key, value) for key, value in options.items()}
+    along = _along(machine, how.over)
+    checked = {key: _option(where, key, value, along) for key, value in options.items()}
     scale = _radius(machine, of) if kind == "dissipated" else 0.0
     metric = Metric(name, kind, of, tuple(checked.items()), scale)
     if how.kind == RESPONSE:
@@ -230,7 +243,7 @@ def _metric(
     return metric
 
 
-def _option(where: str, key: str, value: object) -> Any:
+def _option(where: str, key: str, value: object, along: str) -> Any:
     if key == "which":
         return value
     if key == "way":
@@ -240,11 +253,13 @@ def _option(where: str, key: str, value: object) -> Any:
     if key == "bins":
         if not isinstance(value, dict) or set(value) != {"from", "to", "count"}:
             raise InputError(f"{where}: bins must be {{ from, to, count }}")
-        low, high = (number(f"{where}: bins {end}", value[end]) for end in ("from", "to"))
+        low, high = (number(f"{where}: bins {end}", value[end], along) for end in ("from", "to"))
         if not low < high:
             raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
         return {"from": low, "to": high, "count": whole(f"{where}: bins count", value["count"])}
-    return number(f"{where}: {key}", value)
+    return number(
+        f"{where}: {key}", value, {"speed": along, "at": along, "after": "s"}.get(key, "")
+    )
 
 
 def _radius(machine: Machine, part: str) -> float:

@@ -81,8 +81,8 @@ KINDS: Mapping[str, Mapping[str, Number]] = {
     },
     "drive-train": {
         "torque": Number("N.m", None, True, "largest torque of the motor"),
-        "target": Number("rad/s", 400.0, True, "speed that the motor is to reach"),
-        "ramp": Number("rad/s2", 10.0, True, "rate of the speed that it follows"),
+        "target": Number("rad/s", "rated", True, "speed that the motor is to reach"),
+        "ramp": Number("rad/s2", "run_up_rate", True, "rate of the speed that it follows"),
         "gain": Number("N.m.s/rad", 0.1, True, "torque of a speed that is missing"),
         "integral": Number("N.m/rad", 0.2, False, "torque of an angle that is missing"),
         "inertia": Number("kg.m2", 1e-3, True, "moment of inertia of the motor"),

@@ -92,8 +92,10 @@ class Stepper:
         am, af, beta, _ = self.scheme
         t = old.t + h
         solver, columns, flexibility = self._linear(h, t)
-        q, v = np.empty_like(old.q), np.empty_like(old.q)
-        predict(self.scheme, h, old.q, old.v, old.a, q, v)
+        # the rotor's kernels take complex displacements, x + i y
+        q, v = np.empty((2, len(old.q)), dtype=complex)
+        predict(self.scheme, h, *(x.astype(complex) for x in (old.q, old.v, old.a)), q, v)
+        q, v = q.real.copy(), v.real.copy()
         right = -(1 - af) * self.residual(t, q, v) - af * old.r
         if am:
             right -= am * self.structure.inertia(old.a)
@@ -105,8 +107,9 @@ class Stepper:
     def finish(self, free: FreeStep, N: np.ndarray, force: np.ndarray) -> Instant:
         """The motion at the end of the step; contact forces [N], shape (m,), along N, (k, m)."""
         a = free.a + free.columns @ (N @ force)
-        q, v = free.q.copy(), free.v.copy()
-        correct(self.scheme, free.h, a, q, v)
+        q, v = free.q.astype(complex), free.v.astype(complex)
+        correct(self.scheme, free.h, a.astype(complex), q, v)
+        q, v = q.real.copy(), v.real.copy()
         return Instant(free.t, q, v, a, self.residual(free.t, q, v), force)
 
     def _linear(self, h: float, t: float) -> tuple:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from rotor_fmu.model.kernels.band import add_product, factorize, solve
+from rotor_fmu.model.kernels.band import factorize, product, solve
 from rotor_fmu.model.kernels.jit import jit
 
 from .contacts import Contacts
@@ -75,11 +75,11 @@ class Elastic:
 
     def inertia(self, a: np.ndarray) -> np.ndarray:
         """See `Structure`."""
-        return _product(self.mass, a)
+        return product(self.mass, a)
 
     def internal(self, q: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
         """See `Structure`."""
-        return _product(self.stiffness, q)
+        return product(self.stiffness, q)
 
     def step_solver(self, m: float, c: float, k: float, t: float) -> Solver:
         """See `Structure`."""
@@ -93,14 +93,8 @@ class Elastic:
 
     def energy(self, q: np.ndarray, v: np.ndarray) -> float:
         """See `Structure`."""
-        kinetic, elastic = v @ _product(self.mass, v), q @ _product(self.stiffness, q)
+        kinetic, elastic = v @ product(self.mass, v), q @ product(self.stiffness, q)
         return float(0.5 * (kinetic + elastic) - self.force @ q)
-
-
-def _product(band: np.ndarray, x: np.ndarray) -> np.ndarray:
-    y = np.zeros_like(x)
-    add_product(band, x, y)
-    return y
 
 
 @jit

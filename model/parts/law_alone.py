@@ -7,12 +7,19 @@ from typing import Any
 import numpy as np
 
 from ..kernels.jit import interpreted
-from ..parts.base import Interface, Part
-from ..parts.law import Kinematics, Weights
 from ..quantities import quantities
+from .base import Interface, Part
+from .law import Kinematics, Weights
 
 _ROUNDING = 1e-12  # of the largest
-_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
+BY_D, BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
+
+
+def numbers_of(kind: type, source: Any) -> tuple[float, ...]:
+    """Return the numbers of a law's record or a housing's, `source` a part: its quantities, those
+    in a table of it 0."""
+    values = [getattr(source, name) for name in quantities(kind)]
+    return tuple(0.0 if isinstance(value, tuple) else float(value) for value in values)
 
 
 class LawAlone:
@@ -26,7 +33,7 @@ class LawAlone:
         element = next(e for e in part.elements(where, 0.0) if isinstance(e, Interface))
         self.speed, self.where, self._law = float(speed), where, element.law
         self._sliding = self.speed if sliding is None else sliding
-        numbers = [float(getattr(part, name)) for name in quantities(self._law.kind)]
+        numbers = list(numbers_of(self._law.kind, part))
         self._outputs = element.law.outputs_of(part)
         self._tables = np.zeros(0)
         if self._law.table is not None:
@@ -86,7 +93,7 @@ class LawAlone:
         if self._law.vibrate is not None:
             _, by_d, by_v = self.settle(d, abs(self.speed))
             return -by_d, -by_v
-        return -self.tangent(d, 0j, _BY_D), -self.tangent(d, 0j, _BY_V)
+        return -self.tangent(d, 0j, BY_D), -self.tangent(d, 0j, BY_V)
 
 
 def _matrix(p: complex, q: complex) -> np.ndarray:

@@ -1,0 +1,112 @@
+"""Signals from a file drive a run: what they may say, and the line where they cannot be."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from rotor_fmu.model.machine.toml import rig
+
+from rotor_fmu.cli import main
+from rotor_fmu.fmi.interface import interface
+from rotor_fmu.runs.signals import read_signals
+
+from .test_command_line import input_error_by
+
+
+@pytest.fixture
+def input_error(tmp_path, monkeypatch, capsys):
+    """The one line that a refused command prints; it must leave nothing behind."""
+    return input_error_by(main, tmp_path, monkeypatch, capsys)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "is empty"),
+        ("time\n", "has no rows"),
+        ("speed\n400\n", "column 'time' is missing"),
+        ("time,spede\n0,400\n", "column 'spede' is unknown; did you mean speed"),
+        ("time,speed [mph]\n0,4\n", "column 'speed' in 'mph': must be in rad/s or rpm or Hz"),
+        ("# by hand\ntime,speed\n\n0,4\n1,x\n", "line 5: speed = x: must be a finite number"),
+        ("time,speed,speed\n0,1,2\n", "column 'speed' is given twice"),
+        ("time,speed\n0,400\n1,\n", "line 3: speed = (nothing): must be a finite number"),
+        ("time,speed\n0,nan\n", "line 2: speed = nan: must be a finite number"),
+        ("time,speed\n0,400\n1\n", "line 3: 1 values, 2 are needed"),
+        ("time,speed\n0,400\n0,300\n", "line 3: time = 0 s after 0 s: must increase"),
+        ("time,speed\n0,four\n", "line 2: speed = four"),
+    ],
+)
+def test_bad_signals_are_refused_in_one_line(input_error, tmp_path, text, expected):
+    (tmp_path / "signals.csv").write_text(text)
+    assert expected in input_error("run-down", "--input", "signals.csv")
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_signals_from_a_file_drive_the_run(process, tmp_path):
+    (tmp_path / "signals.csv").write_text("time,speed,disc[2].fy\n0,100,5\n1,120,5\n")
+    done = process(
+        *("run-down", "--input", "signals.csv", "--stop", "1", "--direct", "--out", "."),
+    )
+    assert done.returncode == 0, done.stderr
+    header, *rows = (tmp_path / "run_down.csv").read_text().splitlines()
+    last = dict(zip(header.split(","), map(float, rows[-1].split(",")), strict=True))
+    assert last["w [rad/s]"] == pytest.approx(120)
+    assert last["phi [rad]"] == pytest.approx(110)
+    assert last["energy.external_work [J]"] != 0
+
+
+@pytest.mark.parametrize(
+    ("times", "rate"),
+    [((0, 2), 5.0), ((3, 5), 0.0), ((-4, -2), 0.0), ((-1, 1), 5.0)],
+)
+def test_a_speed_does_not_change_before_the_first_time_that_is_given(tmp_path, times, rate):
+    """Nor after the last; what is held until then begins without a rate."""
+    rows = "".join(f"{t},{100 + 10 * i}\n" for i, t in enumerate(times))
+    (tmp_path / "in.csv").write_text(f"time,speed\n{rows}")
+    assert read_signals(tmp_path / "in.csv", interface(rig())).first_rate == rate
+
+
+def test_signals_in_other_units_and_spelling_are_the_same_signals(tmp_path):
+    (tmp_path / "one.csv").write_text("time,speed\n0.25,300\n1.5,30\n")
+    other = "# recorded by hand\ntime [ms];speed [rpm]\n250;{}\n\n1500;{}\n"
+    first, second = (f"{v * 30 / math.pi:.17g}".replace(".", ",") for v in (300, 30))
+    (tmp_path / "other.csv").write_text(other.format(first, second))
+    one, two = (
+        read_signals(tmp_path / f"{name}.csv", interface(rig())) for name in ("one", "other")
+    )
+    np.testing.assert_allclose(two.t, one.t, rtol=1e-12)
+    np.testing.assert_allclose(two.values["speed"], one.values["speed"], rtol=1e-12)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_signals_that_end_before_the_run_are_said_to_be_held(process, tmp_path):
+    (tmp_path / "signals.csv").write_text("time,speed\n0,100\n0.01,100\n")
+    done = process(
+        *("run-down", "--input", "signals.csv", "--stop", "0.02", "--direct", "--out", "."),
+    )
+    assert done.returncode == 0, done.stderr
+    assert (
+        "signals.csv ends at 0.01 s; its last values are held until --stop = 0.02 s" in done.stderr
+    )
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_run_under_loads_over_time_is_the_exact_one_whatever_its_step(process, tmp_path):
+    """The FMU holds its loads over a step: it is driven beside, and how far it is off is said."""
+    t = np.linspace(0.0, 0.2, 101)
+    rows = np.column_stack([t, np.full(101, 150.0), 30 * np.cos(180 * t), 30 * np.sin(180 * t)])
+    text = "time,speed,disc[2].fx,disc[2].fy\n" + "".join(
+        ",".join(map(repr, row)) + "\n" for row in rows.tolist()
+    )
+    (tmp_path / "loads.csv").write_text(text)
+    ends = []
+    for step in ("0.004", "0.001"):
+        given = ("--input", "loads.csv", "--stop", "0.2", "--step", step, "--out", ".")
+        done = process("run-down", *given)
+        assert done.returncode == 0, done.stderr
+        assert "which holds its inputs over a communication step" in done.stderr
+        names, *_, last = (tmp_path / "run_down.csv").read_text().splitlines()
+        ends.append(float(last.split(",")[names.split(",").index("disc[3].x [m]")]))
+        assert json.loads((tmp_path / "summary.json").read_text())["recorded_apart"] > 1e-3
+    assert ends[0] == pytest.approx(ends[1], rel=2e-3)

@@ -1,0 +1,120 @@
+"""Stability levels 1 and 2 of API 617: against closed forms, eigenvalues and ROSS 2.3."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import Stage, level_1, level_2, modes
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
+
+from tests.test_acceptance import CLOSE, ROOT, ROSS, RPM, SHAFT, support
+from tests.test_ross import machine
+
+
+@pytest.mark.parametrize("file", ROSS)
+def test_level_1_is_that_of_ross(file):
+    expected = ROSS[file]["level_1"]
+    result = level_1(
+        machine(file), 900.0, node=4, stiffness=expected["stiffness"], seals=True, contacts="open"
+    )
+    scale = np.abs(expected["log_dec"]).max()
+    np.testing.assert_allclose(result.log_dec, expected["log_dec"], rtol=CLOSE, atol=CLOSE * scale)
+
+
+def test_alford_s_cross_coupling_is_that_of_the_formula_in_its_own_units():
+    """API 617: q = HP B C / (D H N) (rho_d / rho_s) with N.m/s, mm, rev/min, C = 9.55, B = 3, q
+    in kN/mm."""
+    stage = Stage(3, 2000e3, 0.4, 0.02, 1.6)
+    expected = 2000e3 * 3 * 9.55 / (400 * 20 * 9000) * 1.6 * 1e6
+    assert stage.cross_coupling(9000 * RPM) == pytest.approx(expected, rel=1e-4)
+
+
+def test_the_rotor_is_unstable_from_the_threshold_on():
+    rotor = machine("under_tension.toml")
+    result = level_1(rotor, 900.0, node=4, anticipated=5e3)
+    below, above = (
+        level_1(rotor, 900.0, node=4, stiffness=[q * result.threshold]).log_dec[0]
+        for q in (0.999, 1.001)
+    )
+    assert below > 0 > above
+    assert result.ratio == pytest.approx(result.threshold / 5e3)
+    assert result.sensitivity < 0
+
+
+def test_a_jeffcott_rotor_is_unstable_where_the_cross_coupling_is_its_damping_times_its_frequency():
+    """Q0 = c omega, of a mass between two bearings, and log dec = pi (c omega - q) / k nearly."""
+    text = SHAFT.replace("diameters = [0.03", "diameters = [0.1").replace("0.03,", "0.1,")
+    rotor = parse_rotor(text + support(4, 1e4, 2.0) + support(1, 1e-3) + support(7, 1e-3))
+    result = level_1(rotor, 50.0, node=4)
+    assert result.threshold == pytest.approx(2.0 * result.frequency[0], rel=1e-3)
+
+
+def test_without_gyroscopic_moments_the_forward_mode_is_the_one_that_cross_coupling_drives():
+    """A point mass on a light shaft: Q0 = c omega exactly, where both circles have one eigenvalue
+    without cross coupling."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    result = level_1(parse_rotor(text), 150.0, node=2)
+    assert result.threshold == pytest.approx(20.0 * 100.0, rel=1e-3)
+    assert result.log_dec_alone == pytest.approx(2 * math.pi * 0.1 / math.sqrt(1 - 0.01), rel=1e-3)
+
+
+def test_on_stiffnesses_that_differ_cross_coupling_has_to_overcome_their_difference_too():
+    """Q0^2 = (ky - kx)^2 / 4 + c^2 (kx + ky) / (2 m), of a point mass with k = 10 kN/m, c = 20
+    N.s/m, m = 1 kg, by the characteristic polynomial of its two coordinates."""
+    text = (ROOT / "examples" / "jeffcott_rub" / "jeffcott.toml").read_text()
+    bearing = "[[linear_bearing]]\nnode = 2\nkxx = {}\nkyy = {}\ncxx = 0.0\ncyy = 0.0\n"
+    for kxx, kyy in ((0.0, 3e3), (3e3, 0.0), (0.0, 300.0)):
+        rotor = parse_rotor(text + bearing.format(kxx, kyy))
+        expected = math.hypot((kyy - kxx) / 2, 20.0 * math.sqrt((2e4 + kxx + kyy) / 2))
+        assert level_1(rotor, 150.0, node=2).threshold == pytest.approx(expected, rel=1e-3)
+
+
+def test_below_the_threshold_no_mode_of_the_rotor_grows_and_above_one_does():
+    """Of a rotor whose lowest mode whirls forward without cross coupling, and backward with it."""
+    rotor = parse_rotor(ANISOTROPIC)
+    result = level_1(rotor, 1152.0, node=4)
+    for share, grows in ((0.2, False), (0.99, False), (1.01, True)):
+        q = share * result.threshold
+        coupled = replace(rotor, parts=(*rotor.parts, coupling(4, q)))
+        assert (modes(coupled, 1152.0, count=8).eigenvalues.real > 0).any() == grows
+    assert (np.diff(result.log_dec[10:]) < 0).all()
+
+
+def coupling(node, q):
+    return LinearBearing(node=node, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)
+
+
+ANISOTROPIC = """
+name = "compressor"
+[material]
+young = 2.1e11
+density = 7833.0
+[shaft]
+nodes = [0.0, 0.254, 0.4572, 0.635, 0.8, 1.016, 1.27]
+diameters = [0.1, 0.1, 0.115, 0.127, 0.115, 0.1]
+eta_v = 2e-5
+[[disc]]
+node = 3
+diameter = 0.406
+width = 0.0508
+[[disc]]
+node = 5
+diameter = 0.406
+width = 0.0508
+""" + "".join(
+    f"[[linear_bearing]]\nnode = {node}\nkxx = 1e8\nkyy = 1.2e8\ncxx = 1e5\ncyy = 1e5\n"
+    for node in (2, 6)
+)
+
+
+def test_level_2_adds_what_acts_one_by_one():
+    rotor = machine("compressor.toml")
+    result = level_2(rotor, 900.0, cross_couplings={4: 1e6})
+    names = [case.name for case in result.cases]
+    assert names == ["rotor and bearings", "with seal[1]", "with the cross coupling", "with all"]
+    everything = level_1(rotor, 900.0, node=4, stiffness=[1e6], seals=True)
+    assert result.cases[-1].log_dec == pytest.approx(everything.log_dec[0])
+    bare = replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
+    assert result.cases[0].log_dec == pytest.approx(level_1(bare, 900.0).log_dec_alone)
