@@ -55,14 +55,14 @@ def machine(folder, name, unbalance, zeta=ZETA, gravity=0.0):
             + f"[[cubic_spring]]\nnode = 2\ncubic = {CUBIC}\n"
             + f"[[unbalance]]\nnode = 2\namount = {unbalance}\n"
             + "[[sensor]]\nnode = 2\nname = 'disc'\n",
-        )
+        ).replace("young = 2.1e10", "young = 2.1e13")  # bends by nothing
     )
     return str(file)
 
 
 DAMPINGS = (0.05, 0.06, 0.08)
 ONE = {"share": 0.5, "step": 3.0, "harmonics": 1}
-MANY = {"share": 1e-12, "harmonics": 15, "step": 2.0}
+MANY = {"share": 1e-12, "harmonics": 15, "step": 4.0}
 
 
 def peak(zeta):
@@ -78,24 +78,24 @@ def seen(copy, tmp_path_factory):  # noqa: F811
     questions = [
         {
             "file": machine(folder, "circles", UNBALANCE),
-            "range": (80.0, 260.0),
+            "range": (125.0, 155.0),
             "options": ONE,
             "at": (140.0,),
         },
         *(
             {
                 "file": machine(folder, f"backbone{i}", LIGHT, zeta),
-                "range": (80.0, 1.3 * peak(zeta)[0]),
+                "range": (0.85 * peak(zeta)[0], 1.1 * peak(zeta)[0]),
                 "options": ONE,
                 "at": (peak(zeta)[0],),
             }
             for i, zeta in enumerate(DAMPINGS)
         ),
         {
-            "file": machine(folder, "sagging", LIGHT, 0.1, SAG),
-            "range": (60.0, 160.0),
+            "file": machine(folder, "sagging", LIGHT, ZETA, SAG),
+            "range": (95.0, 140.0),
             "options": MANY,
-            "at": (90.0, 110.0, 130.0),
+            "at": (100.0, 120.0),
         },
     ]
     asked = HERE / "duffing.py", json.dumps(questions)
@@ -103,7 +103,7 @@ def seen(copy, tmp_path_factory):  # noqa: F811
 
 
 def test_folds_and_circles_are_those_of_the_closed_form(seen):
-    expected = closed_folds(UNBALANCE, 80.0, 260.0)
+    expected = closed_folds(UNBALANCE, 125.0, 155.0)
     assert len(expected) >= 1
     folds = sorted(f["speed"] for f in seen[0]["folds"])
     assert folds == pytest.approx(expected, rel=1e-5)
@@ -126,7 +126,7 @@ def test_the_backbone_is_that_of_the_closed_form(seen, i):
 
 def period(state, speed, with_tangent=True):
     """The disc after a turn, and its derivative by where it starts."""
-    c = 2 * 0.1 * OMEGA
+    c = 2 * ZETA * OMEGA
 
     def rate(t, z):
         (x, y, u, v), S = z[:4], z[4:].reshape(4, 4)
