@@ -3,7 +3,7 @@
 import sysconfig
 import tomllib
 import venv
-from importlib.metadata import distribution
+from importlib.metadata import distribution, distributions
 from pathlib import Path
 
 from packaging.markers import default_environment
@@ -79,10 +79,13 @@ def environment(folder, packages):
 
 
 def tops(name):
-    """What a distribution has put beside the others."""
-    of = distribution(name)
-    names = {file.parts[0] for file in of.files or ()} - {".."}
-    return [Path(of.locate_file(name)) for name in sorted(names)]
+    """What a distribution has put beside the others where it is installed; a checkout may describe
+    itself besides."""
+    for of in distributions(name=name):
+        names = {file.parts[0] for file in of.files or ()} - {".."}
+        if any(name.endswith(".dist-info") for name in names):
+            return [Path(of.locate_file(name)) for name in sorted(names)]
+    return []
 
 
 def link(source, target):
