@@ -106,9 +106,9 @@ class Followed(NamedTuple):
 
 
 @jit_not_inlined
-def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b, rests):
+def _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b):
     """Return the `Search`, y, slope and `Balance` of a pad, its pivot as it was put last."""
-    if rests:
+    if b == math.inf:
         search = at_rest(bearing, tables, kinematics, i)
     elif part.pad_inertia == 0.0:
         search = free_of_inertia(bearing, kinematics, tilt, b)
@@ -130,16 +130,15 @@ def _by_give(at, search, slope, outwards, by_give, by_giving):
 
 
 @jit_not_inlined
-def _follow(part, bearing, tables, kinematics, i, free, b, rests):
+def _follow(part, bearing, tables, kinematics, i, free, b):
     """Return the `Followed` of a pad, which is put there; free: the states at the end of a step
-    without their rates, of weight b [s]; rests: whether it rests."""
+    without their rates, of weight b [s]; infinite where it rests."""
+    rests = b == math.inf
     first = states_of_pad(part) * i
     tilt, rate = free[first], free[first + 1] if part.pad_inertia > 0.0 else 0.0
     k = part.pivot_stiffness
     if k == 0.0:
-        search, y, slope, at = _on_fixed_pivot(
-            part, bearing, tables, kinematics, i, tilt, rate, b, rests
-        )
+        search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
         return Followed(search, y, slope, at, 0.0, 0.0)
     outwards = across_of(bearing, tables, i) * -1j
     begun = free[first + states_of_pad(part) - 1]
@@ -155,9 +154,7 @@ def _follow(part, bearing, tables, kinematics, i, free, b, rests):
     is_found = False
     for _ in range(ITERATIONS):
         put_pivot(bearing, tables, i, base + by_give * z, by_giving * z)
-        search, y, slope, at = _on_fixed_pivot(
-            part, bearing, tables, kinematics, i, tilt, rate, b, rests
-        )
+        search, y, slope, at = _on_fixed_pivot(part, bearing, tables, kinematics, i, tilt, rate, b)
         left = -(outwards.conjugate() * at.force).real - k * (base + by_give * z)
         if is_found or abs(left) <= none:
             break
@@ -196,7 +193,7 @@ def put_pads(part, bearing, tables, kinematics, internal_state):
         if part.pad_inertia > 0.0 and part.pivot_stiffness == 0.0:
             put(bearing, tables, i, internal_state[2 * i], internal_state[2 * i + 1])
         else:
-            _follow(part, bearing, tables, kinematics, i, internal_state, 0.0, False)
+            _follow(part, bearing, tables, kinematics, i, internal_state, 0.0)
 
 
 @jit_not_inlined
@@ -219,7 +216,7 @@ def pads_tangent(part, bearing, tables, kinematics, weights, free, internal_stat
     by_give, by_giving = (1.0, 0.0) if rests else (b, 1.0)
     force = p = q = 0.0j
     for i in range(pad_count(bearing, tables)):
-        pad = _follow(part, bearing, tables, kinematics, i, free, b, rests)
+        pad = _follow(part, bearing, tables, kinematics, i, free, math.inf if rests else b)
         _keep(part, i, pad, internal_state)
         force += pad.at.force
         p_pad, q_pad = _pair_of(
@@ -250,7 +247,7 @@ def pads_vibrate(part, bearing, tables, kinematics, frequency, free, internal_st
     )
     force = p_d = q_d = p_v = q_v = 0.0j
     for i in range(pad_count(bearing, tables)):
-        pad = _follow(part, bearing, tables, still, i, free, 0.0, True)
+        pad = _follow(part, bearing, tables, still, i, free, math.inf)
         _keep(part, i, pad, internal_state)
         force += pad.at.force
         by = vibrating(pad.at, _mass(part), frequency)
@@ -269,7 +266,7 @@ def rates_of_pads(part, bearing, tables, kinematics, internal_state, out):
     """Implement `rates` of a law (see `parts.law`) for pads that tilt."""
     stride = states_of_pad(part)
     for i in range(pad_count(bearing, tables)):
-        pad = _follow(part, bearing, tables, kinematics, i, internal_state, 0.0, False)
+        pad = _follow(part, bearing, tables, kinematics, i, internal_state, 0.0)
         if part.pad_inertia > 0.0:
             out[stride * i] = internal_state[stride * i + 1]
             out[stride * i + 1] = pad.at.moment / _mass(part)

@@ -17,7 +17,7 @@ from ..step.tangent import row_of
 from .energy import powers
 from .memory import spin_now
 from .observe import observe
-from .sensitivities import moved_spin, rotation_along, step_along, torque_along, torque_at
+from .sensitivities import moved_spin, rotation_along, step_along, torque_at
 
 _SHARE = 1e-4  # of a radian of the fastest motion: how far to look to both sides
 # Of a free rotor: until its rate agrees to this share.
@@ -52,10 +52,7 @@ def by_input(run, tangents, row):
         _read(structure, memory, run.work, tangents, there, torque, out)
     for i in range(len(first)):
         first[i] = (first[i] - second[i]) * (0.5 / by) if by > 0.0 else 0.0
-    torque = torque_along(
-        structure, spin, row, along, d_spin, run.motion, memory, run.work, tangents
-    )
-    rotation_along(structure, memory.record, d_spin, torque, first)
+    rotation_along(d_spin, first)
 
 
 @jit_inlined

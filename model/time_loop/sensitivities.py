@@ -88,15 +88,10 @@ def torque_along(structure, spin, i, row, d_spin, motion, memory, work, tangents
 
 
 @jit
-def rotation_along(structure, record, d_spin, torque, out):
-    """Fill in the derivatives of what is read of the rotation, by those of the spin and of the
-    torque that the motion needs: a change of the speed by a force is lost in the speed's
-    rounding."""
-    inertia, impedance = structure.numbers[0].inertia, record[0].drive_impedance
+def rotation_along(d_spin, out):
+    """Fill in the derivatives of angle, speed and rate: in a difference of two speeds what a force
+    does to them is lost in their rounding."""
     out[_SHAFT.phi], out[_SHAFT.w], out[_SHAFT.a] = d_spin[2], d_spin[0], d_spin[1]
-    out[_SHAFT.tau] = torque
-    out[_SHAFT.tau_load] = torque - inertia * d_spin[1]
-    out[_SHAFT.tau_wave] = torque - impedance * d_spin[0]
 
 
 @jit
