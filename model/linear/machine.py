@@ -34,6 +34,7 @@ CONTACTS = (OPEN, PINNED)
 _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not held
 _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
+_FAR = 1e9  # what is more than any displacement [m]
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
@@ -79,6 +80,11 @@ class LinearMachine:
         self._is_held_at_rest = self._holds(self._linear(0.0, self._seated))
         turning = s.numbers[0].lowest_omega
         self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
+        self._begin = self._seated  # where Newton's method begins
+        if not self.is_held:
+            # pads that tilt, without preload, hold a journal only where it is off their middle
+            self._begin = self._within_films(self._seated, self._rigid()[:, 1] * -_FAR)
+            self.is_held = self._holds(self._linear(turning, self._begin))
 
     @property
     def has_contacts(self) -> bool:
@@ -113,7 +119,7 @@ class LinearMachine:
             raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
         force = self.expand.T @ given
-        rest = self._seated
+        rest = self._begin
         before = math.inf
         for _ in range(_ITERATIONS):
             linear = self._linear(speed, rest)

@@ -248,9 +248,8 @@ def test_a_pivot_is_a_spring_in_series_with_the_film_of_its_pad():
 def _pads(node, **more):
     """A bearing of four pads, the load between them, as a table of a machine file."""
     shape = {"pads": [round(angle, 9) for angle in _BETWEEN["pads"]], "arc": 1.4, "preload": 0.3}
-    return table(
-        "[journal_bearing]", node=node, length=0.05, **OF_A_FILM, **shape, tilting=True, **more
-    )
+    given = {**OF_A_FILM, **shape, **more}
+    return table("[journal_bearing]", node=node, length=0.05, tilting=True, **given)
 
 
 def _in_pads(e=0.0, **more):
@@ -285,6 +284,18 @@ def test_a_run_begins_at_the_static_position_and_comes_back_to_it(inertia, pivot
     tilts = [run.read(f"journal_bearing[1].tilt_{i}") for i in range(1, 5)]
     # mirrored in the line of the load, and the lower ones wedge against the rotation
     assert all(abs(tilt) < 2e-3 for tilt in tilts)
+
+
+def test_pads_without_preload_hold_a_journal_off_their_middle():
+    """In it they have no stiffness."""
+    rotor = _in_pads(preload=0.0)
+    film = bearing_curves(rotor, [500.0])
+    # a body of 40 kg and a light shaft of 0.157 kg
+    weight = rotor.gravity * (40.0 + 100.0 * 0.2 * 0.25 * _PI * 0.1**2)
+    assert film.load[0][1] == pytest.approx(-0.5 * weight, rel=1e-6)
+    assert film.x[0] == pytest.approx(0.0, abs=1e-3 * film.clearance)
+    journal = complex(_run(rotor, 500.0).motion.q[0])
+    assert journal == pytest.approx(complex(film.x[0], film.y[0]), abs=1e-6 * film.clearance)
 
 
 def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand():
