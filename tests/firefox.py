@@ -15,6 +15,7 @@ CALL = """(...given) => {
   const said = (function () { %s }).apply(null, given);
   return said instanceof Node ? said : JSON.stringify(said) ?? "null";
 }"""
+IS_READY = "return typeof gBrowser === 'object' && Boolean(gBrowser?.selectedBrowser)"
 
 
 class Firefox:
@@ -39,8 +40,8 @@ class Firefox:
         self.last, self.events = 0, []
         self.send("session.new", capabilities={})
         self.send("session.subscribe", events=["log.entryAdded", "network.beforeRequestSent"])
-        self.tab = self._first()
-        self.window = self._first(**{"moz:scope": "chrome"})
+        self.window = self._window()
+        self.tab = self._contexts()[0]["context"]
         # the keyboard is the page's, not the address bar's
         self._call(self.window, "gBrowser.selectedBrowser.focus()", ())
 
@@ -54,8 +55,19 @@ class Firefox:
         at = json.loads(file.read_text(encoding="utf-8"))
         return f"ws://{at['ws_host']}:{at['ws_port']}/session"
 
-    def _first(self, **scope):
-        return self.send("browsingContext.getTree", **scope)["contexts"][0]["context"]
+    def _contexts(self, **scope):
+        return self.send("browsingContext.getTree", **scope)["contexts"]
+
+    def _window(self):
+        """Return the browser's window, which is listed before it has loaded."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            for each in self._contexts(**{"moz:scope": "chrome"}):
+                loaded = each["url"] != "about:blank"
+                if loaded and self._call(each["context"], IS_READY, ()):
+                    return each["context"]
+            assert time.monotonic() < end, "Firefox opens no window"
+            time.sleep(0.05)
 
     def send(self, method, **parameters):
         """Return the result of a command of WebDriver BiDi."""
