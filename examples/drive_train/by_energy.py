@@ -7,6 +7,7 @@ import csv
 import io
 import subprocess
 import sys
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -29,11 +30,12 @@ FIRST = 5e-5  # ECCO's first step [s]
 @dataclass(frozen=True)
 class Stepped:
     """A run of libcosim: ends of its steps [s], speed of the rotor there [rad/s], energy lost at
-    the joint relative to what passed [1]."""
+    the joint relative to what passed [1], and seconds that its process took."""
 
     t: np.ndarray
     w: np.ndarray
     lost: float
+    seconds: float
 
     @property
     def steps(self) -> tuple[float, float]:
@@ -67,17 +69,19 @@ def through_libcosim(system: System, stop: float) -> Stepped:
     file.write_bytes(xml_bytes(system.osp()))
     script = example_folder() / "with_libcosim.py"
     shown = ("rotor.w", "motor.work_out", "rotor.energy.drive_work")
+    begin = time.perf_counter()
     done = subprocess.run(
         [sys.executable, str(script), str(file), repr(stop), "0", *shown],
         capture_output=True,
         text=True,
         check=False,
     )
+    seconds = time.perf_counter() - begin
     if done.returncode != 0:
         raise RunFailed(f"libcosim: {(done.stderr.splitlines() or ['no reason given'])[-1]}")
     _, *rows = csv.reader(io.StringIO(done.stdout))
     t, w, out, entered = np.array(rows, dtype=float).T
-    return Stepped(t, w, float(abs(out[-1] - entered[-1]) / abs(entered[-1])))
+    return Stepped(t, w, float(abs(out[-1] - entered[-1]) / abs(entered[-1])), seconds)
 
 
 def by_energy(system: System, tolerance: float, stop: float) -> tuple[Stepped, Stepped]:

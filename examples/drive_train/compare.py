@@ -106,10 +106,12 @@ def _by_energy(out: Path, tolerance: float, stop: float, expected: np.ndarray) -
             "lost": run.lost,
             "shortest_s": shortest,
             "longest_s": longest,
+            "seconds": run.seconds,
         }
         typer.echo(
             f"libcosim, {name:11s} {len(run.t):7d} steps of {1e3 * shortest:.3g} to "
-            f"{1e3 * longest:.3g} ms: speed off {error:.2g}, lost {run.lost:.2g}"
+            f"{1e3 * longest:.3g} ms: speed off {error:.2g}, lost {run.lost:.2g}, "
+            f"{run.seconds:.1f} s"
         )
     return result
 

@@ -17,6 +17,8 @@ START, TORQUE = 60.0, 0.4  # speed [rad/s] and torque of the motor [N.m]
 J_MOTOR, STIFFNESS, DAMPING = 1e-3, 400.0, 0.03  # [kg.m2], [N.m/rad], [N.m.s/rad]
 REFERENCE, FINE = 2e-5, 1e-3  # step of the monolithic run, and how often its speed is noted [s]
 ITERATIONS, CONVERGED = 20, 1e-9
+LINE_INERTIA = 0.1  # largest inertia of a line, of the motor's
+TERMS = 8  # of the motor's series: the line takes a tenth of its speed at most in a step
 WILD = 1e3  # a torque or a speed that says that the coupling has diverged [N.m, rad/s]
 
 
@@ -83,13 +85,15 @@ def _shaft(motor: Motor, phi: float, w: float) -> float:
 
 @dataclass(frozen=True)
 class Point:
-    """The motor, the shaft's torque over the last step, or what its ends sent each other, `tau` to
-    the rotor and `back` [N.m], and the energy that left the motor, entered the rotor, and
-    that its damper took [J]."""
+    """The motor, the shaft's torque over the last step, or the mean of what its ends sent each
+    other, `tau` to the rotor and `back` [N.m], with slopes [N.m/s], and the energy that left the
+    motor, entered the rotor, and that its damper took [J]."""
 
     motor: Motor
     tau: float = 0.0
     back: float = 0.0
+    tau_slope: float = 0.0
+    back_slope: float = 0.0
     out: float = 0.0
     entered: float = 0.0
     damped: float = 0.0
@@ -164,26 +168,37 @@ def monolithic(rotor: Rotor, t: float, h: float, at: Point) -> Point:
     return replace(end, tau=last)
 
 
+def _impedance(h: float) -> float:
+    """Return that of a line which takes h [s] to cross and stands for the shaft [N.m.s/rad]: of the
+    shaft's stiffness, or of less where the line's inertia would be more than a share of the
+    motor's."""
+    return min(STIFFNESS * h, LINE_INERTIA * J_MOTOR / h)
+
+
 def line(rotor: Rotor, t: float, h: float, at: Point) -> Point:
-    """Replace the shaft by a line that takes one step to cross, of the shaft's stiffness: the mean
-    of what one end sent over a step arrives at the other a step later. The damping stays out."""
-    impedance = STIFFNESS * h
-    (before,) = rotor.read("phi")
-    rotor.step(t, h, at.tau)
-    phi, entered = rotor.read("phi", "step_work")
-    # at the motor: J w' = torque - b - Z w, b what arrives
-    rate = impedance / J_MOTOR
-    target = (TORQUE - at.back) / impedance
-    decay = math.exp(-rate * h)
-    w, start = at.motor.w, at.motor.w - target
-    turned = target * h + start * (1.0 - decay) / rate
-    squared = target * target * h + 2.0 * target * start * (1.0 - decay) / rate
-    squared += start * start * (1.0 - decay * decay) / (2.0 * rate)
-    return Point(
-        Motor(at.motor.phi + turned, w + (decay - 1.0) * start),
+    """Replace the shaft by a line that takes one step to cross: what one end sent over a step, its
+    mean and slope, arrives at the other a step later. The damping stays out."""
+    impedance = _impedance(h)
+    phi_before, w_before = rotor.read("phi", "w")
+    rotor.step(t, h, at.tau - 0.5 * h * at.tau_slope, at.tau_slope)
+    phi, w, entered = rotor.read("phi", "w", "step_work")
+    # at the motor: J w' = torque - b - Z w, with b that arrives; w as a series of powers of t
+    forces = [TORQUE - at.back + 0.5 * h * at.back_slope, -at.back_slope] + [0.0] * TERMS
+    series = [at.motor.w]
+    for n in range(TERMS):
+        series.append((forces[n] - impedance * series[n]) / (J_MOTOR * (n + 1)))
+    end = sum(c * h**n for n, c in enumerate(series))
+    turned = sum(c * h ** (n + 1) / (n + 1) for n, c in enumerate(series))
+    # the moment of w about the middle of the step
+    moment = sum(0.5 * n * c * h ** (n + 2) / ((n + 1) * (n + 2)) for n, c in enumerate(series))
+    return replace(
+        at,
+        motor=Motor(at.motor.phi + turned, end),
         tau=at.back + 2.0 * impedance * turned / h,
-        back=at.tau - 2.0 * impedance * (phi - before) / h,
-        out=at.out + at.back * turned + impedance * squared,
+        tau_slope=at.back_slope + 24.0 * impedance * moment / h**3,
+        back=at.tau - 2.0 * impedance * (phi - phi_before) / h,
+        back_slope=at.tau_slope - 2.0 * impedance * (w - w_before) / h,
+        out=at.out + TORQUE * turned - 0.5 * J_MOTOR * (end**2 - at.motor.w**2),
         entered=at.entered + entered,
     )
 
@@ -222,7 +237,8 @@ _WITH_SENSITIVITIES = (newton, monolithic)
 def _stored(at: Point, phi: float, h: float, is_line: bool) -> float:
     """Return the energy in the shaft, or on its way in the line [J]."""
     if is_line:
-        return (at.tau**2 + at.back**2) / (4.0 * STIFFNESS)
+        slopes = (at.tau_slope**2 + at.back_slope**2) * h * h / 12.0
+        return (at.tau**2 + at.back**2 + slopes) * h / (4.0 * _impedance(h))
     return 0.5 * STIFFNESS * (at.motor.phi - phi) ** 2
 
 
@@ -248,11 +264,11 @@ def couple(
     if step in _WITH_SENSITIVITIES:
         parameters["sensitivities"] = 1.0
     if is_line:
-        parameters["tau_impedance"] = STIFFNESS * h
+        parameters["tau_impedance"] = _impedance(h)
     rotor = Rotor(folder, **parameters)
     at, speeds = Point(Motor()), []
     if is_line:
-        at = replace(at, tau=STIFFNESS * h * START, back=-STIFFNESS * h * START)
+        at = replace(at, tau=_impedance(h) * START, back=-_impedance(h) * START)
     stored = _stored(at, 0.0, h, is_line)
     steps = round(every / h)
     begin = time.process_time()
@@ -261,7 +277,7 @@ def couple(
             at = step(rotor, i * h, h, at)
         except fmpy.fmi1.FMICallException:
             at = replace(at, motor=Motor(math.nan, math.nan))
-        if not (abs(at.motor.w) < WILD and abs(at.tau) < WILD * (1.0 + is_line * h * STIFFNESS)):
+        if not (abs(at.motor.w) < WILD and abs(at.tau) < WILD):
             break
         if (i + 1) % steps == 0:
             speeds += rotor.read("w")

@@ -10,28 +10,44 @@ from __future__ import annotations
 
 import math
 
-from ..kernels.jit import jit_inlined, jit_not_inlined
+from ..kernels.jit import jit, jit_inlined, jit_not_inlined
+from ..quantities import places
 from ..step.excitation import spin_of
 from ..step.step import accelerate
 from ..step.tangent import row_of
 from .energy import powers
 from .memory import spin_now
-from .observe import observe
+from .observe import SHAFT, observe
 from .sensitivities import moved_spin, rotation_along, step_along, torque_at
 
+_SHAFT = places(SHAFT)
 _SHARE = 1e-4  # of a radian of the fastest motion: how far to look to both sides
+# In these shares: to both sides for the first derivative, and further for the second one, of which
+# rounding takes more the nearer the points are; its weights are those of fourth order.
+_PLACES = (-1.0, 1.0, -20.0, 20.0, -40.0, 40.0, 0.0)
+_WEIGHTS = (0.0, 0.0, 16.0, 16.0, -1.0, -1.0, -30.0)
+_NORM = 12.0 * 20.0**2
 # Of a free rotor: until its rate agrees to this share.
 _ITERATIONS, _BALANCED = 20, 1e-13
 
 
 @jit_not_inlined
 def _read(structure, memory, work, tangents, spin, torque, out):
-    """`observe` the moved motion at another rotation and torque [N.m]; the run stays as it is."""
+    """`observe` the moved motion under the moved loads, at another rotation and torque [N.m]; the
+    run stays as it is."""
     r = memory.record[0]
     omega, alpha, theta, held = r.omega, r.alpha, r.theta, r.torque
     r.omega, r.alpha, r.theta, r.torque = spin.omega, spin.alpha, spin.theta, torque
+    _swap(memory.loads, tangents.work.loads)
     observe(structure, tangents.moved, memory, work, out, True)
+    _swap(memory.loads, tangents.work.loads)
     r.omega, r.alpha, r.theta, r.torque = omega, alpha, theta, held
+
+
+@jit
+def _swap(one, other):
+    for i in range(len(one)):
+        one[i], other[i] = other[i], one[i]
 
 
 @jit_inlined  # as arguments a whole run is more than a WebAssembly function may have
@@ -52,7 +68,7 @@ def by_input(run, tangents, row):
         _read(structure, memory, run.work, tangents, there, torque, out)
     for i in range(len(first)):
         first[i] = (first[i] - second[i]) * (0.5 / by) if by > 0.0 else 0.0
-    rotation_along(d_spin, first)
+    rotation_along(structure, memory.record, 1.0 if row == 0 else 0.0, d_spin, first)
 
 
 @jit_inlined
@@ -67,22 +83,33 @@ def by_time(run, tangents):
     by = _SHARE / max(fastest, math.sqrt(r.characteristic_frequency_squared))
     for i in range(len(memory.work)):
         tangents.work.ledger[i] = memory.work[i]
+    for i in range(len(second)):
+        second[i] = 0.0
     alpha_rate = _jerk(structure, motion, memory, work, tangents, spin, by)
-    for side in range(3):
-        signed = -by if side == 0 else (by if side == 1 else 0.0)
+    for place in range(len(_PLACES)):
+        signed = by * _PLACES[place]
         _along_time(motion, signed, moved)
         torque, there = _balanced(structure, memory, work, tangents, spin, alpha_rate, signed)
         for i in range(len(memory.work)):
             change = 0.5 * signed * (memory.power[i] + tangents.work.flows[i])
             memory.work[i] = tangents.work.ledger[i] + change
-        out = second if side == 0 else (first if side == 1 else now)
-        _read(structure, memory, work, tangents, there, torque, out)
+        _read(structure, memory, work, tangents, there, torque, first if place == 0 else now)
+        if place == 1:
+            for i in range(len(first)):
+                first[i] = (now[i] - first[i]) * (0.5 / by)
+        elif place > 1:
+            for i in range(len(second)):
+                second[i] += _WEIGHTS[place] * now[i]
     for i in range(len(memory.work)):
         memory.work[i] = tangents.work.ledger[i]
-    for i in range(len(first)):
-        behind, ahead = second[i], first[i]
-        first[i] = (ahead - behind) * (0.5 / by)
-        second[i] = ((ahead - now[i]) - (now[i] - behind)) / (by * by)
+    for i in range(len(second)):
+        second[i] /= _NORM * by * by
+    rates = tangents.after.spin[0]
+    rates[0], rates[1], rates[2] = r.alpha, alpha_rate, r.omega
+    drive_rate = r.drive_rate if r.varies == 1 else 0.0
+    rotation_along(structure, memory.record, drive_rate, rates, first)
+    rates[0], rates[1], rates[2] = alpha_rate, second[_SHAFT.a], r.alpha
+    rotation_along(structure, memory.record, 0.0, rates, second)
 
 
 @jit_not_inlined

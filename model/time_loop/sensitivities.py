@@ -88,10 +88,21 @@ def torque_along(structure, spin, i, row, d_spin, motion, memory, work, tangents
 
 
 @jit
-def rotation_along(d_spin, out):
-    """Fill in the derivatives of angle, speed and rate: in a difference of two speeds what a force
-    does to them is lost in their rounding."""
+def drive_along(record, d_drive, d_spin):
+    """Return the change of the torque that a drive gives a free rotor [N.m]."""
+    return d_drive - record[0].drive_impedance * d_spin[0]
+
+
+@jit
+def rotation_along(structure, record, d_drive, d_spin, out):
+    """Fill in the derivatives of angle, speed and rate and, of a free rotor, of its torques: in a
+    difference of two speeds what a force does to them is lost in their rounding."""
     out[_SHAFT.phi], out[_SHAFT.w], out[_SHAFT.a] = d_spin[2], d_spin[0], d_spin[1]
+    if record[0].is_free == 1:
+        torque = drive_along(record, d_drive, d_spin)
+        out[_SHAFT.tau] = torque
+        out[_SHAFT.tau_load] = torque - structure.numbers[0].inertia * d_spin[1]
+        out[_SHAFT.tau_wave] = torque - record[0].drive_impedance * d_spin[0]
 
 
 @jit
@@ -220,13 +231,15 @@ def observe_sensitivities(structure, motion, memory, work, tangents, out):
     """Fill in what can be read of the sensitivities."""
     now, spin = tangents.now, spin_now(memory.record)
     drive = np.int64(0)  # for a literal there would be machine code of its own
-    torque = torque_along(
-        structure, spin, drive, row_of(now, drive), now.spin[drive], motion, memory, work, tangents
-    )
-    out[_SHAFT.dphi_ddrive] = now.spin[0, 2]
-    out[_SHAFT.dw_ddrive] = now.spin[0, 0]
+    row, d_spin = row_of(now, drive), now.spin[drive]
+    if memory.record[0].is_free == 1:
+        torque = drive_along(memory.record, 1.0, d_spin)
+    else:
+        torque = torque_along(structure, spin, drive, row, d_spin, motion, memory, work, tangents)
+    out[_SHAFT.dphi_ddrive] = d_spin[2]
+    out[_SHAFT.dw_ddrive] = d_spin[0]
     out[_SHAFT.dtau_ddrive] = torque
-    out[_SHAFT.dtau_load_ddrive] = torque - structure.numbers[0].inertia * now.spin[0, 1]
+    out[_SHAFT.dtau_load_ddrive] = torque - structure.numbers[0].inertia * d_spin[1]
     for i in range(len(structure.load_dof)):
         if structure.load_dof[i] >= 0:
             _observe_port(structure, i, now, out[PARTS_AT + structure.load_arms[i].out :])

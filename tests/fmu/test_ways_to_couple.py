@@ -1,11 +1,12 @@
 """The comparison of ways to couple a motor with the rotor through a stiff shaft."""
 
+import json
 import re
 
 import fmpy
 import numpy as np
 import pytest
-from rotor_fmu.examples.drive_train import by_energy, ways
+from rotor_fmu.examples.drive_train import by_energy, compare, ways
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.structure.assembly import assemble
 
@@ -14,7 +15,7 @@ from rotor_fmu.fmi.packing.native_fmu import build_native
 from .test_hosts import needs
 from .test_schemas import FMI2, mistakes, xml_of
 
-STOP, LONG, SHORT = 0.3, 1.5e-2, 1e-4
+STOP, RUN_UP, LONG, SHORT = 0.3, 4.2, 1.5e-2, 1e-4
 
 
 @pytest.fixture(scope="module")
@@ -45,10 +46,28 @@ def test_derivatives_take_most_of_an_explicit_couplings_error_away(folder, refer
     assert better.lost < 0.1 * plain.lost
 
 
-def test_a_line_is_stable_at_every_step_and_loses_little(folder):
-    for h in (5e-4, 3e-3, LONG):
-        assert np.isfinite(ways.couple(folder, "transmission line", h, STOP).w).all()
-    assert ways.couple(folder, "transmission line", 5e-4, STOP).lost < 1e-4
+@pytest.mark.parametrize("h", [1e-4, 5e-4, 3e-3, LONG, 2e-2])
+def test_a_line_is_stable_at_every_step_and_loses_next_to_nothing(folder, h):
+    """Over a run-up with a motor that is switched on, through both resonances."""
+    run = ways.couple(folder, "transmission line", h, RUN_UP, 6e-2)
+    assert run.w[-1] > 200.0
+    assert run.lost < 1e-4
+
+
+def test_the_comparison_holds_every_way_against_one_run_of_all(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(compare, "STEPS", (SHORT, LONG))
+    monkeypatch.setattr(compare, "TOLERANCES", (1e-5,))
+    compare.compare(stop=0.1, out=tmp_path)
+    report = json.loads((tmp_path / "coupling.json").read_text())
+    rows = {(row["way"], row["step_s"]): row for row in report["rows"]}
+    assert len(rows) == 2 * len(ways.METHODS)
+    assert all(rows[way, SHORT]["speed_error"] < 2e-3 for way in ways.METHODS)
+    assert rows["explicit", LONG]["speed_error"] is None
+    assert rows["one Newton iteration", LONG]["speed_error"] < 1e-3
+    said = capsys.readouterr().out.splitlines()
+    assert all(any(line.startswith(way) for line in said) for way in ways.METHODS)
+    for run in report.get("ecco", [{}])[0].values():
+        assert isinstance(run, float) or run["seconds"] > 0.0
 
 
 def two_masses(t, inertia):

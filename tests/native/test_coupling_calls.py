@@ -83,9 +83,11 @@ def test_the_description_says_so(make, fmi):
 
 
 def test_fmi_3_has_them_too(make):
-    fmu = make(fmi=3)
-    instance = Machine(fmu).start(speed=400.0)
-    simulation = Simulation(rig(), choose(), speed=400.0)
+    instance = Machine(make(fmi=3))
+    instance.fmu.setBoolean([instance.refs["solver.sensitivities"]], [True])
+    instance.start(speed=400.0)
+    on = CouplingOptions(has_sensitivities=True)
+    simulation = Simulation(rig(), choose(), speed=400.0, coupling=on)
     for i in range(3):
         instance.step(H)
         simulation.advance((i + 1) * H, 400.0)
@@ -93,6 +95,10 @@ def test_fmi_3_has_them_too(make):
     at = [simulation.names.index(name) for name in NAMES]
     values = instance.fmu.getOutputDerivatives(refs, [2] * len(refs))
     assert (np.array(values) == simulation.derivatives()[1, at]).all()
+    known = [instance.refs[name] for name in ("speed", "disc[2].fy")]
+    values = instance.fmu.getDirectionalDerivative(refs, known, [2.0, -3.0])
+    expected = 2.0 * simulation.sensitivities(0) - 3.0 * simulation.sensitivities(4)
+    assert (np.array(values) == expected[at]).all()
     instance.close()
 
 
@@ -215,14 +221,23 @@ def test_fmi_3_returns_early_where_a_contact_closes(make):
     instance.fmu.instantiate(earlyReturnAllowed=True)
     instance.fmu.setBoolean([instance.refs["limit.contact"]], [True])
     instance.start(speed=50.0)
+    start = instance.fmu.getFMUState()
     _, _, is_early, reached = instance.fmu.doStep(0.0, 1.0)
     assert is_early
     assert 0.0 < reached < 1.0
     forces = instance.read(["bearing[1].fn", "bearing[2].fn"])
     assert (forces > 0.0).any()
+    there, closed = instance.read(), instance.fmu.getFMUState()
     _, _, is_early, later = instance.fmu.doStep(reached, 1.0 - reached)
     assert is_early
     assert later > reached
+    after = instance.read()
+    instance.fmu.setFMUState(start)
+    assert instance.fmu.doStep(0.0, 1.0)[2:] == (True, reached)
+    assert (instance.read() == there).all()
+    instance.fmu.setFMUState(closed)
+    assert instance.fmu.doStep(reached, 1.0 - reached)[2:] == (True, later)
+    assert (instance.read() == after).all()
     instance.close()
 
 
