@@ -12,6 +12,7 @@ import os
 if __name__ == "__main__":
     os.environ |= {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 
+import gc
 import re
 import sys
 from collections.abc import Container, Sequence
@@ -25,9 +26,10 @@ from numba.core import codegen, cpu
 from ..model.kernels import dispatching
 from .entry_points import FUNCTIONS
 
-# Of the IR of what carries out a run, as text [bytes]: a function whose callees numba left out is a
-# stub of a few kilobytes, one with its passes left out is several times as long.
-_SIZES = dict.fromkeys(("rotor_start", "rotor_advance", "rotor_survey"), (500_000, 25_000_000))
+# Of the IR that is emitted together, as text [bytes]: functions whose callees numba left out are
+# stubs of a few kilobytes, ones with their passes left out several times as long.
+_LEAST, _MOST = 5_000_000, 40_000_000
+_PROJECT = "rotor_fmu"  # in the names of its functions
 # What takes a run's time.
 _HOT = "rotor_advance"
 _NO_WRAPPERS = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
@@ -40,34 +42,35 @@ def emit(target: Path, names: Sequence[str]) -> None:
     Raises `RuntimeError` where numba left a function without its body, or left it as no numba
     that is known does.
     """
+    gc.set_threshold(100_000, 50, 1000)  # what numba makes lives to the end
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     _make_no_machine_code()
     if _HOT not in names:
-        _optimise_last({FUNCTIONS[name][0].__name__ for name in names})
-    whole = llvm.parse_assembly("")
+        numba.config.LOOP_VECTORIZE = 0
+    modules = _optimise_once()
     entries = {}
     for name in names:
         function, signature = FUNCTIONS[name]
         kernel = numba.njit(error_model="numpy", _nrt=False, **_NO_WRAPPERS)(function)
         kernel.compile(signature)
-        text = kernel.inspect_llvm(signature)
-        check_size(name, len(text))
-        module = llvm.parse_assembly(text)
-        entries[_entry(module, function.__name__)] = f"{name}_kernel"
-        whole.link_in(module)
+        entries[_entry(modules[-1], function.__name__)] = f"{name}_kernel"
+    whole = llvm.parse_assembly("")
+    for module in modules:
+        whole.link_in(module, preserve=True)
     text = _without_the_unused(whole, entries)
+    check_size(names[0], len(text))
     for entry, name in entries.items():
         text = text.replace(entry, name)
     target.write_text(text, encoding="utf-8")
 
 
 def check_size(name: str, size: int) -> None:
-    """Raise `RuntimeError` unless the IR of a function is about as long as it has to be."""
-    least, most = _SIZES.get(name, (0, 20_000_000))
-    if not least <= size <= most:
+    """Raise `RuntimeError` unless the IR of a function, with what is emitted beside it, is about as
+    long as it has to be."""
+    if not _LEAST <= size <= _MOST:
         raise RuntimeError(
-            f"{name}: {size} bytes of IR, not {least} to {most}: another numba than this is known"
+            f"{name}: {size} bytes of IR, not {_LEAST} to {_MOST}: another numba than this is known"
         )
 
 
@@ -89,14 +92,54 @@ def _finalized(context: Any, library: Any, description: Any, environment: Any) -
     return [].append
 
 
-def _optimise_last(entries: Container[str]) -> None:
-    """Let numba optimise the entries alone with what they call, and unroll no loops for vectors:
-    each function of a long chain would be optimised again in the next, for steps that are faster by
-    a fifth where they matter."""
-    numba.config.LOOP_VECTORIZE = 0
-    optimise = codegen.CPUCodeLibrary._optimize_final_module
-    codegen.CPUCodeLibrary._optimize_final_module = lambda library: (
-        optimise(library) if library.name in entries else None
+def _optimise_once() -> list[llvm.ModuleRef]:
+    """Let numba optimise a function that is called, with all that becomes part of it, once and
+    alone; return the list into which these modules will come, callees first.
+
+    As numba would have it a function is optimised again in every one that calls it.
+    """
+    modules: list[llvm.ModuleRef] = []
+    library_class = codegen.CPUCodeLibrary
+    optimise_functions = library_class._optimize_functions
+    optimise, linked = library_class._optimize_final_module, library_class._get_module_for_linking
+    nothing = llvm.parse_assembly("")
+    builder = _builder()
+    combine = llvm.create_new_module_pass_manager()
+    combine.add_instruction_combine_pass()
+
+    def combine_first(library: Any, module: llvm.ModuleRef) -> None:
+        # tuples of hundreds of arrays, of which one is read, are read as this one before they are
+        # taken apart: the other way round that alone takes a minute
+        combine.run(module, builder)
+        optimise_functions(library, module)
+
+    def optimise_if_called(library: Any) -> None:
+        if _is_called(library):
+            optimise(library)
+            modules.append(library._final_module)
+
+    def linked_if_not_called(library: Any) -> llvm.ModuleRef:
+        library._ensure_finalized()
+        return nothing.clone() if _is_called(library) else linked(library)
+
+    library_class._optimize_functions = combine_first
+    library_class._optimize_final_module = optimise_if_called
+    library_class._get_module_for_linking = linked_if_not_called
+    return modules
+
+
+def _builder() -> llvm.PassBuilder:
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    return llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+
+
+def _is_called(library: Any) -> bool:
+    """Return whether a library's function of the project is called, not made part of its callers,
+    which all others are that are linked into it."""
+    return any(
+        not any(b"alwaysinline" in attributes for attributes in function.attributes)
+        for function in library._final_module.functions
+        if not function.is_declaration and _PROJECT in function.name
     )
 
 
@@ -119,11 +162,18 @@ def _without_the_unused(module: llvm.ModuleRef, entries: Container[str]) -> str:
         if not item.is_declaration and item.name not in entries:
             item.linkage = "internal"
     passes = llvm.create_new_module_pass_manager()
+    # what is handed over though no one asks for it, which no module alone can know
+    passes.add_ipsccp_pass()
+    passes.add_dead_arg_elimination_pass()
+    passes.add_post_order_function_attributes_pass()
+    passes.add_instruction_combine_pass()
+    passes.add_new_gvn_pass()
+    passes.add_simplify_cfg_pass()
+    passes.add_instruction_combine_pass()
+    passes.add_aggressive_dce_pass()
     passes.add_global_dead_code_eliminate_pass()
-    machine = llvm.Target.from_default_triple().create_target_machine()
-    options = llvm.create_pipeline_tuning_options(speed_level=0)
-    passes.run(module, llvm.create_pass_builder(machine, options))
-    missing = [f.name for f in module.functions if f.is_declaration and "rotor_fmu" in f.name]
+    passes.run(module, _builder())
+    missing = [f.name for f in module.functions if f.is_declaration and _PROJECT in f.name]
     if missing:
         raise RuntimeError(f"{missing[0]} is missing: another numba than this is known")
     return str(module)
