@@ -6,7 +6,7 @@ from .kernels.functions import modulus
 from .kernels.jit import jit, jit_not_inlined
 from .parts.law import Weights
 from .step.excitation import add_applied, static_spin
-from .step.laws import at_rest, law_breaks, law_tangent, relative
+from .step.laws import at_rest, law_breaks, law_tangent_called, relative
 
 _HALVINGS = 40
 
@@ -65,7 +65,7 @@ def carried_by(run, j):
             high = middle
         else:
             low = middle
-    force, _p, _q = law_tangent(
+    force, _p, _q = law_tangent_called(
         *(structure.laws, interface, at_rest(low * d, run.memory.record[0].omega)),
         *(Weights(1.0, 0.0, 0.0), own, run.problem.internal_state[interface.internal_state :]),
     )

@@ -10,6 +10,7 @@ from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.parts import LAWS
 from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.clearance_contact import ClearanceContact
+from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
 from rotor_fmu.model.parts.heated_contact import HeatedContact
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -167,6 +168,15 @@ PADS = {
     **(FILM | {"short": False, "points": 12.0}),
     **{"pads": (0.8, 2.4, 4.0, 5.5), "arc": 1.2, "tilting": True, "pad_inertia": 1e-6},
 }
+RING = {
+    **FILM,
+    **{"outer_radius": 0.03, "outer_length": 0.02, "outer_clearance": 1e-4},
+    **{"ring_mass": 0.05, "ring_inertia": 3e-5},
+}
+RING_AWAY = {
+    **(RING | {"clearance": 0.1, "outer_clearance": 0.1, "outer_radius": 0.2}),
+    **{"viscosity": 1e-12, "outer_viscosity": 1e-12, "ring_mass": 1e-20, "ring_inertia": 1e-24},
+}
 HEAT = {"bow_per_heat": 1e-9, "bow_decay": 0.1}
 BALLS = {"count": 8, "pitch_diameter": 0.05, "element_diameter": 0.01, "k": 1e9}
 TOUCHES = ("compression", "contact_loss", "friction_loss")
@@ -222,6 +232,11 @@ KINDS = {
         SqueezeFilmDamper(node=3, **FILM, viscosity=0.01, stiffness=1e6),
         ("centring", "film_loss"),
         (SqueezeFilmDamper(node=3, **(FILM | {"clearance": 0.1}), viscosity=1e-12),),
+    ),
+    "floating_ring_bearing": (
+        FloatingRingBearing(node=3, **RING, viscosity=0.01, outer_viscosity=0.02),
+        ("rings", "film_loss"),
+        (FloatingRingBearing(node=3, **RING_AWAY),),
     ),
 }
 

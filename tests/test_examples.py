@@ -183,3 +183,27 @@ def test_a_rotor_on_dampers_jumps_where_the_closed_form_folds():
         for (speed, orbit), flank in zip((swept[0], swept[-1]), flanks, strict=True):
             expected = example["closed_form"](np.array([orbit]))[0][flank, 0]
             assert speed == pytest.approx(expected, rel=5e-3)
+
+
+# --- turbocharger ---
+
+
+@pytest.mark.parametrize(("speed", "film"), [(2500.0, "inner"), (12500.0, "outer")])
+def test_the_turbocharger_whirls_in_its_inner_films_and_later_in_an_outer_one(speed, film):
+    """Far above its own weight at a fraction of the mean speed of the film's surfaces: below half,
+    as shaft and films hold it back, of an outer one at half."""
+    example = script("turbocharger", "turbocharger.py")
+    history = example["run"](speed, speed + 100.0, 0.3)
+    z = history["compressor"][-1500:]
+    frequency = np.fft.fftfreq(1500, example["EVERY"])
+    size = np.abs(np.fft.fft((z - z.mean()) * np.hanning(1500)))
+    turning = history["w"][-1] / (2 * math.pi)
+    below = (frequency > 0.0) & (frequency < 0.9 * turning)
+    whirl = frequency[below][np.argmax(size[below])]
+    assert size[below].max() > 3.0 * size[np.argmin(np.abs(frequency - turning))]
+    ring = history["floating_ring_bearing[1].ring_speed"][-1] / (2 * math.pi)
+    if film == "inner":
+        assert 0.7 * 0.5 * (turning + ring) < whirl < 0.5 * (turning + ring)
+    else:
+        assert whirl == pytest.approx(0.5 * ring, abs=7.0)  # a line of the spectrum
+    assert abs(history["residual"][0]) < 1e-4 * history["lost"][0]

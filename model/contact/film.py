@@ -9,6 +9,7 @@ A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from ..kernels.functions import angle, direction, modulus
@@ -20,19 +21,22 @@ from .full_film import full_load, full_tangent, solve_full
 from .short_film import short_load
 
 # first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
-# bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle
-# and whether its film fills it (a short one never ruptures then, of another what is negative of its
-# pressure does not count); the direction of its pivot, whether it tilts about that, and,
-# as it was put last, its tilt [m] and the rate of that [m/s]: how far the pad's centre moves
-# across its pivot; and how far it moves outwards, with its pivot [m], [m/s]
+# bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle and
+# whether its film fills it (a short one never ruptures then; of another what is below rupture of
+# its pressure does not count, or, where it is `NEVER`, all does); whether nothing leaves at its
+# sides; the direction of its pivot, whether it tilts about that, and, as it was put last, its tilt
+# [m] and the rate of that [m/s]: how far the pad's centre moves across its pivot; and how far it
+# moves outwards, with its pivot [m], [m/s]
 PAD = places(
     (
-        *("first", "last", "x", "y", "clearance", "is_whole", "is_full"),
+        *("first", "last", "x", "y", "clearance", "is_whole", "is_full", "is_sealed"),
         *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate", "give", "giving"),
     )
 )
+NEVER = 2.0  # ruptures a film that fills its pad
 TILTS = (1.0, 0.0, 0.0, 0.0, 0.0)  # how the row of a pad that tilts ends
 STANDS = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # and that of one that stands, its pivot too
+_SEALED = 1e-4  # a of `film_zone` of a film from which nothing flows; it fixes a full one's level
 TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
 
 
@@ -121,15 +125,20 @@ def pad_of(bearing, tables, kinematics, i):
     R, L = bearing.journal_radius, bearing.length
     ratio = 2.0 * R / L
     pressure = 6.0 * bearing.viscosity * (R * inverse) * (R * inverse)
+    a, mean = 2.5 * ratio * ratio, 2.0 / 3.0
+    if tables[at + PAD.is_sealed] > 0.0:  # the same all along its length
+        a, mean, pressure = _SEALED, 1.0, 0.8 * pressure
     ambient = bearing.ambient / pressure if bearing.ambient > 0.0 else 0.0
+    if tables[at + PAD.is_full] == NEVER:
+        ambient = math.inf
     film = Film(
-        *(D, S, 2.5 * ratio * ratio, bearing.roughness * inverse),
+        *(D, S, a, bearing.roughness * inverse),
         *(tables[at + PAD.first], tables[at + PAD.last], tables[at + PAD.is_whole] > 0.0),
         *(tables[at + PAD.is_full] > 0.0, int(bearing.points), ambient),
     )
     work = bearing.table + 1 + len(PAD) * pad_count(bearing, tables)
     size = VECTORS * (film.n + 1)
-    load = 2.0 / 3.0 * L * R * pressure
+    load = mean * L * R * pressure
     return Pad(film, c, d, v, turning, load, pressure), tables[work : work + size]
 
 
@@ -202,37 +211,69 @@ def finite_load(film, bound, work):
     return load, p_D, q_D, p_S, q_S
 
 
+class FilmSlopes(NamedTuple):
+    """A film's force on its journal [N], and its derivatives by the journal's displacement, p_d,
+    q_d, and velocity, p_v, q_v, as pairs p z + q conj(z)."""
+
+    force: complex
+    p_d: complex
+    q_d: complex
+    p_v: complex
+    q_v: complex
+
+
 @jit_not_inlined
-def film_tangent(bearing, tables, kinematics, weights):
-    """Return the film's force on the journal [N] and its tangent p, q; see `parts.law`."""
-    force = p = q = 0.0j
-    by_d, by_v = weights.displacement, weights.velocity
-    turn_d = complex(0.0, kinematics.speed * by_d)
+def pad_slopes(bearing, pad, work, speed):
+    """Return the `FilmSlopes` of a pad, its journal turning at a speed [rad/s]."""
+    force = p_d = q_d = p_v = q_v = 0.0j
+    film, sense, moves = sensed(pad.film)
+    turn_d = complex(0.0, speed)
+    for turn in TURNS:
+        acts, bound = zone_bound(film, sense, turn)
+        if not acts:
+            continue
+        scale = pad.load
+        if bearing.short > 0.0:
+            scale *= short_share(bearing)
+            load, p_D, q_D, p_S, q_S = short_load(
+                film.D, film.S, film.floor, bound.low[1], bound.high[0]
+            )
+        else:
+            load, p_D, q_D, p_S, q_S = finite_load(film, bound, work)
+        force -= moves * scale * load
+        # dS = 2 dV - i omega dD
+        scale /= pad.clearance
+        p_d -= scale * (moves * p_D - p_S * turn_d)
+        q_d -= scale * (moves * q_D + q_S * turn_d)
+        p_v -= 2.0 * scale * p_S
+        q_v -= 2.0 * scale * q_S
+    return FilmSlopes(force, p_d, q_d, p_v, q_v)
+
+
+@jit_not_inlined
+def film_slopes(bearing, tables, kinematics):
+    """Return the `FilmSlopes` of a bearing."""
+    force = p_d = q_d = p_v = q_v = 0.0j
     for i in range(pad_count(bearing, tables)):
         pad, work = pad_of(bearing, tables, kinematics, i)
-        film, sense, moves = sensed(pad.film)
-        for turn in TURNS:
-            acts, bound = zone_bound(film, sense, turn)
-            if not acts:
-                continue
-            scale = pad.load
-            if bearing.short > 0.0:
-                scale *= short_share(bearing)
-                load, p_D, q_D, p_S, q_S = short_load(
-                    film.D, film.S, film.floor, bound.low[1], bound.high[0]
-                )
-            else:
-                load, p_D, q_D, p_S, q_S = finite_load(film, bound, work)
-            force -= moves * scale * load
-            # dS = 2 dV - i omega dD
-            scale /= pad.clearance
-            by_d_now = moves * by_d
-            p -= scale * (by_d_now * p_D + p_S * (2.0 * by_v - turn_d))
-            q -= scale * (by_d_now * q_D + q_S * (2.0 * by_v + turn_d))
-    return force, p, q
+        of_pad = pad_slopes(bearing, pad, work, kinematics.speed)
+        force += of_pad.force
+        p_d += of_pad.p_d
+        q_d += of_pad.q_d
+        p_v += of_pad.p_v
+        q_v += of_pad.q_v
+    return FilmSlopes(force, p_d, q_d, p_v, q_v)
 
 
 @jit
+def film_tangent(bearing, tables, kinematics, weights):
+    """Return the film's force on the journal [N] and its tangent p, q; see `parts.law`."""
+    at = film_slopes(bearing, tables, kinematics)
+    by_d, by_v = weights.displacement, weights.velocity
+    return at.force, by_d * at.p_d + by_v * at.p_v, by_d * at.q_d + by_v * at.q_v
+
+
+@jit_not_inlined
 def thinnest(pad):
     """Return the thinnest film of a pad, as its surfaces are [m], its direction, and how that turns
     by a displacement across it [1/m]: not at all at the pad's edge."""

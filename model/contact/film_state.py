@@ -26,7 +26,7 @@ class FilmState(NamedTuple):
     tilted: float
 
 
-@jit
+@jit_not_inlined
 def _sheared(D, upstream, first, last):
     """Return the integral of the shear over a ruptured arc, where the film is in strips as wide as
     it was at the angle `upstream` [1]."""

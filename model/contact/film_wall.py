@@ -82,7 +82,7 @@ def wall_tangent(bearing, tables, kinematics, weights):
     return force, p, q
 
 
-@jit
+@jit_not_inlined
 def wall_energy(bearing, tables, kinematics):
     """Return the elastic energy of the contacts [J]."""
     energy = 0.0

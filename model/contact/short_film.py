@@ -30,7 +30,7 @@ class Sommerfeld(NamedTuple):
     swept: float
 
 
-@jit
+@jit_not_inlined
 def sommerfeld(D, first, last):
     """Return the `Sommerfeld` of a displacement D over the clearance, below 1 in size, and of the
     angles `first` and `last` [rad]."""

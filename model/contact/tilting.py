@@ -22,9 +22,8 @@ from typing import NamedTuple
 
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
-from .film import PAD, TURNS, finite_load, pad_of, sensed
+from .film import PAD, pad_of, pad_slopes
 from .film_wall import sliding_of, touch
-from .film_zone import zone_bound
 from .rubbing import Friction, contact_tangent, friction
 
 ITERATIONS = 80
@@ -110,21 +109,7 @@ def pad_balance(bearing, tables, kinematics, i):
     pad, work = pad_of(bearing, tables, kinematics, i)
     across = across_of(bearing, tables, i)
     back = across.conjugate()
-    force = p_d = q_d = p_v = q_v = 0.0j
-    film, sense, moves = sensed(pad.film)
-    turn_d = complex(0.0, kinematics.speed)
-    for turn in TURNS:
-        acts, bound = zone_bound(film, sense, turn)
-        if not acts:
-            continue
-        load, p_D, q_D, p_S, q_S = finite_load(film, bound, work)
-        force -= moves * pad.load * load
-        # dS = 2 dV - i omega dD
-        scale = pad.load / pad.clearance
-        p_d -= scale * (moves * p_D - p_S * turn_d)
-        q_d -= scale * (moves * q_D + q_S * turn_d)
-        p_v -= 2.0 * scale * p_S
-        q_v -= 2.0 * scale * q_S
+    force, p_d, q_d, p_v, q_v = pad_slopes(bearing, pad, work, kinematics.speed)
     rubs, rubs_by_d, rubs_by_v, by_sliding, slid = 0.0, 0.0j, 0.0j, 0.0, 0.0j
     at = touch(bearing, pad)
     if at.penetration > 0.0 and at.normal > 0.0:

@@ -190,7 +190,7 @@ def length(part):
     return part.clearance
 
 
-@jit
+@jit_not_inlined
 def compression(part, d):
     """Return the elastic energy of a contact [J]."""
     delta = -gap(part, d)

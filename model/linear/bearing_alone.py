@@ -15,6 +15,7 @@ from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
 from ..parts.film_alone import FilmAlone
 from ..parts.film_law import bearing_at
+from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
 from ..parts.law_alone import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
@@ -205,3 +206,10 @@ def check_films(
             alone = BearingAlone(part, speed, name)
             if alone.is_broken(complex(at)):
                 raise alone.no_equilibrium(-complex(on))
+        elif isinstance(part, FloatingRingBearing) and FilmAlone(part, speed, name).is_broken(
+            complex(at)
+        ):
+            raise LinearError(
+                f"{name}: no equilibrium at {speed:g} rad/s: its load is {abs(on):.4g} N, and one "
+                f"of its films would be thinner than its roughness, {part.roughness:g} m"
+            )

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, TypeVar
 from ..parts.base import BASE, GROUND, Element, Interface, Mount, Part, Port, Release
 from ..parts.bearing import Bearing
 from ..parts.disc import Coupling, Disc
+from ..parts.law import weighs_nothing
 from ..parts.shaft import Material, Section
 from ..parts.support import Support
 from ..quantities import (
@@ -147,6 +148,7 @@ class Rotor:
         self._check_singles()
         self._check_labels()
         self._check_housings(housings)
+        self._check_base()
         for name, heading in OWN.items():
             shown = str(Name(heading, 0, name))
             check(shown, quantities(self)[name], getattr(self, name))
@@ -214,6 +216,20 @@ class Rotor:
                         f"{where}.housing = {element.housing!r}: no housing of that name; there is "
                         f"{known}{hint}"
                     )
+
+    def _check_base(self) -> None:
+        elements = [
+            (where, element)
+            for where, part in self.named_parts()
+            for element in part.elements(where, self.material.density)
+        ]
+        moved = [where for where, element in elements if _is_base(element)]
+        for where, element in elements:
+            if moved and isinstance(element, Interface) and element.law.weigh is not weighs_nothing:
+                raise QuantityError(
+                    f"{where}: its own mass does not feel the acceleration of a [{moved[0]}]; take "
+                    "one of both away"
+                )
 
     def indexed_parts(self) -> Iterator[tuple[tuple[str, int], Part]]:
         """Every part with its kind and its number from 1 (0 of what a machine has one of), or with

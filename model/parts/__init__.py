@@ -6,6 +6,7 @@ from .body import Body, PointMass
 from .clearance_contact import ClearanceContact
 from .conditions import Base, Start
 from .disc import Coupling, Disc
+from .floating_ring_bearing import FloatingRingBearing
 from .heated_contact import HeatedContact
 from .housing import Housing
 from .journal_bearing import JournalBearing

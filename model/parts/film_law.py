@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from .clearance_contact import LOSSES as CONTACT_LOSSES
 from .law import Kinematics
 from .speed_table import cubic, row_at
 
-_POINTS = Rule(8.0, False, "must be from 8 to 1024", most=1024.0)
+POINTS = Rule(8.0, False, "must be from 8 to 1024", most=1024.0)
 _LONGEST = 2.0  # length over diameter
 _WIDTH = 5  # of a row of the viscosity's `speed_table`
 
@@ -50,7 +51,7 @@ class FilmQuantities:
         "m", "film thickness at which the surfaces touch: their roughness", default=1e-6
     )
     short: bool = switch("Ocvirk's film in the place of one of finite length", False)
-    points: float = quantity("1", "elements of the film of a pad", _POINTS, 48.0)
+    points: float = quantity("1", "elements of the film of a pad", POINTS, 48.0)
     k: float = contact_quantity("k", 0.0, NOT_NEGATIVE)
     c: float = contact_quantity("c", 100.0)
     delta_c: float = contact_quantity("delta_c", 2e-7)
@@ -127,23 +128,25 @@ def film_table(
     return np.concatenate([[len(rows)], np.ravel(rows), room, behind])
 
 
-def whole_circle(is_full: bool = False) -> list[float]:
+def whole_circle(is_full: float = False, is_sealed: bool = False) -> list[float]:
     """Return the row of `contact.film.PAD` of a plain circle."""
-    return [0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0, float(is_full), *STANDS]
+    return [0.0, 2.0 * math.pi, 0.0, 0.0, 1.0, 1.0, float(is_full), float(is_sealed), *STANDS]
 
 
-def check_film(where: str, film: FilmQuantities) -> None:
-    """Raise `QuantityError` for a film whose quantities do not go together."""
+def check_film(where: str, film: Any, prefix: str = "", radius: str = "journal_radius") -> None:
+    """Raise `QuantityError` for a film whose quantities do not go together; prefix: of the names of
+    its length and clearance, radius: the name of that."""
     if float(film.points) != int(film.points):
         raise QuantityError(f"{where}.points = {film.points:g}: must be a whole number")
-    ratio = film.length / (2.0 * film.journal_radius)
-    if ratio > _LONGEST:
+    length, clearance = getattr(film, f"{prefix}length"), getattr(film, f"{prefix}clearance")
+    longest = 2.0 * _LONGEST * getattr(film, radius)
+    if length > longest:
         raise QuantityError(
-            f"{where}.length = {film.length:g} m: must be at most {_LONGEST:g} diameters, "
-            f"{2.0 * _LONGEST * film.journal_radius:g} m"
+            f"{where}.{prefix}length = {length:g} m: must be at most {_LONGEST:g} diameters, "
+            f"{longest:g} m"
         )
-    if film.roughness >= 0.5 * film.clearance:
+    if film.roughness >= 0.5 * clearance:
         raise QuantityError(
-            f"{where}.roughness = {film.roughness:g} m: must be below half the clearance, "
-            f"{0.5 * film.clearance:g} m"
+            f"{where}.roughness = {film.roughness:g} m: must be below half the "
+            f"{prefix.replace('_', ' ')}clearance, {0.5 * clearance:g} m"
         )

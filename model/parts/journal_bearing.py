@@ -338,6 +338,7 @@ class JournalBearing(HeatQuantities, TiltingQuantities, Part):
                 clearance,
                 0.0,
                 float(self._is_full),
+                0.0,
             )
             rows.append([*shape, *motion])
         return rows

@@ -13,6 +13,7 @@ their names, and of the node's `Kinematics` relative to the housing:
     length(part)                                                -> scale
     breaks(part, tables, displacement, own)                     -> whether it does
     vibrate(part, tables, kinematics, frequency, free, own)     -> F, p, q by d, p, q by d'
+    weigh(part, tables, gravity)
 
 F: complex force on the node [N], the housing gets -F. tangent: the change of F for `Weights` of its
 derivatives, as the pair of the real-linear map z -> p z + q conj(z). energy: a tuple of what is
@@ -23,7 +24,8 @@ at the places of `Law.outputs`. gap: how far the displacement is from where the 
 law with a wall the wall's radius. breaks: whether a displacement lies where the law means nothing,
 so that a run stops there. vibrate: of a node at rest, with its internal states where they rest,
 looked for from `free` on and filled in: the force there, and the changes of F by displacement and
-velocity while the states follow a vibration of a frequency [rad/s].
+velocity while the states follow a vibration of a frequency [rad/s]. weigh: keeps the machine's
+gravity [m/s2], complex, in the part's table, before a run and whenever that has changed.
 
 tables: numbers of all parts that a record has no room for, one array, flat; the records of a law
 with a `table` say where theirs begin, `part.table`, and how many rows they have, `part.rows`.
@@ -89,6 +91,12 @@ def never_breaks(part, tables, displacement, internal_state):
 
 
 @jit
+def weighs_nothing(part, tables, gravity):
+    """Do nothing: what a law without mass does with gravity."""
+    return
+
+
+@jit
 def no_rates(part, tables, kinematics, internal_state, out):
     """Do nothing: the rates of a law without states."""
     return
@@ -115,9 +123,9 @@ class Law:
         Energies that it stores [J], in the order in which `energy` returns them.
     losses : tuple of Output
         Energies that it dissipates [J], at whose places `dissipate` fills in the powers [W].
-    gap, length, rates, breaks : callable
+    gap, length, rates, breaks, weigh : callable
         Compiled functions of a law with a wall, with a length of its own, with states, with
-        displacements that it does not allow.
+        displacements that it does not allow, with mass.
     vibrate : callable, optional
         Compiled function of a law whose states follow a vibration; the states of others stay.
     states : tuple of float
@@ -155,6 +163,7 @@ class Law:
     length: Callable[..., Any] = no_length
     rates: Callable[..., Any] = no_rates
     breaks: Callable[..., Any] = never_breaks
+    weigh: Callable[..., Any] = weighs_nothing
     vibrate: Callable[..., Any] | None = None
     states: tuple[float, ...] = ()
     of_part: Callable[[Any], tuple[int, tuple[Output, ...]]] | None = None

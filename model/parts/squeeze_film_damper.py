@@ -1,6 +1,8 @@
 """A squeeze film damper: a ring that does not turn, in an oil film that its motion presses.
 
-The film is a journal bearing's without rotation (`contact.film_zone`), open at both sides.
+The film is a journal bearing's without rotation (`contact.film_zone`), open at both sides. One that
+is sealed has nowhere to take lubricant from, so that Reynolds' rupture would leave it full: of it
+the pressures below ambient do not count (the pi film, or half of Sommerfeld's).
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..contact.film import bearing_of, film_force, film_tangent
+from ..contact.film import NEVER, bearing_of, film_force, film_tangent
 from ..contact.film_state import film_state
 from ..contact.film_wall import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import modulus
@@ -130,7 +132,7 @@ SQUEEZE_FILM_DAMPER = Law(
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,
-    table=lambda part: film_table([whole_circle(part.full)], part.points),
+    table=lambda part: film_table([part.circle()], part.points),
     stiffness=lambda part: part.stiffness,
 )
 
@@ -146,14 +148,19 @@ class SqueezeFilmDamper(DamperQuantities, Part):
 
     node: int
     housing: str = GROUND
-    full: bool = switch("whether the film never ruptures; of a short one alone", False)
+    full: bool = switch("whether the film never ruptures", False)
+    sealed: bool = switch("whether nothing leaves at the film's sides: a long film", False)
 
     def check(self, where: str) -> None:
         """Raise `QuantityError`, for films that cannot be combined too."""
         check_all(where, self)
         check_film(where, self)
-        if self.full and not self.short:
-            raise QuantityError(f"{where}.full = true: needs {where}.short = true")
+        if self.sealed and self.short:
+            raise QuantityError(f"{where}.sealed = true: needs {where}.short = false")
+
+    def circle(self) -> list[float]:
+        """Return the row of `contact.film.PAD` of the film."""
+        return whole_circle(NEVER if self.full else self.sealed, self.sealed)
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.law import Kinematics, Weights
-from .laws import kinematics, law_rates, law_tangent, relative
+from .laws import kinematics, law_rates, law_tangent_called, relative
 
 # Of the size of what a law depends on: by how much it is differenced.
 _SHARE = 1e-6
@@ -66,12 +66,12 @@ def force_by_rest(laws, interface, moving, d_spin, rate, state, d_state, work):
     shifted = work.shifted[first:]
     for k in range(interface.states):
         shifted[k] = state[k] + by * d_state[k]
-    above, _, _ = law_tangent(
+    above, _, _ = law_tangent_called(
         laws, interface, _shift(moving, change, by), weights, shifted, work.above[first:]
     )
     for k in range(interface.states):
         shifted[k] = state[k] - by * d_state[k]
-    below, _, _ = law_tangent(
+    below, _, _ = law_tangent_called(
         laws, interface, _shift(moving, change, -by), weights, shifted, work.below[first:]
     )
     return (above - below) * (0.5 / by)
@@ -94,7 +94,7 @@ def states_along(laws, interface, moving, change, rate, state, d_state, are_rate
         if are_rates:
             law_rates(laws, interface, moved, shifted, into)
         else:
-            law_tangent(laws, interface, moved, Weights(1.0, 0.0, rate), shifted, into)
+            law_tangent_called(laws, interface, moved, Weights(1.0, 0.0, rate), shifted, into)
     for k in range(interface.states):
         difference = work.above[first + k] - work.below[first + k]
         out[first + k] = difference * (0.5 / by) if by > 0.0 else 0.0
@@ -116,11 +116,11 @@ def linearize_laws(structure, spin, rate, motion, free, work):
         moving = kinematics(interface, spin, motion.q, motion.v)
         first = interface.internal_state
         out = work.above[first:]
-        _, p, q = law_tangent(
+        _, p, q = law_tangent_called(
             structure.laws, interface, moving, Weights(1.0, 0.0, rate), free[first:], out
         )
         work.by_law[j, 0], work.by_law[j, 1] = p, q
-        _, p, q = law_tangent(
+        _, p, q = law_tangent_called(
             structure.laws, interface, moving, Weights(0.0, 1.0, rate), free[first:], out
         )
         work.by_law[j, 2], work.by_law[j, 3] = p, q

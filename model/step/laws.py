@@ -5,13 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_not_inlined
 from ..parts import LAWS
 from ..parts.law import Kinematics, Law, Weights, dispatcher
 from ..structure.ledger import FLOWS, STORES
 
 MOST_LOSSES = max(len(law.losses) for law in LAWS)
-_BY_D, _BY_V = Weights(1.0, 0.0, 0.0), Weights(0.0, 1.0, 0.0)
 
 
 def _storing(law: Law) -> Callable:
@@ -48,8 +47,14 @@ def _vibrating(law: Law) -> Callable:
     tangent = law.tangent
 
     def vibrate(part, tables, kinematics, frequency, free, internal_state):
-        _, p_d, q_d = tangent(part, tables, kinematics, _BY_D, free, internal_state)
-        force, p_v, q_v = tangent(part, tables, kinematics, _BY_V, free, internal_state)
+        force = p_d = q_d = p_v = q_v = 0.0j
+        for by_v in range(2):  # in a loop, so that its code is there once
+            weights = Weights(1.0 - by_v, 1.0 * by_v, 0.0)
+            force, p, q = tangent(part, tables, kinematics, weights, free, internal_state)
+            if by_v == 0:
+                p_d, q_d = p, q
+            else:
+                p_v, q_v = p, q
         return force, p_d, q_d, p_v, q_v
 
     return jit(vibrate, to_cache=False)
@@ -64,6 +69,13 @@ law_rates = dispatcher([law.rates for law in LAWS])
 law_observe = dispatcher([law.observe for law in LAWS])
 add_energy = dispatcher([_storing(law) for law in LAWS])
 add_losses = dispatcher([_dissipating(law) for law in LAWS])
+
+
+@jit_not_inlined
+def law_tangent_called(laws, interface, kinematics, weights, free, internal_state):
+    """Return what `law_tangent` does, which would be part of its callers, and is large: for all but
+    the iterations of a step."""
+    return law_tangent(laws, interface, kinematics, weights, free, internal_state)
 
 
 @jit

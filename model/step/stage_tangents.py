@@ -9,7 +9,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..kernels.lu import factorize_dense
 from ..parts.law import Kinematics, Weights
 from ..schemes.radau import STAGES, A
-from .laws import law_force, law_rates, law_tangent
+from .laws import law_force, law_rates, law_tangent_called
 
 # Of a state and of its change, the difference by which its derivatives are taken, and the least;
 # of an interface's length, that of a displacement.
@@ -32,7 +32,7 @@ def _take_tangent(structure, h, old, stages, i, j):
     states, spare = stages.internal_state[i, first:], stages.trial_state
     for column in range(2):
         weights = Weights(1.0 - column, 1.0 * column, 0.0)
-        _, p, q = law_tangent(structure.laws, interface, moving, weights, states, spare)
+        _, p, q = law_tangent_called(structure.laws, interface, moving, weights, states, spare)
         tangent[0, 2 * column], tangent[1, 2 * column] = (p + q).real, (p + q).imag
         tangent[0, 2 * column + 1], tangent[1, 2 * column + 1] = (q - p).imag, (p - q).real
     if count == 0:

@@ -16,6 +16,7 @@ from .structure import Structure
 WEIGHT = 9.81  # m/s2; whether gravity or a base that is accelerated gives it
 
 _length_of = dispatcher([law.length for law in LAWS], takes_tables=False)
+_weigh = dispatcher([law.weigh for law in LAWS])
 
 
 @jit
@@ -30,7 +31,9 @@ def prepare(structure):
         inertia += u.spinning_mass * u.e * u.e
     numbers.inertia = inertia
     smallest = math.inf
+    gravity = numbers.gravity * complex(numbers.down_x, numbers.down_y)
     for j in range(len(structure.interfaces)):
+        _weigh(structure.laws, structure.interfaces[j], gravity)
         length = _length_of(structure.laws, structure.interfaces[j])
         structure.interfaces[j].length = length
         if length > 0.0:

@@ -18,7 +18,7 @@ from ..parts.law import Weights
 from ..schemes.family import Scheme
 from ..step.excitation import free_fall_acceleration, static_spin
 from ..step.fitting import unfitted
-from ..step.laws import at_rest, law_tangent, relative
+from ..step.laws import at_rest, law_tangent_called, relative
 from ..step.status import DONE, NOT_FINITE
 from ..step.step import try_step
 
@@ -104,7 +104,7 @@ def _hump(structure, omega, motion, problem):
             continue
         d = relative(interface, motion.q)
         internal_state = motion.internal_state[interface.internal_state :]
-        _force, p, q = law_tangent(
+        _force, p, q = law_tangent_called(
             structure.laws,
             interface,
             at_rest(d, omega),

@@ -27,9 +27,10 @@ def in_films(e=0.0, **more):
     return parse_rotor(heavy_shaft(e) + film(1, **more) + film(3, **more))
 
 
-def on_dampers(viscosity, young=2.1e13, density=1.0):
-    """A weightless rotor of 10 kg, 30 um out of balance, on two short dampers with springs."""
-    body = table("[body]", node=2, mass=10.0, I_d=1e-2, I_p=1e-3, e=3e-5)
+def on_dampers(viscosity, young=2.1e13, density=1.0, e=3e-5):
+    """A weightless rotor of 10 kg, by default 30 um out of balance, on two short dampers with
+    springs."""
+    body = table("[body]", node=2, mass=10.0, I_d=1e-2, I_p=1e-3, e=e)
     more = {"viscosity": viscosity, "short": True, "stiffness": 5e4}
     dampers = [table("[squeeze_film_damper]", **{**DAMPER, **more, "node": n}) for n in (1, 3)]
     stiff = shaft(0.0, 0.1, 0.2, material=table("material", young=young, density=density))

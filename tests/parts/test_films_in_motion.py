@@ -62,6 +62,29 @@ def test_linear_threshold_is_bracketed_by_integration():
         assert (_size(run, 0.05, speed, rest) > before) == grows
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("factor", "grows"), [(0.99, False), (1.01, True)])
+def test_the_fmu_brackets_the_threshold_of_a_rigid_rotor_by_one_per_cent(machine_of, factor, grows):
+    """Begun 1 % of the clearance off its rest, the whirl of Friswell's film decays or grows."""
+    text = heavy_shaft() + film(1, short=True) + film(3, short=True)
+    threshold = bearing_curves(parse_rotor(text), np.linspace(400.0, 1200.0, 5)).threshold
+    speed = factor * threshold
+    at = bearing_curves(parse_rotor(text), [speed])
+    rest = complex(at.x[0], at.y[0])
+    start = table("start", x=rest.real + 1e-6, y=rest.imag)
+    with machine_of(text + start).start(speed=speed, tolerance=1e-4) as run:
+        sizes = []
+        for end in (0.3, 1.8):  # of two windows of some whirls each
+            run.advance(end)
+            places = []
+            for _ in range(250):
+                run.advance(run.time + 2e-4)
+                places.append(complex(*run.read("body[1].x", "body[1].y")))
+            sizes.append(np.abs(places - np.mean(places)).max())
+    assert (sizes[1] > 1.2 * sizes[0]) if grows else (sizes[1] < sizes[0] / 1.2)
+    assert sizes[1] < 0.5e-4
+
+
 def test_ledger_closes_through_a_threshold():
     rotor = in_films(e=2e-6)
     run = _run(rotor, 400.0, 1e-3)
@@ -160,11 +183,40 @@ def test_centred_circular_orbits_of_a_short_damper(e):
         assert force == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize("e", [0.1, 0.5, 0.8])
+def test_centred_circular_orbits_of_a_sealed_damper(e):
+    """Sommerfeld's closed form of a long film, all around and its positive half."""
+    omega = 100.0
+    scale = (
+        12 * math.pi * 0.01 * 0.05**3 * 0.02 * omega / 1e-8 * e / (2 + e**2) / math.sqrt(1 - e**2)
+    )
+    for full in (False, True):
+        part = SqueezeFilmDamper(**DAMPER, sealed=True, full=full, points=192)
+        force = BearingAlone(part, 0.0).force(e * 1e-4, 1j * omega * e * 1e-4) / scale
+        if full:
+            assert force == pytest.approx(-2j, rel=3e-4)
+        else:
+            assert force.imag == pytest.approx(-1.0, rel=4e-4)
+            assert force.real == pytest.approx(-2 / math.pi * e / math.sqrt(1 - e**2), rel=2e-3)
+
+
+def test_a_full_film_of_finite_length_is_weaker_than_a_short_one():
+    """By less than 2 % of a fifth of the diameter, on a small orbit; it has no pull either."""
+    v = 1e-3j
+    forces = [
+        BearingAlone(SqueezeFilmDamper(**DAMPER, short=short, full=True), 0.0).force(1e-5, v)
+        for short in (True, False)
+    ]
+    assert 0.98 < forces[1].imag / forces[0].imag < 1.0
+    assert abs(forces[1].real) < 1e-9 * abs(forces[1])
+
+
 def test_tangent_of_a_damper():
-    for options in ({"short": True}, {"short": True, "full": True}, {}):
+    sealed = {"sealed": True}
+    for options in ({"short": True}, {"short": True, "full": True}, {}, {"full": True}, sealed):
         damper = BearingAlone(SqueezeFilmDamper(**DAMPER, stiffness=1e5, **options), 0.0)
         d, v = 3e-5 - 4e-5j, 1e-3 + 2e-3j
-        for weights, h in ((Weights(1.0, 0.0, 0.0), 1e-10), (Weights(0.0, 1.0, 0.0), 1e-7)):
+        for weights, h in ((Weights(1.0, 0.0, 0.0), 1e-9), (Weights(0.0, 1.0, 0.0), 1e-7)):
             seen = []
             for z in (1, 1j):
                 by_d, by_v = h * weights.displacement * z, h * weights.velocity * z
@@ -192,9 +244,24 @@ def test_jump_of_a_rotor_on_dampers():
     assert _orbit(_run(rotor, 200.0), 200.0, 4.0) == pytest.approx(0.41580, rel=5e-3)
 
 
+def test_a_heavy_unbalance_locks_the_dampers_up():
+    """Six tenths of the clearance out of balance there is one orbit at twice the natural frequency,
+    the large one, at which the film is a stiff spring: a rotor begun at rest goes there."""
+    natural, s, U, B = 100.0, 2.0, 0.6, 0.05
+    viscosity = B * 10.0 * 1e-12 * natural / (2 * 0.05 * 0.02**3)
+    e = np.linspace(1e-3, 0.999, 100000)
+    stiff, drag = 2 * B * s * e / (1 - e**2) ** 2, math.pi * B * s / (2 * (1 - e**2) ** 1.5)
+    left = e**2 * ((1 - s**2 + stiff) ** 2 + drag**2) - (U * s**2) ** 2
+    orbits = e[:-1][np.diff(np.sign(left)) != 0]
+    assert len(orbits) == 1
+    assert stiff[np.searchsorted(e, orbits[0])] > 3.0  # than the centring springs
+    run = _run(on_dampers(viscosity, e=1e-4 * U), s * natural)
+    assert _orbit(run, s * natural, 2.0) == pytest.approx(orbits[0], rel=5e-3)
+
+
 def test_bad_damper_is_refused():
-    with pytest.raises(QuantityError, match=r"full = true: needs squeeze_film_damper\[1\].short"):
-        SqueezeFilmDamper(**DAMPER, full=True).check("squeeze_film_damper[1]")
+    with pytest.raises(QuantityError, match=r"sealed = true: needs squeeze_film_damper\[1\].short"):
+        SqueezeFilmDamper(**DAMPER, sealed=True, short=True).check("squeeze_film_damper[1]")
 
 
 # --- FMUs ---

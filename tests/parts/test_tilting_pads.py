@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from rotor_fmu.model.contact.film import bearing_of
 from rotor_fmu.model.contact.tilting import pad_balance
-from rotor_fmu.model.linear import bearing_curves, modes, unbalance_response
+from rotor_fmu.model.linear import (
+    LinearError,
+    bearing_curves,
+    modes,
+    static,
+    unbalance_response,
+)
 from rotor_fmu.model.linear.bearing import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
@@ -296,6 +303,16 @@ def test_pads_without_preload_hold_a_journal_off_their_middle():
     assert film.x[0] == pytest.approx(0.0, abs=1e-3 * film.clearance)
     journal = complex(_run(rotor, 500.0).motion.q[0])
     assert journal == pytest.approx(complex(film.x[0], film.y[0]), abs=1e-6 * film.clearance)
+
+
+def test_without_gravity_pads_without_preload_are_said_to_lack_stiffness_not_to_be_too_few():
+    rotor = replace(_in_pads(preload=0.0), gravity=0.0)
+    with pytest.raises(LinearError) as refused:
+        static(rotor, 0.0)
+    said = str(refused.value)
+    assert "2 bearings and supports have no stiffness" in said
+    assert "gravity is 0" in said
+    assert "at least 2" not in said
 
 
 def test_pads_are_stable_far_beyond_the_whip_of_pads_that_stand():

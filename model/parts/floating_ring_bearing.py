@@ -1,0 +1,404 @@
+"""A bearing with a floating ring: two oil films in series, and the ring between them.
+
+The ring's place, velocity and speed of rotation are states of the law (`contact.floating_ring`).
+Over a step they follow the journal by one system of equations in the ring's velocity and speed,
+solved by Newton's method. Where equilibrium is sought the ring is where it rests; as the machine
+vibrates it follows at a frequency. Its weight, the mass times the machine's gravity, is with the
+law's table (`Law.weigh`), its potential energy with its kinetic one in the ledger.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from ..contact.film import FilmBearing
+from ..contact.floating_ring import answer, sheared, stiffness, torque_of
+from ..kernels.functions import modulus
+from ..kernels.jit import jit, jit_not_inlined
+from ..quantities import SPEED, Output, QuantityError, check_all, places, quantity, switch
+from .base import GROUND, Element, Interface, Part, Shape
+from .film_law import LOSSES as FILM_LOSSES
+from .film_law import POINTS, check_film, film_table, whole_circle
+from .law import Kinematics, Law
+
+_STEPS, _REST_STEPS = 60, 120
+_NEAR = 1e-7  # of the scales: what Newton's last step leaves is of second order in it
+_AT_REST = 1e-10  # of the clearance
+_REACH = 0.2  # of the smaller clearance, that a step moves the ring
+_SLOW = 1e-4  # of the speed: the least frequency of a vibration
+_WEIGHT = places(("x", "y"))  # gravity, at the head of the law's table
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingQuantities:
+    """The quantities of a floating ring: radius [m], length [m], radial clearance [m] and viscosity
+    [Pa.s] of the inner film, `outer_` those of the outer one; mass [kg] and polar moment of inertia
+    [kg.m2] of the ring; roughness of all surfaces [m]."""
+
+    journal_radius: float = quantity("m", "radius of the journal")
+    length: float = quantity("m", "length of the inner film along the shaft")
+    clearance: float = quantity("m", "radial clearance of the inner film", is_parameter=True)
+    viscosity: float = quantity(
+        "Pa.s", "dynamic viscosity of the lubricant in the inner film", is_tunable=True
+    )
+    outer_radius: float = quantity("m", "outer radius of the ring")
+    outer_length: float = quantity("m", "length of the outer film along the shaft")
+    outer_clearance: float = quantity("m", "radial clearance of the outer film", is_parameter=True)
+    outer_viscosity: float = quantity(
+        "Pa.s", "dynamic viscosity of the lubricant in the outer film", is_tunable=True
+    )
+    ring_mass: float = quantity("kg", "mass of the ring")
+    ring_inertia: float = quantity("kg.m2", "polar moment of inertia of the ring")
+    roughness: float = quantity(
+        "m", "film thickness at which surfaces touch: their roughness", default=2e-7
+    )
+    short: bool = switch("Ocvirk's films in the place of those of finite length", False)
+    points: float = quantity("1", "elements of each film", POINTS, 48.0)
+
+
+OUTPUTS = (
+    Output("fx", "N", "force on the rotor, to the right", True, 10.0, reached_by=SPEED),
+    Output("fy", "N", "force on the rotor, upwards", True, 10.0, reached_by=SPEED),
+    Output("ring_x", "m", "displacement of the ring to the right", True, 1e-5),
+    Output("ring_y", "m", "displacement of the ring upwards", True, 1e-5),
+    Output("ring_speed", "rad/s", "speed at which the ring turns", True, 1000.0),
+    Output(
+        *("ratio", "1", "speed of the ring over that of the rotor; 0 at standstill", True, 1.0),
+        reached_by=SPEED,
+    ),
+    Output("eccentricity", "1", "of the journal in the ring, over the clearance", True, 1.0),
+    Output("outer_eccentricity", "1", "of the ring, over the outer clearance", True, 1.0),
+    Output(
+        *("torque", "N.m", "torque of the inner film that brakes the rotor"),
+        nominal=0.01,
+        reached_by=SPEED,
+    ),
+    Output("power", "W", "dissipated in the inner film", nominal=10.0, reached_by=SPEED),
+    Output("outer_power", "W", "dissipated in the outer film", nominal=10.0),
+)
+STORES = (
+    Output(
+        "rings",
+        "J",
+        "energy of floating rings: kinetic, and potential of gravity from the middle on",
+        nominal=1e-3,
+    ),
+)
+LOSSES = FILM_LOSSES[:1]
+_OUT, _LOSS = places(OUTPUTS), places(LOSSES)
+_STATE = places(("x", "y", "vx", "vy", "speed"))
+
+
+@jit
+def _films(part):
+    """Return the `FilmBearing`s of the inner and the outer film, whose tables are one after the
+    other behind the ring's weight."""
+    begin = part.table + len(_WEIGHT)
+    behind = begin + (part.rows - len(_WEIGHT)) // 2
+    contact = (0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0)
+    inner = FilmBearing(
+        *(begin, part.journal_radius, part.length, part.clearance, part.viscosity),
+        *(part.roughness, part.short, part.points, *contact),
+    )
+    outer = FilmBearing(
+        *(behind, part.outer_radius, part.outer_length, part.outer_clearance),
+        *(part.outer_viscosity, part.roughness, part.short, part.points, *contact),
+    )
+    return inner, outer
+
+
+class Ring(NamedTuple):
+    """A ring at an instant: its `Sheared` films, velocities of the journal in it and of itself
+    [m/s], its speed [rad/s]; force [N] and torque [N.m] on it, without those of its inertia."""
+
+    inner: Any
+    outer: Any
+    past: complex
+    velocity: complex
+    speed: float
+    force: complex
+    torque: float
+
+
+@jit_not_inlined
+def _ring(part, tables, kinematics, x, velocity, speed):
+    """Return the `Ring` at a place [m]."""
+    of_inner, of_outer = _films(part)
+    d, past, omega = kinematics.displacement - x, kinematics.velocity - velocity, kinematics.speed
+    inner = sheared(of_inner, tables, Kinematics(d, past, omega + speed, omega - speed, 0.0))
+    outer = sheared(of_outer, tables, Kinematics(x, velocity, speed, speed, 0.0))
+    weight = part.ring_mass * complex(tables[part.table], tables[part.table + 1])
+    return Ring(
+        *(inner, outer, past, velocity, speed),
+        outer.force - inner.force + weight,
+        torque_of(inner, 1.0) - torque_of(outer, -1.0),
+    )
+
+
+@jit
+def _ring_with(part, tables, kinematics, states):
+    """Return the `Ring` of internal states."""
+    return _ring(
+        *(part, tables, kinematics, complex(states[0], states[1])),
+        *(complex(states[2], states[3]), states[4]),
+    )
+
+
+@jit
+def _keep(internal_state, x, velocity, speed):
+    """Fill in the states of a ring."""
+    internal_state[_STATE.x] = x.real
+    internal_state[_STATE.y] = x.imag
+    internal_state[_STATE.vx] = velocity.real
+    internal_state[_STATE.vy] = velocity.imag
+    internal_state[_STATE.speed] = speed
+
+
+@jit
+def _within(part, size):
+    """Return the share of a move of a size [m] that a step of Newton's method takes."""
+    reach = _REACH * min(part.clearance, part.outer_clearance)
+    return reach / size if size > reach else 1.0
+
+
+@jit_not_inlined
+def _at_rest(part, tables, kinematics, internal_state):
+    """Return the `Ring` where it rests about a journal at rest, looked for from the states on and
+    filled in there; by implicit steps of a ring without inertia, ever longer ones."""
+    x = complex(internal_state[_STATE.x], internal_state[_STATE.y])
+    speed = internal_state[_STATE.speed]
+    at = _ring(part, tables, kinematics, x, 0.0j, speed)
+    if kinematics.speed == 0.0:  # nothing carries it
+        return at
+    step = 1.0 / abs(kinematics.speed)
+    for _ in range(_REST_STEPS):
+        found = answer(
+            *(at.inner, at.outer, 1.0 + 0.0j, 0.0j, step + 0.0j, 1.0 + 0.0j, 0.0j, 0.0j),
+            *(at.force, at.torque),
+        )
+        size = step * modulus(found.moved)
+        x += found.moved * (step * _within(part, size))
+        speed += found.turned
+        at = _ring(part, tables, kinematics, x, 0.0j, speed)
+        if size <= _AT_REST * part.clearance:
+            break
+        step *= 2.0
+    _keep(internal_state, x, 0.0j, speed)
+    return at
+
+
+@jit_not_inlined
+def _force(part, tables, kinematics, internal_state):
+    """Implement this function of a law; see `parts.law`."""
+    return _ring_with(part, tables, kinematics, internal_state).inner.force
+
+
+@jit_not_inlined
+def _tangent(part, tables, kinematics, weights, free, internal_state):
+    """Implement this function of a law; see `parts.law`."""
+    b = weights.rate
+    by_d, by_v = complex(weights.displacement, 0.0), complex(weights.velocity, 0.0)
+    if b == 0.0 and kinematics.sliding_speed == 0.0:
+        at = _at_rest(part, tables, kinematics, internal_state)
+        none = 0.0j
+        seen = answer(
+            *(at.inner, at.outer, by_d, by_v, 1.0 + 0.0j, none, none, none, none, 0.0)
+        ).matrix
+        return at.inner.force, seen.aa, seen.ab
+    if b == 0.0:
+        at = _ring_with(part, tables, kinematics, free)
+        _keep(internal_state, at.outer.z, at.velocity, at.speed)
+        seen = stiffness(at.inner, by_d, by_v)
+        return at.inner.force, seen.aa, seen.ab
+    begun = complex(free[_STATE.x], free[_STATE.y])
+    before = complex(free[_STATE.vx], free[_STATE.vy])
+    v, speed = before, free[_STATE.speed]
+    mass, inertia = part.ring_mass / b, part.ring_inertia / b
+    fast = abs(kinematics.speed) + abs(speed)
+    quick = part.clearance * fast + modulus(kinematics.velocity) + modulus(before)
+    force = p = q = 0.0j
+    for _ in range(_STEPS):
+        at = _ring(part, tables, kinematics, begun + b * v, v, speed)
+        found = answer(
+            *(at.inner, at.outer, by_d, by_v, b + 0.0j, 1.0 + 0.0j, mass + 0.0j, inertia + 0.0j),
+            at.force - mass * (v - before),
+            at.torque - inertia * (speed - free[_STATE.speed]),
+        )
+        size = modulus(found.moved)
+        share = _within(part, b * size)
+        v += share * found.moved
+        speed += share * found.turned
+        force = at.inner.force + share * found.force
+        p, q = found.matrix.aa, found.matrix.ab
+        if size <= _NEAR * quick and abs(found.turned) <= _NEAR * fast:
+            break
+    _keep(internal_state, begun + b * v, v, speed)
+    return force, p, q
+
+
+@jit_not_inlined
+def _rates(part, tables, kinematics, internal_state, out):
+    """Implement this function of a law; see `parts.law`."""
+    at = _ring_with(part, tables, kinematics, internal_state)
+    gain = at.force * (1.0 / part.ring_mass)
+    _keep(out, at.velocity, gain, at.torque / part.ring_inertia)
+
+
+@jit
+def _energy(part, tables, displacement, internal_state):
+    """Implement this function of a law (see `parts.law`): the ring's."""
+    vx, vy, w = internal_state[_STATE.vx], internal_state[_STATE.vy], internal_state[_STATE.speed]
+    fallen = tables[part.table] * internal_state[_STATE.x]
+    fallen += tables[part.table + 1] * internal_state[_STATE.y]
+    kinetic = 0.5 * part.ring_mass * (vx * vx + vy * vy) + 0.5 * part.ring_inertia * w * w
+    return (kinetic - part.ring_mass * fallen,)
+
+
+@jit
+def _powers(at, omega):
+    """Return the powers dissipated in the inner and the outer film [W], and the torque that brakes
+    the rotor [N.m]."""
+    torque = torque_of(at.inner, -1.0)
+    inner = torque * omega - torque_of(at.inner, 1.0) * at.speed
+    inner -= (at.inner.force * at.past.conjugate()).real
+    outer = torque_of(at.outer, -1.0) * at.speed
+    outer -= (at.outer.force * at.velocity.conjugate()).real
+    return inner, outer, torque
+
+
+@jit_not_inlined
+def _dissipate(part, tables, kinematics, internal_state, out):
+    """Implement this function of a law (see `parts.law`): both films."""
+    at = _ring_with(part, tables, kinematics, internal_state)
+    inner, outer, torque = _powers(at, kinematics.speed)
+    out[_LOSS.film] = inner + outer
+    return torque
+
+
+@jit_not_inlined
+def _observe(part, tables, kinematics, internal_state, out):
+    """Implement this function of a law; see `parts.law`."""
+    at = _ring_with(part, tables, kinematics, internal_state)
+    inner, outer, torque = _powers(at, kinematics.speed)
+    out[_OUT.fx] = at.inner.force.real
+    out[_OUT.fy] = at.inner.force.imag
+    out[_OUT.ring_x] = internal_state[_STATE.x]
+    out[_OUT.ring_y] = internal_state[_STATE.y]
+    out[_OUT.ring_speed] = at.speed
+    out[_OUT.ratio] = at.speed / kinematics.speed if kinematics.speed != 0.0 else 0.0
+    out[_OUT.eccentricity] = modulus(at.inner.z) / part.clearance
+    out[_OUT.outer_eccentricity] = modulus(at.outer.z) / part.outer_clearance
+    out[_OUT.torque] = torque
+    out[_OUT.power] = inner
+    out[_OUT.outer_power] = outer
+
+
+@jit_not_inlined
+def _vibrate(part, tables, kinematics, frequency, free, internal_state):
+    """Implement this function of a law; see `parts.law`."""
+    for i in range(len(_STATE)):
+        internal_state[i] = free[i]
+    at = _at_rest(part, tables, kinematics, internal_state)
+    w = max(frequency, _SLOW * abs(kinematics.speed), 1e-6)
+    by_v = complex(0.0, w)
+    seen = answer(
+        *(at.inner, at.outer, 1.0 + 0.0j, by_v, 1.0 + 0.0j, by_v),
+        *(complex(-w * w * part.ring_mass, 0.0), by_v * part.ring_inertia, 0.0j, 0.0),
+    ).matrix
+    # aa = p_d + i w p_v, bb = conj(p_d) + i w conj(p_v), and so ab and ba of q
+    half = complex(0.0, -0.5 / w)
+    return (
+        at.inner.force,
+        0.5 * (seen.aa + seen.bb.conjugate()),
+        0.5 * (seen.ab + seen.ba.conjugate()),
+        half * (seen.aa - seen.bb.conjugate()),
+        half * (seen.ab - seen.ba.conjugate()),
+    )
+
+
+@jit
+def _weigh(part, tables, gravity):
+    """Implement this function of a law; see `parts.law`."""
+    tables[part.table] = gravity.real
+    tables[part.table + 1] = gravity.imag
+
+
+@jit
+def _length(part):
+    """Implement this function of a law; see `parts.law`."""
+    return part.clearance
+
+
+@jit
+def _breaks(part, tables, displacement, internal_state):
+    """Implement this function of a law; see `parts.law`."""
+    x = complex(internal_state[_STATE.x], internal_state[_STATE.y])
+    inner = part.clearance - modulus(displacement - x)
+    return min(inner, part.outer_clearance - modulus(x)) < part.roughness
+
+
+FLOATING_RING_BEARING = Law(
+    name="floating_ring_bearing",
+    kind=RingQuantities,
+    force=_force,
+    tangent=_tangent,
+    energy=_energy,
+    dissipate=_dissipate,
+    observe=_observe,
+    length=_length,
+    rates=_rates,
+    breaks=_breaks,
+    vibrate=_vibrate,
+    weigh=_weigh,
+    outputs=OUTPUTS,
+    stores=STORES,
+    losses=LOSSES,
+    states=tuple(0.0 for _ in _STATE),
+    table=lambda part: np.concatenate(
+        [np.zeros(len(_WEIGHT)), *2 * [film_table([whole_circle()], part.points)]]
+    ),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FloatingRingBearing(RingQuantities, Part):
+    """A bearing with a floating ring between a node (from 1) and ground, at rest in its films at
+    the start."""
+
+    KIND: ClassVar[str] = "floating_ring_bearing"
+    TEXT: ClassVar[str] = "a journal in an oil film, in a ring that floats and turns in another one"
+    LAWS: ClassVar[tuple[Law, ...]] = (FLOATING_RING_BEARING,)
+
+    node: int
+
+    def check(self, where: str) -> None:
+        """Raise `QuantityError`, for films and rings that cannot be too."""
+        check_all(where, self)
+        check_film(where, self)
+        check_film(where, self, "outer_", "outer_radius")
+        bore = self.journal_radius + self.clearance
+        if self.outer_radius <= bore:
+            raise QuantityError(
+                f"{where}.outer_radius = {self.outer_radius:g} m: must be above {bore:g} m, the "
+                "inner radius of the ring"
+            )
+        largest = self.ring_mass * self.outer_radius * self.outer_radius
+        if self.ring_inertia > largest:
+            raise QuantityError(
+                f"{where}.ring_inertia = {self.ring_inertia:g} kg.m2: must be at most {largest:g} "
+                "kg.m2, that of its mass at its outer radius"
+            )
+
+    def elements(self, where: str, density: float) -> Iterator[Element]:
+        """One interface."""
+        yield Interface(self.node, FLOATING_RING_BEARING, self, GROUND)
+
+    def outline(self) -> Iterator[Shape]:
+        """The ring about the journal, and a bush about it."""
+        bore, outer = self.journal_radius, self.outer_radius
+        yield Shape(-0.5 * self.length, self.length, bore, outer, "body")
+        yield Shape(-0.5 * self.outer_length, self.outer_length, outer, outer, "stator")

@@ -1,0 +1,422 @@
+"""Bearings with floating rings: closed forms, their own differences, CVODE on equations of its own,
+ledger and backends."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
+from rotor_fmu.model.parts.law import Kinematics, Weights
+from rotor_fmu.model.parts.law_alone import LawAlone
+from rotor_fmu.model.quantities import QuantityError
+from rotor_fmu.model.settings import choose
+from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
+from scipy.optimize import fsolve
+from sksundae.cvode import CVODE
+
+from ..toml_text import table
+from .machines import shaft
+
+RING = {
+    **{"journal_radius": 3.5e-3, "length": 5e-3, "clearance": 1.6e-5, "viscosity": 0.006},
+    **{"outer_radius": 6e-3, "outer_length": 7e-3, "outer_clearance": 4e-5},
+    **{"outer_viscosity": 0.010, "ring_mass": 3.5e-3, "ring_inertia": 8.5e-8, "short": True},
+}
+SPEED, G = 4000.0, 9.81
+INNER, OUTER = ("journal_radius", "length", "clearance", "viscosity"), "outer_"
+
+
+def _numbers(side):
+    names = INNER if side == "inner" else [f"{OUTER}{n}" for n in ("radius", *INNER[1:])]
+    return [RING[name] for name in names]
+
+
+def _ring(**more):
+    part = FloatingRingBearing(node=1, **{**RING, **more})
+    part.check("floating_ring_bearing")
+    return part
+
+
+class _Law:
+    """A bearing's law by itself, its states given; gravity to the right and downwards [m/s2]."""
+
+    def __init__(self, part, gravity=0j, speed=SPEED):
+        self.alone = LawAlone(part, speed, "floating_ring_bearing")
+        self.law, self.record, self.tables = (
+            self.alone._law,
+            self.alone._record,
+            self.alone._tables,
+        )
+        interpreted(self.law.weigh)(self.record, self.tables, gravity)
+        self.speed = speed
+
+    def _at(self, d, v):
+        return self.record, self.tables, Kinematics(d, v, self.speed, self.speed, 0.0)
+
+    def step(self, d, v, weights, free):
+        """Force, tangent and states at the end of a step."""
+        own = np.zeros(5)
+        force, p, q = interpreted(self.law.tangent)(*self._at(d, v), weights, free, own)
+        return force, np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]]), own
+
+    def force(self, d, v, own):
+        return interpreted(self.law.force)(*self._at(d, v), own)
+
+    def rates(self, d, v, own):
+        out = np.zeros(5)
+        interpreted(self.law.rates)(*self._at(d, v), own, out)
+        return out
+
+
+# --- at rest ---
+
+
+def _drag(side, e=0.0):
+    """Petroff's friction torque over the speed [N.m.s], of an eccentric journal."""
+    R, L, c, mu = _numbers(side)
+    return 2.0 * math.pi * mu * R**3 * L / (c * math.sqrt(1.0 - e * e))
+
+
+def test_a_concentric_ring_turns_as_the_friction_of_both_films_says():
+    film = LawAlone(_ring(), SPEED, "")
+    seen = film.outputs(0j)
+    (R_i, L_i, c_i, mu_i), (R_o, L_o, c_o, mu_o) = _numbers("inner"), _numbers("outer")
+    ratio = 1.0 / (1.0 + c_i / c_o * L_o / L_i * (R_o / R_i) ** 3 * mu_o / mu_i)
+    assert seen["ratio"] == pytest.approx(ratio, rel=1e-12)
+    assert seen["ring_speed"] == pytest.approx(ratio * SPEED, rel=1e-12)
+    torque = _drag("inner") * (1.0 - ratio) * SPEED
+    assert seen["torque"] == pytest.approx(torque, rel=1e-12)
+    assert seen["power"] == pytest.approx(torque * (1.0 - ratio) * SPEED, rel=1e-12)
+    assert seen["outer_power"] == pytest.approx(torque * ratio * SPEED, rel=1e-12)
+
+
+def _ocvirk(side, z, turning):
+    """The force of a short film on a journal at z that does not whirl, in closed form [N]."""
+    R, L, c, mu = _numbers(side)
+    e, along = abs(z) / c, z / abs(z)
+    scale = mu * R * L**3 / c**2 * turning
+    radial = -(e**2) / (1.0 - e**2) ** 2
+    across = math.pi * e / (4.0 * (1.0 - e**2) ** 1.5)
+    return scale * complex(radial, across) * along
+
+
+def _series(load):
+    """Journal, ring [m] and speed of the ring where two films in series carry a load downwards and
+    the ring's weight."""
+
+    def left(u):
+        d, x, w = complex(*u[:2]) * 1e-5, complex(*u[2:4]) * 1e-5, u[4] * SPEED
+        inner = _ocvirk("inner", d - x, SPEED + w)
+        outer = _ocvirk("outer", x, w)
+        driven, braked = (
+            _drag("inner", abs(d - x) / RING["clearance"]) * (SPEED - w),
+            _drag("outer", abs(x) / RING["outer_clearance"]) * w,
+        )
+        driven += 0.5 * ((d - x) * inner.conjugate()).imag
+        braked -= 0.5 * (x * outer.conjugate()).imag
+        on_journal = inner - 1j * load
+        on_ring = outer - inner - 1j * RING["ring_mass"] * G
+        torque = (driven - braked) / (_drag("inner") * SPEED)
+        return [
+            *(on_journal.real / load, on_journal.imag / load),
+            *(on_ring.real / load, on_ring.imag / load, torque),
+        ]
+
+    u = fsolve(left, [0.5, -0.5, 0.4, -0.4, 0.2], xtol=1e-13)
+    assert np.abs(left(u)).max() < 1e-9
+    return complex(*u[:2]) * 1e-5, complex(*u[2:4]) * 1e-5, u[4] * SPEED
+
+
+def _rigid(mass=0.1, e=0.0, **more):
+    """A body amid a light shaft in two such bearings, whose load is half its weight."""
+    body = table("[body]", node=2, mass=mass, I_d=1e-5, I_p=1e-5, e=e)
+    light = table("material", young=2.1e13, density=1.0)
+    rings = "".join(table("[floating_ring_bearing]", node=n, **{**RING, **more}) for n in (1, 3))
+    return shaft(0.0, 0.02, 0.04, diameter=0.007, material=light) + body + rings
+
+
+def _run(text, speed=SPEED, tolerance=1e-4, **options):
+    return Simulation(
+        parse_rotor(text),
+        choose("controlled", tolerance=tolerance),
+        speed=speed,
+        warn=lambda _: None,
+        **options,
+    )
+
+
+def _mass(rotor):
+    """The mass that one bearing carries [kg]."""
+    return 0.5 * (rotor.structure.mass_sum[::2].sum())
+
+
+def test_a_run_begins_where_both_films_carry_the_load_in_series():
+    run = _run(_rigid())
+    d, x, w = _series(_mass(run) * G)
+    name = "floating_ring_bearing[1]"
+    assert complex(run.motion.q[0]) == pytest.approx(d, rel=1e-6)
+    ring = complex(run.read(f"{name}.ring_x"), run.read(f"{name}.ring_y"))
+    assert ring == pytest.approx(x, rel=1e-6)
+    assert run.read(f"{name}.ring_speed") == pytest.approx(w, rel=1e-6)
+    assert run.read(f"{name}.eccentricity") == pytest.approx(
+        abs(d - x) / RING["clearance"], rel=1e-6
+    )
+    # without gravity both are in the middle
+    still = _run(f"gravity = 0.0\n{_rigid()}")
+    assert abs(still.read(f"{name}.ring_y")) < 1e-9 * RING["clearance"]
+
+
+# --- tangents ---
+
+
+def _states(seed, count):
+    random = np.random.default_rng(seed)
+    c_i, c_o = RING["clearance"], RING["outer_clearance"]
+
+    def drawn(size):
+        return size * math.sqrt(random.random()) * np.exp(2j * math.pi * random.random())
+
+    for _ in range(count):
+        x, v = drawn(0.8 * c_o), drawn(0.5 * c_o * SPEED)
+        d, past = x + drawn(0.8 * c_i), drawn(0.5 * c_i * SPEED)
+        spin = random.uniform(-0.2, 0.8) * SPEED
+        yield d, past, np.array([x.real, x.imag, v.real, v.imag, spin]), random
+
+
+@pytest.mark.parametrize(("short", "count"), [(True, 20), (False, 2)])
+def test_a_step_follows_its_equations_and_its_tangent_is_the_derivative(short, count):
+    law = _Law(_ring(short=short, points=16), complex(3.0, -G))
+    c = RING["clearance"]
+    scales = np.array([c, c, c * SPEED, c * SPEED, SPEED])
+    for d, v, free, random in _states(1, count):
+        b = 10 ** random.uniform(-6.5, -4)
+        weights = Weights(0.5 * b * b, b, b)
+        force, tangent, own = law.step(d, v, weights, free)
+        followed = free + b * law.rates(d, v, own)
+        np.testing.assert_allclose(own / scales, followed / scales, atol=1e-11)
+        assert force == pytest.approx(law.force(d, v, own), rel=1e-11)
+        errors = []
+        for h in (1e-3, 1e-4, 1e-5):
+            h *= c * SPEED / weights.velocity
+            columns = []
+            for z in (1.0, 1j):
+                ahead, behind = (
+                    law.step(
+                        d + s * h * weights.displacement * z,
+                        v + s * h * weights.velocity * z,
+                        weights,
+                        free,
+                    )[0]
+                    for s in (1, -1)
+                )
+                change = (ahead - behind) / (2 * h)
+                columns.append([change.real, change.imag])
+            errors.append(np.abs(np.transpose(columns) - tangent).max())
+        assert min(errors) < 1e-6 * np.abs(tangent).max()
+
+
+def _linear(law, rest, d, size):
+    """Derivatives of force and rates by displacement, velocity and states, by differences."""
+    columns = []
+    scales = [size] * 2 + [size * SPEED] * 2 + [size] * 2 + [size * SPEED] * 2
+    scales.append(SPEED * size / RING["clearance"])
+    for i, scale in enumerate(scales):
+        ends = []
+        for s in (1.0, -1.0):
+            moved, own = [d, 0j], rest.copy()
+            if i < 4:
+                moved[i // 2] += s * scale * (1.0, 1j)[i % 2]
+            else:
+                own[i - 4] += s * scale
+            force = law.force(*moved, own)
+            ends.append(np.array([force.real, force.imag, *law.rates(*moved, own)]))
+        columns.append((ends[0] - ends[1]) / (2 * scale))
+    both = np.array(columns).T
+    return both[:2], both[2:]
+
+
+@pytest.mark.parametrize("frequency", [0.2, 1.0, 3.0])
+def test_a_vibration_is_that_of_the_equations_linearized_by_differences(frequency):
+    law = _Law(_ring())
+    film = law.alone
+    d = 4e-6 - 7e-6j
+    w = frequency * SPEED
+    _, by_d, by_v = film.settle(d, w)
+    F, r = _linear(law, film._states, d, 1e-4 * RING["clearance"])
+    states = np.linalg.solve(1j * w * np.eye(5) - r[:, 4:], r[:, :2] + 1j * w * r[:, 2:4])
+    dynamic = F[:, :2] + 1j * w * F[:, 2:4] + F[:, 4:] @ states
+    most = np.abs(dynamic).max()
+    np.testing.assert_allclose(by_d, dynamic.real, atol=1e-5 * most)
+    np.testing.assert_allclose(w * by_v, dynamic.imag, atol=1e-5 * most)
+
+
+# --- in motion ---
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
+
+
+def _pressed(side, z, velocity, turning):
+    """The force of a short film on its journal: what is positive of its pressure summed up [N]."""
+    R, L, c, mu = _numbers(side)
+    moved = (2.0 * velocity - 1j * turning * z) / c
+    theta = np.angle(moved) + 0.5 * math.pi * _NODES
+    e = np.exp(1j * theta)
+    pressed = (moved * e.conj()).real / (1.0 - (z / c * e.conj()).real) ** 3
+    return -mu * R * L**3 / (2.0 * c**2) * 0.5 * math.pi * (_WEIGHTS * pressed) @ e
+
+
+def _slope(y, mass, push):
+    """Rates of journal, ring and the ring's speed, over the clearance and the speed."""
+    c = RING["clearance"]
+    d, v, x, u = (c * complex(y[i], y[i + 1]) for i in (0, 2, 4, 6))
+    v, u, w = v * SPEED, u * SPEED, y[8] * SPEED
+    inner = _pressed("inner", d - x, v - u, SPEED + w)
+    outer = _pressed("outer", x, u, w)
+    driven = _drag("inner", abs(d - x) / c) * (SPEED - w)
+    driven += 0.5 * ((d - x) * inner.conjugate()).imag
+    braked = _drag("outer", abs(x) / RING["outer_clearance"]) * w
+    braked -= 0.5 * (x * outer.conjugate()).imag
+    a = (inner + push) / mass - 1j * G
+    b = (outer - inner) / RING["ring_mass"] - 1j * G
+    spin = (driven - braked) / RING["ring_inertia"] / SPEED
+    v, u, a, b = (z / c for z in (v, u, a / SPEED, b / SPEED))
+    return [v.real, v.imag, a.real, a.imag, u.real, u.imag, b.real, b.imag, spin]
+
+
+def _rhs(mass, push):
+    def slope(t, y, out):
+        out[:] = _slope(y, mass, push)
+
+    return slope
+
+
+def test_a_pushed_rotor_moves_as_cvode_integrates_its_equations():
+    """From rest, pushed for a millisecond; the journal, the ring and its speed thereafter."""
+    run = _run(_rigid(), tolerance=1e-4)
+    name, c = "floating_ring_bearing[1]", RING["clearance"]
+    mass, push = _mass(run), 2.0
+
+    def state():
+        journal, ring = (
+            complex(run.motion.q[0]) / c,
+            complex(run.read(f"{name}.ring_x"), run.read(f"{name}.ring_y")) / c,
+        )
+        return journal, ring, run.read(f"{name}.ring_speed") / SPEED
+
+    d, x, w = state()
+    y = np.array([d.real, d.imag, 0.0, 0.0, x.real, x.imag, 0.0, 0.0, w])
+    seen, expected = [], []
+    for begin, end, of in ((0.0, 1e-3, push), (1e-3, 0.02, 0.0)):
+        times = np.linspace(begin, end, 40)[1:]
+        solver = CVODE(_rhs(mass, of), rtol=1e-8, atol=1e-10, max_num_steps=10**6)
+        rows = solver.solve(np.concatenate([[begin], times]), y).y[1:]
+        y = rows[-1]
+        expected += [(complex(*row[:2]), complex(*row[4:6]), row[8]) for row in rows]
+        for t in times:
+            run.advance(t, SPEED, np.array([2.0 * of + 0j]))
+            seen.append(state())
+    seen, expected = np.array(seen), np.array(expected)
+    moved = np.abs(expected - expected[0]).max(axis=0)
+    assert (moved > [0.2, 0.1, 1e-3]).all()
+    assert (np.abs(seen - expected).max(axis=0) < 1e-3 * moved).all()
+
+
+def _lost(run):
+    return sum(run.read(n) for n in run.names if n.startswith("energy.") and n.endswith("_loss"))
+
+
+@pytest.mark.parametrize("method", [{}, {"method": "radau5"}], ids=["default", "radau5"])
+def test_the_ledger_closes_as_rings_whirl(method):
+    run = Simulation(
+        parse_rotor(f"gravity = 0.0\n{_rigid(e=5e-7)}"),
+        choose("controlled", tolerance=1e-3, **method),
+        speed=1000.0,
+        warn=lambda _: None,
+    )
+    run.advance(0.1, 1000.0, rate=1e5)
+    assert run.read("floating_ring_bearing[1].eccentricity") > 0.5
+    assert abs(run.read("energy.rings")) > 0.0
+    assert abs(run.read("energy.residual")) < 1e-4 * _lost(run)
+
+
+def test_a_free_rotor_is_braked_by_the_inner_films():
+    run = _run(_rigid(), drive_torque=0.0)
+    torque = 2 * run.read("floating_ring_bearing[1].torque")
+    inertia = 2 * run.read("energy.kinetic") / SPEED**2
+    run.advance(1e-4, 0.0)
+    assert (SPEED - run.read("w")) / 1e-4 == pytest.approx(torque / inertia, rel=1e-2)
+
+
+def test_fmu_has_the_bits_of_the_simulation(machine_of):
+    text = _rigid(e=1e-6, points=12, short=False)
+    names = [f"floating_ring_bearing[1].{n}" for n in ("fx", "ring_y", "ratio", "power")]
+    names.append("energy.rings")
+    simulation = _run(text, tolerance=1e-3)
+    with machine_of(text).start(speed=SPEED, tolerance=1e-3) as run:
+        for i in range(1, 4):
+            run.advance(1e-3 * i)
+            simulation.advance(1e-3 * i, SPEED)
+            assert run.read(*names) == [simulation.read(name) for name in names]
+
+
+# --- refused ---
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"ring_mass": 0.0}, "ring_mass = 0 kg: must be > 0"),
+        ({"ring_inertia": 0.0}, "ring_inertia = 0 kg.m2: must be > 0"),
+        ({"ring_inertia": 1e-6}, "ring_inertia = 1e-06 kg.m2: must be at most 1.26e-07 kg.m2"),
+        ({"outer_radius": 3.5e-3}, "outer_radius = 0.0035 m: must be above 0.003516 m"),
+        ({"outer_length": 0.03}, "outer_length = 0.03 m: must be at most 2 diameters, 0.024 m"),
+        ({"roughness": 1e-5}, "roughness = 1e-05 m: must be below half the clearance, 8e-06 m"),
+        (
+            {"roughness": 1e-5, "clearance": 4e-5, "outer_clearance": 1.5e-5},
+            "roughness = 1e-05 m: must be below half the outer clearance, 7.5e-06 m",
+        ),
+        ({"points": 9.5}, "points = 9.5: must be a whole number"),
+    ],
+)
+def test_rings_that_cannot_be_are_refused(more, message):
+    with pytest.raises(QuantityError) as raised:
+        _ring(**more)
+    assert str(raised.value).startswith(f"floating_ring_bearing.{message}")
+    assert "\n" not in str(raised.value)
+
+
+def test_what_a_ring_cannot_stand_on_is_refused():
+    with pytest.raises(QuantityError, match=r"floating_ring_bearing\[1\].*housing"):
+        parse_rotor(_rigid(housing="pedestal"))
+    with pytest.raises(QuantityError, match=r"floating_ring_bearing\[1\]: its own mass"):
+        parse_rotor(_rigid() + "[base]\n")
+
+
+def _overload(run):
+    """Load a rotor ever harder."""
+    for i in range(1, 100):
+        run.advance(1e-3 * i, SPEED, np.array([-50.0j * i]))
+
+
+def test_films_that_do_not_carry_are_said():
+    with pytest.raises(EquilibriumError, match=r"does not carry them at 0 rad/s"):
+        _run(_rigid(), 0.0)
+    heavy = f"gravity = 1e5\n{_rigid()}"
+    with pytest.raises(EquilibriumError, match="no static equilibrium under gravity"):
+        _run(heavy)
+    with pytest.raises(StepFailure, match=r"oil film at node . is thinner than its roughness"):
+        _overload(_run(_rigid()))
+
+
+def test_each_film_has_its_own_numbers():
+    """Films of finite length are weaker than Ocvirk's, the more the longer they are."""
+    film = LawAlone(_ring(short=False), SPEED, "")
+    short = LawAlone(_ring(), SPEED, "")
+    assert abs(film.force(8e-6 + 0j)) < abs(short.force(8e-6 + 0j))
+    thick = LawAlone(replace(_ring(), outer_viscosity=0.1), SPEED, "").outputs(0j)
+    assert thick["ratio"] < 0.2 * short.outputs(0j)["ratio"]
