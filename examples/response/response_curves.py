@@ -17,7 +17,7 @@ def draw(folder: Path) -> None:
     """All three."""
     jeffcott = rf.load(HERE.parent / "jeffcott_rub" / "jeffcott.toml")
     rub = rf.response(jeffcott, speed=(60.0, 240.0))
-    save(rub.figure(), folder / "jeffcott.png")
+    save(rub.figure(["disc"]), folder / "jeffcott.png")
 
     folds = rub.fold_curve("contact[1].mu", 0.005, 0.12)
     figure, axes = new_figure(6.4, 4.0)
@@ -27,7 +27,7 @@ def draw(folder: Path) -> None:
     axes.set(xlabel="contact[1].mu [1]", ylabel="speed of the upper jump [rad/s]")
     save(figure, folder / "jumps.png")
 
-    rig = rf.response(rf.load(), speed=(100.0, 180.0))
+    rig = rf.response(rf.load(), speed=(100.0, 400.0))
     save(rig.figure(), folder / "rig.png")
 
 

@@ -28,7 +28,10 @@ _FARTHEST = 2.0  # of a step: how far the next point of a curve may be
 
 
 class Equations(Protocol):
-    """What is continued."""
+    """What is continued; damped_beyond: corrections of what size are damped if they do not
+    shrink."""
+
+    damped_beyond: float
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
         """What the equations lack."""
@@ -182,7 +185,7 @@ def _corrected(
         if not size < limit:
             break
         relax = 1.0
-        if len(corrections) > 1 and size > _SLOW * corrections[-2]:
+        if len(corrections) > 1 and size > max(_SLOW * corrections[-2], equations.damped_beyond):
             relax = _relaxed(
                 equations, residual, x, value, step[:n], scale * step[n], 1.0, _LEAST_AHEAD
             )

@@ -71,6 +71,8 @@ class Problem:
     the interfaces' [m].
     """
 
+    damped_beyond = 0.0
+
     def __init__(
         self,
         machine_at: Callable[[float], Condensed],
@@ -207,6 +209,8 @@ class Problem:
 
     def fix_phase(self, x: np.ndarray) -> None:
         """Let an autonomous orbit's phase be measured from this one."""
+        if not self.is_autonomous:
+            return
         rows = 2 * self.H + 1
         self.anchor = x[: rows * self.b].reshape(rows, self.b).copy()
         self.anchor /= max(np.linalg.norm(derivative(self.anchor)), 1e-300)
@@ -274,9 +278,14 @@ class Problem:
 
     def last_share(self, x: np.ndarray) -> float:
         """The amplitudes of the highest harmonics as a share of all that moves."""
-        size = np.abs(amplitudes(self.split(x, self.at).b)).max(axis=1, initial=0.0)
-        last = max(2, self.H // 4)
-        return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < self.H else 1.0
+        return last_share(self.split(x, self.at).b)
+
+
+def last_share(b: np.ndarray) -> float:
+    """The amplitudes of the highest harmonics of a series as a share of all that moves."""
+    size, H = np.abs(amplitudes(b)).max(axis=1, initial=0.0), len(b) // 2
+    last = max(2, H // 4)
+    return float(size[-last:].max() / max(size[1:].max(), 1e-300)) if last < H else 1.0
 
 
 def cached(function: Callable[[float], Any]) -> Callable[[float], Any]:

@@ -9,18 +9,20 @@ another branch passes through.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from . import arclength
-from .accuracy import Accuracy, refined, thinned
+from .accuracy import Accuracy, refined
 from .arclength import Lost, Point, Steps
-from .balance import Orbit, Problem
+from .balance import Orbit, Problem, last_share
 from .floquet import multipliers
 from .fourier import amplitudes
+from .handover import Motions, fitted, shot
+from .shooting import Shooting
 
 BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
     "fold",
@@ -34,8 +36,9 @@ _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _VERTICAL = 0.05  # of the curve's direction along the parameter: a fold is near
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
-_SHORT = 0.1  # of the first step: a short one
-_PATIENCE = 4  # so many short steps with too few harmonics, and a branch is not followed further
+_PATIENCE = 4  # so many short steps with too few harmonics, and a whirl is not followed further
+
+Walk = Generator[tuple[Point, float], tuple[Motions, Point] | None, None]
 
 
 class Solution(NamedTuple):
@@ -79,20 +82,19 @@ class Branch:
     ends: tuple[str, str] = ("", "")
 
 
-def solution(problem: Problem, point: Point, accuracy: Accuracy) -> Solution:
+def solution(problem: Motions, point: Point, accuracy: Accuracy) -> Solution:
     """What a point of the curve is as a motion."""
     orbit = problem.split(point.x, point.value)
-    machine = problem.machine_at(point.value)
     result = np.zeros(0, complex)
     if accuracy.has_stability:
-        result = crossing(problem, multipliers(machine, orbit).values)
+        result = crossing(problem, point, orbit)
     stable = bool(len(result) == 0 or np.abs(result[0]) <= 1.0 + _UNIT)
-    share, none = problem.last_share(point.x), np.zeros((0, 0))
+    share, none = last_share(orbit.b), np.zeros((0, 0))
     made = Solution(point.value, orbit, none, result, stable, share, point.corrections)
     return with_motion(problem, made)
 
 
-def with_motion(problem: Problem, result: Solution) -> Solution:
+def with_motion(problem: Motions, result: Solution) -> Solution:
     """A solution with the amplitudes of all dofs, which follow from its orbit."""
     orbit = result.orbit
     parts = problem.harmonics(result.value, orbit.omega)
@@ -100,8 +102,11 @@ def with_motion(problem: Problem, result: Solution) -> Solution:
     return result._replace(motion=machine.expanded(parts, amplitudes(orbit.b)))
 
 
-def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
+def crossing(problem: Motions, point: Point, orbit: Orbit) -> np.ndarray:
     """The multipliers by which stability is judged."""
+    if isinstance(problem, Shooting):
+        return problem.multipliers(point.x, point.value)
+    values = multipliers(problem.machine_at(point.value), orbit).values
     if problem.is_autonomous:
         return np.delete(values, np.argmin(np.abs(values - 1.0)))
     return values
@@ -109,7 +114,8 @@ def crossing(problem: Problem, values: np.ndarray) -> np.ndarray:
 
 class Place(NamedTuple):
     """Where on a branch a tracer is, with all that it takes to go on from there: the value about
-    which the equations are scaled, harmonics, the point, the length of the next step, and how many
+    which the equations are scaled, harmonics, 0 of a motion in time, which is gone on with from
+    the last place that has some, the point, the length of the next step, and how many
     steps in a row were short for want of harmonics."""
 
     at: float
@@ -132,7 +138,7 @@ class Tracer:
 
     def __init__(
         self,
-        problem: Problem,
+        problem: Motions,
         low: float,
         high: float,
         *,
@@ -140,6 +146,7 @@ class Tracer:
         accuracy: Accuracy,
     ) -> None:
         self.problem, self.low, self.high = problem, low, high
+        self.series = problem.series if isinstance(problem, Shooting) else problem
         self.steps, self.accuracy = steps, accuracy
         self.end = ""
 
@@ -147,11 +154,12 @@ class Tracer:
         """Points and the bifurcations before each, from the start on; ends with `Lost` where it
         does not converge."""
         problem = self.problem
-        if problem.is_autonomous:
-            problem.fix_phase(point.x)
-        problem, point = refined(problem, point, self.accuracy)
+        problem.fix_phase(point.x)
+        if isinstance(problem, Problem):
+            problem, point = refined(problem, point, self.accuracy)
         last = solution(problem, point, self.accuracy)
-        place = Place(problem.at, problem.H, point, self.steps.first)
+        H = problem.H if isinstance(problem, Problem) else 0
+        place = Place(problem.at, H, point, self.steps.first)
         yield Passed(last, [], place)
         yield from self.go_on(place, place, last)
 
@@ -159,50 +167,48 @@ class Tracer:
         """Further points from a place, at which the motion is `last`; start: the first place of the
         branch, by which it is seen that it is closed."""
         accuracy, point = self.accuracy, place.point
-        problem = self.problem.like(place.H, at=place.at)
-        if problem.is_autonomous:
-            problem.fix_phase(point.x)
-        scale = problem.parameter.scale
-        steps = replace(self.steps, first=place.length)
-        walk = arclength.trace(problem, point, scale, self.low, self.high, steps)
-        step = next(walk, None)
-        short = place.short
-        while step is not None:
-            if short > _PATIENCE:
-                raise Lost([])
-            before, (result, length) = point, step
-            problem_here = problem
-            now = solution(problem_here, result, accuracy)
-            passed = self._between(problem_here, before, result, last, now)
-            is_end = result.value in (self.low, self.high)
+        problem: Motions = self.series.like(place.H, at=place.at) if place.H else self.problem
+        problem.fix_phase(point.x)
+        walk = self._walk(problem, point, place.length)
+        step, short = None, place.short
+        while True:
             try:
-                problem, point = refined(problem_here, result, accuracy, is_end)
-                is_coarse = problem.last_share(point.x) > accuracy.share
-            except Lost:  # with more harmonics: it is followed with those that it has
-                problem, point, is_coarse = problem_here, result, True
-            if not is_end:
-                problem, point = thinned(problem, point, accuracy)
-            if problem.is_autonomous:
-                problem.fix_phase(point.x)
-            if problem is not problem_here:
-                now = solution(problem, point, accuracy)
-            short = short + 1 if is_coarse and length < _SHORT * self.steps.first else 0
-            yield Passed(now, passed, Place(problem.at, problem.H, point, length, short))
+                if short > (_PATIENCE if problem.is_autonomous else 0):
+                    raise Lost([])
+                step = next(walk) if step is None else walk.send((problem, point))
+            except StopIteration:
+                break
+            except Lost:
+                problem, point = shot(problem, point, last.orbit)
+                walk, step, short = self._walk(problem, point, self.steps.first), None, 0
+                continue
+            before, (result, length) = point, step
+            now = solution(problem, result, accuracy)
+            passed = self._between(problem, before, result, last, now)
+            is_end = result.value in (self.low, self.high)
+            here, point, is_coarse = fitted(problem, result, now.orbit, accuracy, is_end)
+            here.fix_phase(point.x)
+            if here is not problem:
+                problem, now = here, solution(here, point, accuracy)
+            short = short + 1 if is_coarse and length < self.steps.first else 0
+            H = problem.H if isinstance(problem, Problem) else 0
+            yield Passed(now, passed, Place(problem.at, H, point, length, short))
             if self._is_closed(problem, start.point, before, point):
                 self.end = CLOSED
                 return
             last = now
-            try:
-                step = walk.send((problem, point))
-            except StopIteration:
-                step = None
         self.end = self._why_ended(point)
+
+    def _walk(self, problem: Motions, point: Point, length: float) -> Walk:
+        steps = replace(self.steps, first=length)
+        scale = problem.parameter.scale
+        return arclength.trace(problem, point, scale, self.low, self.high, steps)
 
     def _why_ended(self, point: Point) -> str:
         inside = self.low < point.value < self.high
         return f"{self.steps.points} points" if inside else "end of the range"
 
-    def _is_closed(self, problem: Problem, start: Point, before: Point, point: Point) -> bool:
+    def _is_closed(self, problem: Motions, start: Point, before: Point, point: Point) -> bool:
         if len(start.x) != len(point.x) or len(before.x) != len(point.x):
             return False
         scale = problem.parameter.scale
@@ -216,7 +222,7 @@ class Tracer:
         return 0 < way < _CLOSED * step and same > 0.9 and before.x is not start.x
 
     def _between(
-        self, problem: Problem, before: Point, after: Point, last: Solution, now: Solution
+        self, problem: Motions, before: Point, after: Point, last: Solution, now: Solution
     ) -> list[Bifurcation]:
         """What is passed between two points."""
         result = []
@@ -228,23 +234,23 @@ class Tracer:
             return result
         few, many = sorted(int((np.abs(s.multipliers) > 1 + _UNIT).sum()) for s in (last, now))
         for k in range(few + 1, many + 1):
-            crossed = self._crossing(problem, before, after, k)
-            is_new = crossed is not None and not (turns and crossed.kind == BRANCHING)
+            crossed, is_smooth = self._crossing(problem, before, after, k)
+            # where the curve turns in a corner multipliers jump
+            is_of_turn = turns and (not is_smooth or (crossed and crossed.kind == BRANCHING))
+            is_new = crossed is not None and not is_of_turn
             if crossed is not None and is_new and not any(crossed.is_pair_of(b) for b in result):
                 result.append(crossed)
         return result
 
-    def _at(self, problem: Problem, before: Point, length: float) -> Point:
+    def _at(self, problem: Motions, before: Point, length: float) -> Point:
         return arclength.onward(problem, before, length, problem.parameter.scale)
 
-    def _length(self, problem: Problem, before: Point, after: Point) -> float:
+    def _length(self, problem: Motions, before: Point, after: Point) -> float:
         scale = problem.parameter.scale
-        x = problem.moved(before.x, problem) if len(before.x) == len(after.x) else before.x
-        return float(
-            before.tangent @ (after.x - x) + before.by_value * (after.value - before.value) / scale
-        )
+        way = after.x - before.x, (after.value - before.value) / scale
+        return float(before.tangent @ way[0] + before.by_value * way[1])
 
-    def _fold(self, problem: Problem, before: Point, after: Point) -> Bifurcation:
+    def _fold(self, problem: Motions, before: Point, after: Point) -> Bifurcation:
         """The turn, where the tangent has no part along the parameter."""
         point, is_smooth = self._root(
             problem, before, after, lambda p: p.by_value, before.by_value, after.by_value
@@ -256,14 +262,14 @@ class Tracer:
             multiplier = complex(values[np.argmin(np.abs(values - 1.0))])
         return Bifurcation(kind, point.value, problem.split(point.x, point.value), multiplier, -1)
 
-    def _multipliers(self, problem: Problem, point: Point) -> np.ndarray:
-        orbit = problem.split(point.x, point.value)
-        return crossing(problem, multipliers(problem.machine_at(point.value), orbit).values)
+    def _multipliers(self, problem: Motions, point: Point) -> np.ndarray:
+        return crossing(problem, point, problem.split(point.x, point.value))
 
     def _crossing(
-        self, problem: Problem, before: Point, after: Point, k: int
-    ) -> Bifurcation | None:
-        """Where the k-th largest multiplier crosses the unit circle."""
+        self, problem: Motions, before: Point, after: Point, k: int
+    ) -> tuple[Bifurcation | None, bool]:
+        """Where the k-th largest multiplier crosses the unit circle, and whether it does so
+        smoothly."""
 
         def size(point: Point) -> float:
             value = self._multipliers(problem, point)[k - 1]
@@ -271,19 +277,20 @@ class Tracer:
 
         first, second = size(before), size(after)
         if first * second >= 0:
-            return None
-        point, _ = self._root(problem, before, after, size, first, second)
+            return None, True
+        point, is_smooth = self._root(problem, before, after, size, first, second)
         value = complex(self._multipliers(problem, point)[k - 1])
         real = abs(value.imag) < 1e-6 * abs(value)
         kind = TORUS if not real else DOUBLING if value.real < 0 else BRANCHING
         steepest = max(abs(before.by_value), abs(after.by_value))
         if kind == BRANCHING and abs(point.by_value) < _VERTICAL * steepest:
-            return None  # a fold, in this step or beside it
-        return Bifurcation(kind, point.value, problem.split(point.x, point.value), value, -1)
+            return None, True  # a fold, in this step or beside it
+        orbit = problem.split(point.x, point.value)
+        return Bifurcation(kind, point.value, orbit, value, -1), is_smooth
 
     def _root(
         self,
-        problem: Problem,
+        problem: Motions,
         before: Point,
         after: Point,
         test: Callable[[Point], float],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -12,11 +13,13 @@ from ..spelling import Message
 from . import arclength
 from .accuracy import Accuracy
 from .arclength import Lost, Point
-from .balance import Orbit, Problem
+from .balance import Orbit
 from .branch import CLOSED, Branch, Passed, Solution, Tracer, with_motion
 from .fourier import basis, repeated, resized, shifted
+from .handover import Motions
 from .journal import Ended, Journal, Start
-from .task import Machines, Response
+from .shooting import Shooting
+from .task import SPEED, Machines, Response
 
 LOST = "lost: "
 JOINED = "joins a branch of a shorter period"
@@ -35,23 +38,23 @@ class Search:
     journal: Journal
     tell: Tell
 
-    def problem(self, start: Start) -> Problem:
+    def problem(self, start: Start) -> Motions:
         """The equations of a start."""
-        return self.result.task.problem(
+        series = self.result.task.problem(
             self.machines,
             start.at,
-            start.H,
+            start.H or self.result.task.accuracy.most,
             turns=start.turns,
             is_autonomous=self.result.task.is_whirl,
             omega=start.omega,
             length=start.length,
         )
+        return Shooting(series, start.orbit) if start.orbit is not None else series
 
 
-def start_at(problem: Problem, x: np.ndarray, value: float, direction: float) -> Start:
+def start_at(problem: Motions, x: np.ndarray, value: float, direction: float) -> Start:
     """A start at unknowns that solve the equations, one way (1, -1), or both (0)."""
-    if problem.is_autonomous:
-        problem.fix_phase(x)
+    problem.fix_phase(x)
     ways = []
     for way in (-1.0, 1.0) if direction == 0 else (direction,):
         point = arclength.begin(problem, x, value, way)
@@ -59,10 +62,13 @@ def start_at(problem: Problem, x: np.ndarray, value: float, direction: float) ->
     return start_along(problem, x, value, ways)
 
 
-def start_along(problem: Problem, x: np.ndarray, value: float, ways: list[np.ndarray]) -> Start:
+def start_along(problem: Motions, x: np.ndarray, value: float, ways: list[np.ndarray]) -> Start:
     """A start at unknowns that solve the equations, along tangents."""
-    of_scale = problem.omega_scale, problem.lengths
-    return Start(problem.H, problem.at, problem.turns, *of_scale, x, value, ways)
+    if isinstance(problem, Shooting):
+        of, orbit, H = problem.series, problem.split(x, value), 0
+    else:
+        of, orbit, H = problem, None, problem.H
+    return Start(H, problem.at, problem.turns, of.omega_scale, of.lengths, x, value, ways, orbit)
 
 
 def follow(search: Search, start: Start) -> Branch:
@@ -95,7 +101,9 @@ def follow(search: Search, start: Start) -> Branch:
             ended = search.journal.add(Ended(why))
         ends[1] = ended.why
         if ended.why.startswith(LOST):
-            said = f"{label} ends at {task.name} = {_last(branch, start.value):g}: {ended.why}"
+            unit = " rad/s" if task.name == SPEED else ""
+            at = f"{task.name} = {_last(branch, start.value):g}{unit}"
+            said = f"{label} ends at {at}: {ended.why}"
             result.notes.append(Message(said, "branch-lost"))
         if len(start.ways) > 1 and side == 0:
             _turn_round(branch)
@@ -104,7 +112,11 @@ def follow(search: Search, start: Start) -> Branch:
                 ends[1] = ends[0]
                 break
     branch.ends = ends[0], ends[1]
-    coarse = [p.value for p in branch.points if p.last_share > accuracy.share]
+    coarse = [
+        p.value
+        for p in branch.points
+        if p.last_share > accuracy.share and accuracy.most >= p.orbit.H
+    ]
     if coarse:
         said = (
             f"{label} has more than {accuracy.most} harmonics from {task.name} = "
@@ -118,18 +130,21 @@ def _passed(search: Search, tracer: Tracer, point: Point) -> Iterator[Passed]:
     """The points of a branch one way: those of an earlier call, then new ones; where it is lost it
     ends with nothing in `tracer.end`."""
     first = last = None
+    since = 0  # the last place from which it can be gone on with
     while (passed := search.journal.recall(Passed)) is not None:
-        first, last = first or passed, passed
-        problem = tracer.problem.like(passed.place.H, at=passed.place.at)
+        if passed.place.H:
+            first, last, since = first or passed, passed, 0
+        since += 1
+        problem = tracer.series.like(passed.solution.orbit.H, at=passed.place.at)
         yield passed._replace(solution=with_motion(problem, passed.solution))
     if search.journal.holds(Ended):
         return
     if first is None or last is None:
         walk = tracer.follow(point)
     else:
-        walk = tracer.go_on(first.place, last.place, last.solution)
+        walk, since = tracer.go_on(first.place, last.place, last.solution), since - 1
     try:
-        for passed in walk:
+        for passed in itertools.islice(walk, since, None):
             search.journal.add(passed)
             yield passed
     except Lost:
@@ -163,12 +178,12 @@ def _why_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
     if not branch.points:
         return "Newton's method does not converge there"
     last = branch.points[-1]
-    if accuracy.most <= last.orbit.H and last.last_share > accuracy.share:
+    if accuracy.most == last.orbit.H and last.last_share > accuracy.share:
         return (
             f"the motion has more than {accuracy.most} harmonics: the highest are "
             f"{last.last_share:.1g} of it; ask for more, or soften the wall"
         )
-    machine = tracer.problem.machine_at(last.value)
+    machine = tracer.series.machine_at(last.value)
     value, _ = basis(last.orbit.H, np.linspace(0, 2 * math.pi, 1000))
     opening = machine.laws.openings(value @ last.orbit.b @ machine.B.T)
     if (np.abs(opening).min(axis=0) < 1e-3 * machine.laws.length).any():

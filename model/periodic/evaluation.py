@@ -8,7 +8,9 @@ from .arclength import Lost, Point
 from .balance import Problem, cached
 from .branch import FOLD, Bifurcation, Solution, solution
 from .folds import FoldCurve, fold_curve
+from .handover import Motions
 from .seeds import Stay, stay
+from .shooting import Shooting
 from .task import SPEED, Machines, PeriodicError, Response, machines_of
 
 _ROUNDING = 1e-9  # of the range
@@ -38,7 +40,7 @@ def at(result: Response, value: float) -> list[Solution]:
 
 def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
     task = result.task
-    problem = task.problem(
+    series = task.problem(
         result.machines(),
         value,
         max(a.orbit.H, b.orbit.H),
@@ -47,10 +49,13 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
         omega=a.orbit.omega,
     )
     share = (value - a.value) / (b.value - a.value)
-    first, second = problem.join(a.orbit), problem.join(b.orbit)
-    if task.is_whirl:
-        problem.fix_phase(first)
+    problem: Motions = series
     try:
+        if task.is_shot(a.orbit) or task.is_shot(b.orbit):
+            near = a.orbit if abs(share) < 0.5 else b.orbit
+            problem = Shooting(series.like(task.accuracy.most), near)
+        first, second = problem.join(a.orbit), problem.join(b.orbit)
+        problem.fix_phase(first)
         x = arclength.solve(problem, first + share * (second - first), value)
     except Lost:
         return None

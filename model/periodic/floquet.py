@@ -22,6 +22,7 @@ from .balance import Orbit
 from .condensed import Condensed
 from .corners import crossings
 from .fourier import basis
+from .laws import Along
 
 _C = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
 _SEEN = np.array([*_C[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at
@@ -82,7 +83,7 @@ def multipliers(machine: Condensed, orbit: Orbit, steps: int = 0) -> Multipliers
     period = 2 * math.pi / path.pace
     steps = steps or min(_MOST, max(_LEAST * orbit.turns, 4 * orbit.H))
     if machine.b == 0:
-        modes = _modes(machine, path, np.zeros((0, 0)))
+        modes = modes_of(machine, path, np.zeros((0, 0)))
         return Multipliers(*_sorted(np.exp(modes.roots * period), modes.shapes))
     part = tangents_along(machine, path, np.linspace(0.0, period, steps + 1))
     modes, mean = modes_along(machine, path, [part])
@@ -110,10 +111,10 @@ def tangents_along(machine: Condensed, path: Path, times: np.ndarray) -> Part:
 
 def modes_along(machine: Condensed, path: Path, parts: Sequence[Part]) -> tuple[Modes, np.ndarray]:
     """The modes of the machine with the mean tangents of parts of a path, and these."""
-    weights, length = _weights(), sum(float(part.h.sum()) for part in parts)
-    mean = sum(np.einsum("t,i,tiao->ao", part.h, weights, part.tangent) for part in parts) / length
-    mean = _held(machine, path, mean)
-    return _modes(machine, path, mean), mean
+    of_points, length = weights(), sum(float(part.h.sum()) for part in parts)
+    each = [np.einsum("t,i,tiao->ao", part.h, of_points, part.tangent) for part in parts]
+    mean = held(machine, path, sum(each) / length)
+    return modes_of(machine, path, mean), mean
 
 
 def _sorted(values: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,7 +122,8 @@ def _sorted(values: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndar
     return values[order], shapes[:, order]
 
 
-def _weights() -> np.ndarray:
+def weights() -> np.ndarray:
+    """By which the points of a step count in its mean."""
     powers = np.array([_C**p for p in range(3)])
     return np.linalg.solve(powers, 1.0 / np.arange(1, 4))
 
@@ -145,8 +147,13 @@ def _tangents(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
     """By y, the displacements b, the velocities and the states: of the forces as b sees them, and
     of the rates of the states, shape (n, b + s, 2 b + s)."""
     d, v, own = path.at(times)
-    along = machine.laws.tangents(d, v, own, path.own_scale, path.speed)
-    n, s, b, B = len(times), machine.laws.states, machine.b, machine.B
+    return by_y(machine, machine.laws.tangents(d, v, own, path.own_scale, path.speed))
+
+
+def by_y(machine: Condensed, along: Along) -> np.ndarray:
+    """Derivatives by y of the forces as b sees them and of the rates of the states at n samples,
+    shape (n, b + s, 2 b + s)."""
+    n, s, b, B = len(along.force), machine.laws.states, machine.b, machine.B
     out = np.zeros((n, b + s, 2 * b + s))
     out[:, :b, :b], out[:, :b, b : 2 * b] = machine.of_b(along.by_d), machine.of_b(along.by_v)
     out[:, :b, 2 * b :] = B.T @ along.by_rate
@@ -156,7 +163,7 @@ def _tangents(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
     return out
 
 
-def _held(machine: Condensed, path: Path, mean: np.ndarray) -> np.ndarray:
+def held(machine: Condensed, path: Path, mean: np.ndarray) -> np.ndarray:
     """With springs where a contact is hardly ever closed: a machine that nothing holds has motions
     as one body, which are no modes."""
     own = np.diag(machine.matrices(path.speed).M)[: machine.b] * path.pace**2
@@ -167,7 +174,7 @@ def _held(machine: Condensed, path: Path, mean: np.ndarray) -> np.ndarray:
     return held
 
 
-def _modes(machine: Condensed, path: Path, mean: np.ndarray) -> Modes:
+def modes_of(machine: Condensed, path: Path, mean: np.ndarray) -> Modes:
     """Of the machine with mean tangents: roots, what forces do to them, y of them, the rest's
     flexibility, displacements and velocities of all coordinates of them."""
     M, D, K = machine.matrices(path.speed)
@@ -209,61 +216,89 @@ def _real_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return scipy.linalg.eigh(0.5 * (K + K.T), M)
 
 
-def _collocation(roots: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of one step of Radau IIA: what it makes of each mode at its points, shape (3, modes); weights
-    of the forces at the points, shape (3, 3, modes) [s]."""
+def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of steps of Radau IIA of lengths h [s], shape (l,): what they make of each mode at their
+    points, shape (l, 3, modes); weights of the forces at the points, shape (l, 3, 3, modes) [s]."""
     powers = np.array([_C**p for p in range(3)])
     integrals = np.array([_C ** (p + 1) / (p + 1) for p in range(3)])
     a = integrals.T @ np.linalg.inv(powers).T
-    inverse = np.linalg.inv(np.eye(3) - h * roots[:, None, None] * a)
-    return inverse.sum(axis=2).T, (inverse @ (h * a)).transpose(1, 2, 0)
+    inverse = np.linalg.inv(np.eye(3) - (h[:, None] * roots)[..., None, None] * a)
+    weight = inverse @ a * h[:, None, None, None]
+    return inverse.sum(axis=3).transpose(0, 2, 1), weight.transpose(0, 2, 3, 1)
+
+
+class Lengths(NamedTuple):
+    """What n modes, by real amplitudes, and c forces do over steps of l lengths: which length a
+    step has; of each length what the amplitudes become by themselves, `along` and across their
+    pairs, shape (l, n), and of the forces at its three points, `forced`, shape (l, n, 3 c); what is
+    seen at the points of the amplitudes, `seen`, shape (l, 3 outputs, n), and of the forces,
+    `among`, shape (l, 3 outputs, 3 c); the other amplitude of each pair."""
+
+    which: np.ndarray
+    along: np.ndarray
+    across: np.ndarray
+    forced: np.ndarray
+    seen: np.ndarray
+    among: np.ndarray
+    other: np.ndarray
+
+
+def lengths(modes: Modes, h: np.ndarray) -> Lengths:
+    """Of steps of lengths h [s]. A pair of modes is taken by the real and the imaginary part of its
+    amplitude, since what is complex takes four times as long."""
+    (outputs, n), c = modes.V.shape, modes.W.shape[1]
+    each, which = np.unique(np.round(h / h.max(), 12), return_inverse=True)
+    count, is_first = len(each), modes.roots.imag > 0
+    is_second = np.roll(is_first, 1)
+    grown, weight = _collocation(modes.roots, each * h.max())
+    last = weight[:, 2].transpose(0, 2, 1)
+    forced = (last[..., None] * modes.W[:, None]).reshape(count, n, 3 * c)
+    seen = (modes.V * grown[:, :, None, :]).reshape(count, 3 * outputs, n)
+    among = (modes.V * weight[:, :, :, None, :]).reshape(-1, n) @ modes.W
+    among = among.real.reshape(count, 3, 3, outputs, c)
+    among[:, np.arange(3), np.arange(3)] += modes.R
+    return Lengths(
+        which,
+        # g (a + i b): -Im g b in the row of a, Im g a in that of b, whose own g is conj g
+        grown[:, 2].real.copy(),
+        -grown[:, 2].imag,
+        np.where(is_second[:, None], -forced.imag, forced.real),
+        np.where(is_first, 2 * seen.real, np.where(is_second, 2 * seen.imag, seen.real)),
+        among.transpose(0, 1, 3, 2, 4).reshape(count, 3 * outputs, 3 * c),
+        np.arange(n) + is_first - is_second,
+    )
 
 
 def passed(modes: Modes, mean: np.ndarray, part: Part) -> np.ndarray:
     """The modes' amplitudes at the end of a part of a path by those at its begin; mean: the
-    tangents that are in the modes. A pair of modes is taken by the real and the imaginary part of
-    its amplitude, since what is complex takes four times as long."""
-    h, change = part.h, part.tangent - mean
-    count, n = modes.W.shape[1], len(modes.roots)
-    T, inverse, other = _real_amplitudes(modes.roots)
-    groups: dict[float, list[int]] = {}
-    for i, length in enumerate(h):
-        groups.setdefault(float(f"{length:.9e}"), []).append(i)
-    made: dict[float, tuple[np.ndarray, ...]] = {}
-    gains = np.empty((len(h), 3 * count, n))
-    keys = np.empty(len(h))
-    for length, members in groups.items():
-        grown, weight = _collocation(modes.roots, length)
-        forced = np.concatenate([weight[2, j][:, None] * modes.W for j in range(3)], axis=1)
-        # g (a + i b): -Im g b in the row of a, Im g a in that of b, whose own g is conj g
-        made[length] = grown[2].real, -grown[2].imag, (inverse @ forced).real
-        among = np.einsum("om,ijm,mq->iojq", modes.V, weight, modes.W, optimize=True).real
-        for i in range(3):
-            among[i, :, i] += modes.R
-        at = np.array(members)
-        keys[at] = length
-        of = change[at]
-        left = np.einsum("tiao,iojq->tiajq", of, among, optimize=True)
-        left = np.eye(3 * count) - left.reshape(len(at), 3 * count, 3 * count)
-        seen = (np.einsum("om,im->iom", modes.V, grown) @ T).real
-        right = np.einsum("tiao,iom->tiam", of, seen, optimize=True)
-        gains[at] = np.linalg.solve(left, right.reshape(len(at), 3 * count, n))
+    tangents that are in the modes."""
+    T, inverse = real_amplitudes(modes.roots)
+    return T @ through(lengths(modes, part.h), part.tangent - mean) @ inverse
+
+
+def through(steps: Lengths, change: np.ndarray) -> np.ndarray:
+    """Real amplitudes at the end of steps by those at their begin, shape (n, n), with forces
+    `change` y at the points, shape (steps, 3, c, outputs)."""
+    count, _, c, outputs = change.shape
+    n = steps.along.shape[1]
+    among = steps.among.reshape(-1, 3, outputs, 3 * c)[steps.which]
+    left = np.eye(3 * c) - (change @ among).reshape(count, 3 * c, 3 * c)
+    seen = steps.seen.reshape(-1, 3, outputs, n)[steps.which]
+    forces = np.linalg.inv(left) @ (change @ seen).reshape(count, 3 * c, n)
     state = np.eye(n)
-    for i in range(len(h)):
-        along, across, forced = made[keys[i]]
-        pushed = forced @ (gains[i] @ state)
-        state = along[:, None] * state + across[:, None] * state[other] + pushed
-    return T @ state @ inverse
+    for i, k in enumerate(steps.which):
+        alone = steps.along[k][:, None] * state + steps.across[k][:, None] * state[steps.other]
+        state = alone + steps.forced[k] @ (forces[i] @ state)
+    return state
 
 
-def _real_amplitudes(roots: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What makes complex amplitudes of real ones, its inverse, and the place of the other of each
-    pair; pairs of roots follow one another, that with the positive imaginary part first."""
+def real_amplitudes(roots: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What makes complex amplitudes of real ones, and its inverse; pairs of roots follow one
+    another, that with the positive imaginary part first."""
     n = len(roots)
-    T, inverse, other = np.eye(n, dtype=complex), np.eye(n, dtype=complex), np.arange(n)
+    T, inverse = np.eye(n, dtype=complex), np.eye(n, dtype=complex)
     for m in np.flatnonzero(roots.imag > 0):
         pair = slice(m, m + 2)
         T[pair, pair] = [[1, 1j], [1, -1j]]
         inverse[pair, pair] = [[0.5, 0.5], [-0.5j, 0.5j]]
-        other[pair] = m + 1, m
-    return T, inverse, other
+    return T, inverse

@@ -13,11 +13,13 @@ from typing import NamedTuple, TypeVar, cast
 import numpy as np
 
 from ..spelling import Message
+from .balance import Orbit
 from .branch import Passed
 
 
 class Start(NamedTuple):
-    """A motion from which a branch is followed: harmonics, the value about which the equations are
+    """A motion from which a branch is followed: harmonics, or 0 and the orbit of one that is
+    followed by shooting, the value about which the equations are
     scaled, turns in a period, scale of an unknown frequency [rad/s], length of displacements [m],
     the unknowns, the value of the parameter; the ways to go, each a tangent by the unknowns and by
     the parameter over its scale."""
@@ -30,6 +32,7 @@ class Start(NamedTuple):
     x: np.ndarray
     value: float
     ways: list[np.ndarray]
+    orbit: Orbit | None = None
 
 
 class Started(NamedTuple):

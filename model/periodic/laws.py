@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..backend import Backend, selected_backend
-from ..kernels.jit import IS_COMPILED, interpreted, jit
+from ..kernels.jit import IS_COMPILED, interpreted, jit, jit_not_inlined
 from ..parts import LAWS
 from ..parts.law import Kinematics, Weights
 from ..parts.linear_bearing import LINEAR_BEARING
@@ -50,8 +50,8 @@ class Along(NamedTuple):
     rates_by_own: np.ndarray
 
 
-@jit
-def _along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
+@jit_not_inlined
+def along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
     """Forces, tangents p z + q conj(z) by displacement and by velocity, and rates."""
     for j in range(len(interfaces)):
         interface = interfaces[j]
@@ -94,8 +94,8 @@ class LawsAlong:
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
         self.levels = self._corner_levels()
-        is_fast = IS_COMPILED and selected_backend() is not Backend.PYTHON
-        self._along = _along if is_fast else interpreted(_along)
+        self.is_fast = is_fast = IS_COMPILED and selected_backend() is not Backend.PYTHON
+        self._along = along if is_fast else interpreted(along)
         self._openings = _openings if is_fast else interpreted(_openings)
 
     def radius(self, j: int) -> float:
@@ -122,6 +122,11 @@ class LawsAlong:
             corners += [(j, 0.0), (j, -part.delta_c)] if part.c > 0 else [(j, 0.0)]
         owners, levels = zip(*corners, strict=True) if corners else ((), ())
         return np.array(owners, int), np.array(levels, float)
+
+    @property
+    def records(self) -> tuple:
+        """What kernels take of the laws: their tables, and the interfaces."""
+        return self._laws, self._interfaces
 
     def openings(self, d: np.ndarray) -> np.ndarray:
         """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""

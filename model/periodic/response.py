@@ -16,8 +16,10 @@ from .arclength import Lost, Point
 from .balance import Orbit, Problem
 from .branch import Branch, solution
 from .continuation import LOST, Search, Tell, follow, is_known, start_at
+from .handover import Motions
 from .journal import Journal, Start, Started
 from .seeds import guesses
+from .shooting import Shooting
 from .switching import follow_switched
 from .task import SPEED, Machines, PeriodicError, Response, Task, check, machines_of
 from .whirl import rolling
@@ -184,11 +186,19 @@ def _new_at(
     is_found = is_new = False
     for guess in guesses(result.rotor, task, machines, value, is_seed, notes):
         H = min(max(guess.H, task.accuracy.least), task.accuracy.most)
-        problem = _problem(machines, task, value).like(H)
+        series = _problem(machines, task, value).like(H)
+        problem: Motions = series
         try:
             x = arclength.solve(problem, problem.join(guess), value)
         except Lost:
-            continue
+            if not task.is_shot(guess):
+                continue
+            guess = guess._replace(parameter=value)
+            try:
+                problem = Shooting(series, guess)
+                x = arclength.solve(problem, problem.join(guess), value)
+            except Lost:
+                continue
         orbit, is_found = problem.split(x, value), True
         if not is_known(result.branches, orbit, value):
             is_new = True

@@ -19,7 +19,7 @@ from .fourier import amplitudes, basis, projection
 from .task import Machines, Task
 
 _TURNS = (30, 200)
-_HARMONICS = 60  # of what is recorded
+_HARMONICS = 256  # of what is recorded
 _RADII, _PHASES = (1.1, 1.5, 3.0), (0.0, -0.5 * math.pi, -0.9 * math.pi)  # [clearances], [rad]
 _TOLERANCE, _OF_GUESSES = 1e-6, 1e-4  # of runs: whether they stay; where they lead
 _STAYS = 1e-2  # of an orbit: how far a run that stays on it may be

@@ -64,6 +64,10 @@ class Task:
         """The machine with a value of the parameter."""
         return rotor if self.name == SPEED else rotor.with_value(self.name, value)
 
+    def is_shot(self, orbit: Orbit) -> bool:
+        """Whether an orbit has more harmonics than may be balanced, and so is one of `shooting`."""
+        return orbit.H * self.turns > self.accuracy.most * orbit.turns
+
     def problem(self, machines: Machines, at: float, H: int, **options: Any) -> Problem:
         """The equations about a value of the parameter, with H harmonics."""
         return Problem(machines, self.parameter, at, H, speed=self.speed, **options)

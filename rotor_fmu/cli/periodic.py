@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,12 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from ..display import choose
 from ..errors import InputError, writable_folder
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
 from ..screen import progress_of
-from .shared import RotorFile
-from .speeds import one_speed, speed_range
+from ..units import in_si
+from .shared import RotorFile, Units
+from .speeds import number_range, one_speed, speed_range
 
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
@@ -35,66 +37,83 @@ def response(
         str | None,
         typer.Option(
             "--speed",
-            help="FROM:TO in rad/s, or with rpm or Hz behind; with --over one. Default: from an "
-            "eighth of the machine's highest speed to that, or its rated speed.",
+            help="Speeds FROM:TO, or, with --over, one speed, in rad/s, or with rpm or Hz added; "
+            "default: from an eighth of the machine's highest speed to that, or its rated speed.",
         ),
     ] = None,
     over: Annotated[
         str | None,
         typer.Option(
-            help="NAME=FROM:TO: a quantity of the machine to vary in the place of the speed."
+            help="NAME=FROM:TO, a quantity of the machine that is varied instead of the speed, "
+            "with or without unit."
         ),
     ] = None,
     values: Annotated[
-        list[str] | None, typer.Option("--set", help="NAME=VALUE of the machine; repeatable.")
+        list[str] | None,
+        typer.Option("--set", help="NAME=VALUE of the machine, with or without unit; repeatable."),
     ] = None,
     load: Annotated[
         list[str] | None,
-        typer.Option(help="NAME=VALUE of a constant force, disc[2].fy=-20 [N]; repeatable."),
+        typer.Option(help="NAME=VALUE of a constant force, such as disc[2].fy=-20N; repeatable."),
     ] = None,
-    period: Annotated[int, typer.Option(help="Revolutions in a period.")] = 1,
-    harmonics: Annotated[int, typer.Option(help="Harmonics of the speed, at most.")] = 60,
+    period: Annotated[int, typer.Option(help="Revolutions in a period of the motion.")] = 1,
+    harmonics: Annotated[int, typer.Option(help="Largest number of harmonics of the speed.")] = 60,
     share: Annotated[
-        float, typer.Option(help="What the highest harmonics may be of the motion.")
+        float, typer.Option(help="Largest share of the motion that the highest harmonics may have.")
     ] = 1e-4,
     step: Annotated[
-        float, typer.Option(help="Longest step, in clearances and shares of the range.")
+        float,
+        typer.Option(help="Longest step along the curve, in clearances and shares of the range."),
     ] = 0.1,
     seed: Annotated[
         list[float] | None,
-        typer.Option(help="Value where a run in time looks for a further branch; repeatable."),
+        typer.Option(
+            help="Value of what is varied, in SI units, at which a run in time looks for a further "
+            "branch; repeatable."
+        ),
     ] = None,
     whirl: Annotated[
-        bool, typer.Option("--whirl", help="Backward whirl by itself, without unbalance.")
+        bool,
+        typer.Option(
+            "--whirl", help="Follow the backward whirl that needs no unbalance (dry whip)."
+        ),
     ] = False,
     branches: Annotated[
         bool,
         typer.Option(
-            "--branches", help="Follow what begins at period doublings and branch points too."
+            "--branches",
+            help="Follow also the branches that begin at period doublings and branch points.",
         ),
     ] = False,
     check: Annotated[
-        bool, typer.Option("--check", help="Take points into time and say whether they stay.")
+        bool, typer.Option("--check", help="Run some points in time and say whether they persist.")
     ] = False,
     fold_over: Annotated[
         str | None,
-        typer.Option(help="NAME=FROM:TO: where the first fold lies over another quantity."),
+        typer.Option(
+            help="NAME=FROM:TO, a second quantity over which the first fold is followed, with or "
+            "without unit."
+        ),
     ] = None,
+    units: Units = None,
     out: Annotated[Path, typer.Option(help="Folder for picture and numbers.")] = Path(
         "out/response"
     ),
 ) -> dict[str, Any]:
-    """Periodic motions with contacts: the whole curve with its jumps and unstable parts.
+    """Compute periodic motions with contacts: the whole response curve, with its jumps and its
+    unstable parts.
 
     A call that was stopped keeps its points in the folder, and the same call continues from there.
     """
     toml, machine = load_rotor(rotor)
-    at, varied = _varied(speed or _usual(machine, over), over)
+    choose(units, machine.units, rotor or "")
+    of = {str(name): described.unit for name, described, _ in machine.parameters()}
+    at, varied = _varied(speed or _usual(machine, over), over, of)
     asked: dict[str, Any] = {
         "speed": at,
         "over": varied,
-        "parameters": _pairs("--set", values),
-        "loads": _pairs("--load", load),
+        "parameters": _pairs("--set", values, lambda name: of.get(name, "1")),
+        "loads": _pairs("--load", load, lambda _: "N"),
         "period": period,
         "harmonics": harmonics,
         "share": share,
@@ -115,7 +134,7 @@ def response(
     summary = dict(result.summary)
     if not result.is_stopped:
         if fold_over is not None:
-            summary["folds"] = _folds(result, fold_over)
+            summary["folds"] = _folds(result, fold_over, of)
         if check:
             summary["check"] = _checked(result)
     _show(result, machine.name, summary, out)
@@ -184,20 +203,20 @@ def _usual(machine: Rotor, over: str | None) -> str:
 
 
 def _varied(
-    speed: str, over: str | None
+    speed: str, over: str | None, units: Mapping[str, str]
 ) -> tuple[float | tuple[float, float], tuple[str, float, float] | None]:
     """Return the range of speeds, or the one speed, and the quantity that is varied instead."""
     if over is not None:
-        return one_speed(speed), _range(over, "--over")
+        return one_speed(speed), _range(over, "--over", units)
     ends = speed_range(speed, 2)
     if len(ends) != 2:
         raise InputError(f"--speed {speed}: must be FROM:TO")
     return (float(ends[0]), float(ends[1])), None
 
 
-def _folds(result: ResponseResult, text: str) -> dict[str, Any]:
+def _folds(result: ResponseResult, text: str, units: Mapping[str, str]) -> dict[str, Any]:
     """Return where the first fold lies over the quantity of `--fold-over`."""
-    name, low, high = _range(text, "--fold-over")
+    name, low, high = _range(text, "--fold-over", units)
     folds = result.fold_curve(name, low, high)
     return {
         "second": folds.second.tolist(),
@@ -210,7 +229,7 @@ def _folds(result: ResponseResult, text: str) -> dict[str, Any]:
 def _checked(result: ResponseResult) -> list[dict[str, Any]]:
     """Points of the branches, evenly chosen, in time; said one a line."""
     points = result.points[:: max(1, len(result.points) // _CHECKED)]
-    rows = []
+    rows, axis = [], result.axis
     for point in points:
         seen = result.check(point)
         rows.append(
@@ -222,32 +241,29 @@ def _checked(result: ResponseResult) -> list[dict[str, Any]]:
             }
         )
         what = "stable" if point.is_stable else "unstable"
+        value = f"{point.value * axis.scale:.5g} {axis.unit}"
         typer.echo(
-            f"{point.value:.5g} {result.unit}, {what}: {'stays' if seen.stays else 'leaves'}, "
+            f"{value}, {what}: {'stays' if seen.stays else 'leaves'}, "
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"
         )
     return rows
 
 
-def _range(text: str, option: str) -> tuple[str, float, float]:
+def _range(text: str, option: str, units: Mapping[str, str]) -> tuple[str, float, float]:
+    """Return a name and both ends, in SI units, of `NAME=FROM:TO`; units: by name."""
     name, equals, ends = (part.strip() for part in text.partition("="))
-    try:
-        low, high = (float(end) for end in ends.split(":"))
-    except ValueError:
-        equals = ""
-    if not equals:
+    if not equals or ends.count(":") != 1:
         raise InputError(f"{option} {text}: must be NAME=FROM:TO")
-    return name, low, high
+    low, high = number_range(ends, 2, f"{option} {name} =", units.get(name, "1"))
+    return name, float(low), float(high)
 
 
-def _pairs(option: str, texts: list[str] | None) -> dict[str, float]:
+def _pairs(option: str, texts: list[str] | None, unit_of: Callable[[str], str]) -> dict[str, float]:
+    """Return values in SI units of each `NAME=VALUE`."""
     result = {}
     for text in texts or []:
         name, equals, value = (part.strip() for part in text.partition("="))
-        try:
-            result[name] = float(value)
-        except ValueError:
-            equals = ""
         if not equals:
-            raise InputError(f"{option} {text}: must be NAME=NUMBER")
+            raise InputError(f"{option} {text}: must be NAME=VALUE")
+        result[name] = in_si(f"{option} {name} =", value, unit_of(name))
     return result

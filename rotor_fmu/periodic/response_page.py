@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..display import current
 from ..report.packed import COARSE, packed
 from ..report.page import page, template
 from ..report.report_tables import table
@@ -16,14 +17,13 @@ if TYPE_CHECKING:
 
 _SAMPLES = 96  # of a turn of an orbit
 _MOST_VALUES = 3_000_000  # of all orbits
-_SHOWN = {"m": (1e6, "µm"), "rad": (180.0 / np.pi, "deg")}
 
 
 def response_page(result: ResponseResult, name: str) -> str:
     """Return the page as HTML; name: of the machine."""
     from .result import UNITS
 
-    points = result.points
+    points, axis = result.points, result.axis
     places = list(result.probes)
     branch = [i for i, b in enumerate(result.branches) for _ in b.points]
     sizes = [np.abs(p.multipliers[0]) if len(p.multipliers) else np.nan for p in points]
@@ -33,8 +33,9 @@ def response_page(result: ResponseResult, name: str) -> str:
         samples //= 2
     data: dict[str, Any] = {
         "parameter": result.parameter,
-        "unit": result.unit,
-        "value": packed(np.array([p.value for p in points])),
+        "unit": axis.unit,
+        "small": current().small_unit,
+        "value": packed(np.array([p.value for p in points]) * axis.scale),
         "branch": branch,
         "stable": [int(p.is_stable) for p in points],
         "multiplier": packed(np.array(sizes)),
@@ -42,10 +43,10 @@ def response_page(result: ResponseResult, name: str) -> str:
         "turns": [p.orbit.turns for p in points],
         "omega": packed(np.array([p.orbit.omega for p in points])),
         "samples": samples,
-        "quantities": {q: _SHOWN[unit][1] for q, unit in UNITS.items()},
+        "quantities": {q: _shown(unit)[1] for q, unit in UNITS.items()},
         "places": [_place(result, place, samples) for place in places],
         "bifurcations": [
-            {"kind": b.kind, "value": b.value, "point": _before(result, i, b.behind)}
+            {"kind": b.kind, "value": b.value * axis.scale, "point": _before(result, i, b.behind)}
             for i, each in enumerate(result.branches)
             for b in each.bifurcations
         ],
@@ -65,6 +66,11 @@ def response_page(result: ResponseResult, name: str) -> str:
     )
 
 
+def _shown(unit: str) -> tuple[float, str]:
+    """Return factor and name of the unit in which a quantity is shown."""
+    return (current().small, current().small_unit) if unit == "m" else (180.0 / np.pi, "deg")
+
+
 def _before(result: ResponseResult, branch: int, behind: int) -> int:
     """Return the point behind which a bifurcation lies, among those of all branches."""
     return sum(len(b.points) for b in result.branches[:branch]) + max(0, behind)
@@ -75,8 +81,8 @@ def _place(result: ResponseResult, place: str, samples: int) -> dict[str, Any]:
     from .result import UNITS
 
     curves = {
-        q: packed(_SHOWN[unit][0] * result.curve(place, q).value) for q, unit in UNITS.items()
+        q: packed(_shown(unit)[0] * result.curve(place, q).value) for q, unit in UNITS.items()
     }
     orbits = [result.series(point, place, samples) for point in result.points]
-    x, y = np.array(orbits).reshape(-1, 2, samples).transpose(1, 0, 2) * 1e6
+    x, y = np.array(orbits).reshape(-1, 2, samples).transpose(1, 0, 2) * current().small
     return {"name": place, "curves": curves, "x": packed(x, COARSE), "y": packed(y, COARSE)}

@@ -9,7 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..display import current
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
+from ..linear.linear_plots import titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
 from .result import pieces
 
@@ -26,20 +28,21 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         largest = {n: result.curve(n).value.max(initial=0.0) for n in result.probes}
         names = sorted(sorted(largest, key=lambda n: -largest[n])[:3])
     figure, axes = new_figure(6.8, 4.6)
+    axis, small = result.axis, current().small
     handles = []
     for name, color in zip(names, _COLORS, strict=False):
         curve = result.curve(name)
         for i in range(1, len(result.branches) + 1):
             mine = curve.branch == i
-            at, value = curve.parameter[mine], curve.value[mine] * 1e6
+            at, value = curve.parameter[mine] * axis.scale, curve.value[mine] * small
             for piece, is_stable in pieces(curve.stable[mine].tolist()):
                 style, width = ("-", 1.8) if is_stable else ((0, (4, 2)), 1.2)
                 axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
             branch = result.branches[i - 1]
             for b in branch.bifurcations:
                 near = branch.points[max(0, b.behind)]
-                y = result.amplitude(near, name) * 1e6
-                axes.plot(b.value, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
+                y = result.amplitude(near, name) * small
+                axes.plot(b.value * axis.scale, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
     handles.append(Line2D([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="unstable"))
@@ -49,9 +52,11 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         )
     axes.legend(handles=handles, frameon=False, fontsize=8)
     axes.set_ylim(bottom=0)
-    values = np.array([p.value for p in result.points])
+    values = np.array([p.value for p in result.points]) * axis.scale
     if len(values):
         axes.set_xlim(values.min(), values.max())
-    axes.set_xlabel(f"{result.parameter} [{result.unit}]")
-    axes.set_ylabel("Largest distance from the mean [µm]")
+    axes.set_xlabel(f"{result.parameter} [{axis.unit}]")
+    axes.set_ylabel(f"Largest distance from the mean [{current().small_unit}]")
+    title = titled(result.machine, f"periodic motions over {result.parameter}")
+    axes.set_title(title, loc="left", fontsize=10)
     return figure

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..display import current
 from ..errors import InputError
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
@@ -70,6 +71,13 @@ class SectionLine(NamedTuple):
     is_stable: bool
 
 
+class Axis(NamedTuple):
+    """Factor from the SI unit of a parameter to the unit that is shown, and that unit."""
+
+    scale: float
+    unit: str
+
+
 class ResponseResult:
     """Periodic motions of a machine over a parameter; a notebook shows the picture.
 
@@ -91,6 +99,11 @@ class ResponseResult:
         )
 
     @property
+    def machine(self) -> str:
+        """Name of the machine."""
+        return self._found.rotor.name
+
+    @property
     def is_stopped(self) -> bool:
         """Whether the search was interrupted."""
         return self._found.is_stopped
@@ -102,6 +115,13 @@ class ResponseResult:
             return "rad/s"
         known = {str(name): described.unit for name, described, _ in self._found.rotor.parameters()}
         return known[self.parameter]
+
+    @property
+    def axis(self) -> Axis:
+        """How the parameter is shown: a speed in the unit of speeds, all else in SI units."""
+        if self.parameter == SPEED:
+            return Axis(current().speed, current().speed_unit)
+        return Axis(1.0, self.unit)
 
     @property
     def points(self) -> list[Solution]:
@@ -224,11 +244,13 @@ class ResponseResult:
 
     def table(self) -> Table:
         """A row a bifurcation, and the ends of the branches."""
-        rows: list[tuple[object, ...]] = []
+        axis, rows = self.axis, list[tuple[object, ...]]()
         for i, branch in enumerate(self.branches, 1):
             for b in branch.bifurcations:
-                rows.append((i, b.kind, float(b.value), float(abs(b.multiplier)), b.orbit.H))
-        heads = ("branch", "bifurcation", f"{self.parameter} [{self.unit}]", "|multiplier|", "H")
+                value = float(b.value) * axis.scale
+                rows.append((i, b.kind, value, float(abs(b.multiplier)), b.orbit.H))
+        over = f"{self.parameter} [{axis.unit}]"
+        heads = ("branch", "bifurcation", over, "largest multiplier", "harmonics")
         counts = ", ".join(
             f"{i}: {len(b.points)} points, {sum(p.is_stable for p in b.points)} stable, "
             f"{b.ends[0]} to {b.ends[1]}"

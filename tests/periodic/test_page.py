@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 import rotor_fmu as rf
+from rotor_fmu.display import choose, restored
 from rotor_fmu.periodic.response_page import response_page
 
 from ..browser import NASTY, Page
 from .machines import CLEARANCE, OMEGA, jeffcott, rub
+
+HERTZ = 1 / (2 * np.pi)  # of a rad/s
 
 
 @pytest.fixture(scope="module")
@@ -21,6 +24,21 @@ def test_the_page_is_one_file_with_tables_and_a_name_that_is_text(result):
     assert "<td>fold</td>" in html
 
 
+def test_picture_table_and_page_are_in_the_units_chosen(result):
+    with restored():
+        choose("rpm, mil")
+        axes = result.figure().axes[0]
+        heads = result.table().heads
+        html = response_page(result, "Jeffcott")
+    assert axes.get_xlabel() == heads[2] == "speed [rpm]"
+    assert axes.get_xlim()[1] == pytest.approx(240.0 * 30 / np.pi)
+    assert axes.get_ylabel() == "Largest distance from the mean [mil]"
+    drawn = max(line.get_ydata().max() for line in axes.lines)
+    assert drawn == pytest.approx(result.curve("disc").value.max() / 25.4e-6)
+    assert axes.get_title("left").endswith("periodic motions over speed")
+    assert '"unit":"rpm","small":"mil"' in html
+
+
 def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_path):
     path = tmp_path / "response.html"
     path.write_text(response_page(result, "Jeffcott"), encoding="utf-8")
@@ -29,7 +47,7 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_pa
     omega = 1.8
     for sign, words in ((1, "stable"), (-1, "unstable")):
         radius = 1e6 * CLEARANCE * rub(omega, sign=sign)
-        page.run("curves.follow(arguments[0], arguments[1])", omega * OMEGA, radius)
+        page.run("curves.follow(arguments[0], arguments[1])", omega * OMEGA * HERTZ, radius)
         said = page.text("reading")
         assert f", {words}, " in said
         x, y = page.run("return [curves.path.data.x, curves.path.data.y]")
@@ -39,7 +57,7 @@ def test_the_pointer_shows_the_orbit_of_the_nearest_point(silent, result, tmp_pa
         expected = 1e6 * result.amplitude(at, "disc")
         assert np.hypot(x, y) == pytest.approx(np.full(len(x), expected), rel=1e-3)
     # a motion of the mouse itself
-    page.click_at("curves.chart", 1.2 * OMEGA, 1e6 * CLEARANCE * rub(1.2))
+    page.click_at("curves.chart", 1.2 * OMEGA * HERTZ, 1e6 * CLEARANCE * rub(1.2))
     assert abs(result.points[page.run("return curves.row")].value - 1.2 * OMEGA) < 0.1 * OMEGA
     page.find("after").click()
     before = page.run("return curves.row")

@@ -1,0 +1,107 @@
+"""Steps of a period: short where the forces change fast, ending where one has a corner.
+
+Steps are halves of halves of the period, cut at corners. How short they must be follows from the
+forces on them: a parabola through those at a step's three points, carried back to its begin, misses
+the force there by an impulse that is to be a small share of all.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from .condensed import Condensed
+from .corners import crossings
+
+POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
+_COARSEST, _FINEST = 6, 13  # halvings of the period
+_IMPULSE = 1e-6  # that a parabola may miss in a step, as a share of the period's
+_FINER, _COARSER = 3, 1  # halvings at once
+_SEEN = 2048  # instants at which corners are looked for
+_APART = 1e-6  # of the period: how near the end of another step a corner is none
+# of values at the points, what the parabola through them is at the begin
+_BACK = np.array(
+    [np.prod(np.delete(POINTS, i) / (np.delete(POINTS, i) - POINTS[i])) for i in range(3)]
+)
+
+
+def even(halvings: int = 9) -> np.ndarray:
+    """Ends of even steps, as shares of the period."""
+    return np.linspace(0.0, 1.0, 2**halvings + 1)
+
+
+def shortened(ends: np.ndarray, which: np.ndarray) -> np.ndarray:
+    """Ends with some of the steps in four, and those after them in two."""
+    h, after = np.diff(ends), which | np.roll(which, 1)
+    quarters = [ends[:-1][which] + share * h[which] for share in (0.25, 0.75)]
+    return np.unique(np.concatenate([ends, ends[:-1][after] + 0.5 * h[after], *quarters]))
+
+
+def points(ends: np.ndarray) -> np.ndarray:
+    """Three points a step, as shares of the period, shape (steps, 3)."""
+    return ends[:-1, None] + np.diff(ends)[:, None] * POINTS
+
+
+def interpolated(values: np.ndarray, ends: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Of a period by its values at the points of steps, shape (steps, 3, m): at shares of it, by
+    the cubic of each step that has the end of the one before, shape (n, m)."""
+    step = np.clip(np.searchsorted(ends, at, "left") - 1, 0, len(ends) - 2)
+    x = (at - ends[step]) / (ends[step + 1] - ends[step])
+    nodes = np.append(0.0, POINTS)
+    known = np.concatenate([np.roll(values[:, 2:], 1, axis=0), values], axis=1)[step]
+    share = np.ones((len(at), 4))
+    for i in range(4):
+        for j in np.delete(np.arange(4), i):
+            share[:, i] *= (x - nodes[j]) / (nodes[i] - nodes[j])
+    return np.einsum("ni,nim->nm", share, known)
+
+
+def fitted(machine: Condensed, y: np.ndarray, force: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Ends of steps that suit a motion y with its forces, at the points of other steps, shape
+    (steps, 3, m) each."""
+    cells = _cells(force, ends)
+    corners = _corners(machine, y, ends)
+    near = np.clip(np.searchsorted(cells, corners), 1, len(cells) - 1)
+    apart = np.minimum(corners - cells[near - 1], cells[near] - corners)
+    return np.unique(np.append(cells, corners[apart > _APART]))
+
+
+def _cells(force: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Halves of halves, as short as the forces ask for."""
+    h, n = np.diff(ends), 2**_FINEST
+    missed = np.abs(np.einsum("i,tim->tm", _BACK, force) - np.roll(force[:, 2], 1, axis=0))
+    missed = h * np.linalg.norm(missed, axis=1)
+    whole = max(float(h @ np.linalg.norm(force, axis=2).mean(axis=1)), 1e-300)
+    now = -np.log2(h)
+    wanted = now + np.log2(np.maximum(missed / (_IMPULSE * whole), 1e-12)) / 4
+    wanted = np.clip(np.ceil(wanted), np.floor(now + 1e-9) - _COARSER, now + _FINER)
+    halvings = np.clip(wanted, _COARSEST, _FINEST).astype(int)
+    of_least = halvings[np.searchsorted(ends, (np.arange(n) + 0.5) / n) - 1]
+    np.maximum.at(of_least, np.minimum((ends[:-1] * n).astype(int), n - 1), halvings)
+    is_end, is_free = np.append(np.zeros(n, bool), True), np.ones(n, bool)
+    for halved in range(_COARSEST, _FINEST + 1):
+        size = n // 2**halved
+        is_one = of_least.reshape(-1, size).max(axis=1) <= halved
+        is_one &= is_free.reshape(-1, size).all(axis=1)
+        is_end[:-1:size] |= is_one
+        is_free &= ~np.repeat(is_one, size)
+    return np.flatnonzero(is_end) / n
+
+
+def _corners(machine: Condensed, y: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Where forces have corners, as shares of the period."""
+    if not len(machine.laws.levels[0]):
+        return np.zeros(0)
+
+    def gap(at: np.ndarray) -> np.ndarray:
+        """Return the gaps at shares of the period."""
+        return machine.laws.openings(
+            interpolated(y[..., : machine.b], ends, at % 1.0) @ machine.B.T
+        )
+
+    n = _SEEN
+    found = crossings(
+        machine.laws, gap(np.arange(-1, n + 2) / n), lambda cell, share: gap((cell + share) / n)
+    )
+    return (found.cell + found.share) / n

@@ -1,0 +1,126 @@
+"""Motions whose contacts open and close, by shooting: against integration in time by another
+program, against harmonic balance, and gone on with after a stop."""
+
+import numpy as np
+import pytest
+import scipy.integrate
+from rotor_fmu.model.periodic import mesh
+from rotor_fmu.model.periodic.arclength import solve
+from rotor_fmu.model.periodic.shooting import Shooting
+from rotor_fmu.model.periodic.task import Task, machines_of
+
+import rotor_fmu as rf
+
+from .machines import CLEARANCE, OMEGA
+from .test_branches import sagging
+from .test_resume import called, equal
+
+SPEED = 245.0
+LIFTING = {"speed": (183.65, 185.5)}  # of the rig
+
+
+@pytest.fixture(scope="module")
+def shot():
+    """The equations of a rotor that leaves its stator and comes back each turn, and its state."""
+    balanced = rf.response(sagging(), speed=(244.0, 246.0), harmonics=40, share=1e-6)
+    (point,) = balanced.at(SPEED)
+    task = Task(SPEED, SPEED + 1.0)
+    machines = machines_of(sagging().rotor, task)
+    equations = Shooting(task.problem(machines, SPEED, 60), point.orbit)
+    return equations, solve(equations, equations.join(point.orbit), SPEED), point
+
+
+def acceleration(t, z):
+    """Of `sagging`, by hand: a disc of 1 kg on its spring, with its weight, in its stator."""
+    r = np.hypot(z[0], z[1])
+    pressed = 4 * OMEGA**2 * max(r - CLEARANCE, 0.0) / r
+    turn = 0.3 * CLEARANCE * SPEED**2
+    pull = turn * np.cos(SPEED * t), turn * np.sin(SPEED * t) - 9.81
+    return [
+        *z[2:],
+        *(pull[i] - (OMEGA**2 + pressed) * z[i] - 2 * 0.05 * OMEGA * z[2 + i] for i in range(2)),
+    ]
+
+
+def test_a_motion_is_that_of_an_integrator_that_stops_at_each_touch(shot):
+    equations, x, _ = shot
+    orbit = equations.split(x, SPEED)
+    y = orbit.b[0] + orbit.b[1::2].sum(axis=0)
+    k = np.arange(1, orbit.H + 1)
+    v = SPEED * (k[:, None] * orbit.b[2::2]).sum(axis=0)
+
+    def touches(t, z):
+        return np.hypot(z[0], z[1]) - CLEARANCE
+
+    run = scipy.integrate.solve_ivp(
+        acceleration,
+        (0.0, 2 * np.pi / SPEED),
+        np.append(y, v),
+        rtol=1e-11,
+        atol=1e-16,
+        max_step=1e-4,
+        events=touches,
+        dense_output=True,
+    )
+    assert len(run.t_events[0]) >= 2
+    t = np.linspace(0.0, 2 * np.pi / SPEED, 200)
+    value = (
+        np.cos(np.outer(SPEED * t, np.arange(orbit.H + 1))) @ np.vstack([orbit.b[0], orbit.b[1::2]])
+        + np.sin(np.outer(SPEED * t, k)) @ orbit.b[2::2]
+    )
+    assert np.abs(run.sol(t)[:2].T - value).max() < 2e-5 * np.ptp(value)
+
+
+def test_shooting_and_harmonic_balance_have_one_motion_and_one_stability(shot):
+    equations, x, point = shot
+    orbit = equations.split(x, SPEED)
+    rows = 2 * point.orbit.H + 1
+    size = np.abs(point.orbit.b).max()
+    assert np.abs(orbit.b[:rows] - point.orbit.b).max() < 1e-5 * size
+    seen, other = np.abs(equations.multipliers(x, SPEED)), np.abs(point.multipliers)
+    assert seen[:4] == pytest.approx(other[:4], rel=1e-3)
+
+
+def test_newtons_method_converges_quadratically_although_contacts_open(shot):
+    equations, x, _ = shot
+    near, sizes = x + 1e-3 * np.sin(np.arange(len(x))), []
+    for _ in range(4):
+        lack, jacobian = equations.linearized(near, SPEED)
+        correction = -np.linalg.solve(jacobian, lack)
+        near = near + correction
+        sizes.append(float(np.linalg.norm(correction)))
+    assert sizes[0] > 1e-4
+    assert sizes[-1] < 1e-9
+    assert sizes[2] < 1e-3 * sizes[1]
+
+
+def test_steps_are_shorter_where_forces_change_and_end_in_their_corners(shot):
+    equations, x, _ = shot
+    equations.linearized(x, SPEED)
+    flight = equations._flown(x, SPEED)
+    h = np.diff(flight.ends)
+    assert h.sum() == pytest.approx(1.0)
+    at = mesh.interpolated(flight.y[..., :2], flight.ends, flight.ends)
+    gap = np.abs(np.hypot(at[:, 0], at[:, 1]) - CLEARANCE)
+    assert np.sort(gap)[:2].max() < 1e-4 * CLEARANCE
+    assert h.min() < 0.1 * h.max()
+
+
+@pytest.mark.slow
+def test_a_branch_is_followed_by_shooting_and_gone_on_with_after_a_stop(tmp_path):
+    """To the same points, bit for bit, also after a stop in the midst of them."""
+    machine = rf.load()
+    whole = rf.response(machine, **LIFTING)
+    assert whole.branches[0].ends == ("start", "end of the range")
+    shot = [i for i, p in enumerate(whole.points) if p.orbit.H > 60]
+    for stop in (shot[0] + 2, shot[1] + 2):
+        assert called(tmp_path, machine, stop, **LIFTING).is_stopped
+    assert equal(called(tmp_path, machine, **LIFTING), whole)
+
+
+@pytest.mark.slow
+def test_a_range_in_which_a_journal_lifts_off_throughout_begins_with_a_run_in_time():
+    result = rf.response(rf.load(), speed=(186.0, 187.0))
+    (branch,) = result.branches
+    assert branch.ends == ("start", "end of the range")
+    assert all(p.is_stable and p.orbit.H > 60 for p in branch.points)
