@@ -12,12 +12,14 @@ from difflib import get_close_matches
 from .errors import InputError
 
 INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
+OUNCE = POUND / 16
 
 
 @dataclass(frozen=True)
 class Display:
     """Names of units, and what one SI unit is in each: of speeds [rad/s], displacements [m],
-    lengths [m], masses [kg], forces [N]; whether amplitudes are peak-to-peak."""
+    lengths [m], masses [kg], forces [N], stiffnesses [N/m], dampings [N.s/m], torques [N.m],
+    pressures [Pa], unbalances [kg.m]; whether amplitudes are peak-to-peak."""
 
     speed_unit: str = "Hz"
     speed: float = 1 / (2 * math.pi)
@@ -29,6 +31,16 @@ class Display:
     mass: float = 1.0
     force_unit: str = "N"
     force: float = 1.0
+    stiffness_unit: str = "N/m"
+    stiffness: float = 1.0
+    damping_unit: str = "N.s/m"
+    damping: float = 1.0
+    torque_unit: str = "N.m"
+    torque: float = 1.0
+    pressure_unit: str = "MPa"
+    pressure: float = 1e-6
+    unbalance_unit: str = "g.mm"
+    unbalance: float = 1e6
     is_pp: bool = False
 
     @property
@@ -56,12 +68,27 @@ class Display:
         """Label of an axis of speeds."""
         return f"Rotational speed n [{self.speed_unit}]"
 
+    @property
+    def frequency_unit(self) -> str:
+        """Unit of frequencies beside speeds in Hz or rpm."""
+        return "cpm" if self.speed_unit == "rpm" else self.speed_unit
+
+    @property
+    def frequency_label(self) -> str:
+        """Label of an axis of frequencies."""
+        return f"Frequency [{self.frequency_unit}]"
+
 
 _RPM = {"speed_unit": "rpm", "speed": 30 / math.pi}
 _MIL = {"small_unit": "mil", "small": 1e3 / INCH}
 _INCHES = {
     **{"length_unit": "in", "length": 1 / INCH},
     **{"mass_unit": "lb", "mass": 1 / POUND, "force_unit": "lbf", "force": 1 / LBF},
+    **{"stiffness_unit": "lbf/in", "stiffness": INCH / LBF},
+    **{"damping_unit": "lbf.s/in", "damping": INCH / LBF},
+    **{"torque_unit": "lbf.in", "torque": 1 / (LBF * INCH)},
+    **{"pressure_unit": "psi", "pressure": INCH**2 / LBF},
+    **{"unbalance_unit": "oz.in", "unbalance": 1 / (OUNCE * INCH)},
 }
 # What each word of `--units` changes.
 _WORDS: dict[str, dict[str, object]] = {
@@ -102,9 +129,14 @@ def shown_speed(omega: float) -> str:
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
 
 
+def speed_with_unit(omega: float) -> str:
+    """Return a speed [rad/s] in the unit that is shown, to five digits, with the unit."""
+    return f"{float(omega) * current().speed:.5g} {current().speed_unit}"
+
+
 def frequency_unit() -> str:
     """Return the unit of frequencies beside speeds that are shown in Hz or rpm."""
-    return "cpm" if current().speed_unit == "rpm" else current().speed_unit
+    return current().frequency_unit
 
 
 @contextmanager
@@ -117,7 +149,8 @@ def restored() -> Iterator[None]:
         _current.reset(token)
 
 
-def choose(option: str | None, of_file: str = "") -> None:
-    """Show the units of `--units`, else those that a machine's file says."""
-    given = ("--units", option) if option is not None else ("units =", of_file)
+def choose(option: str | None, of_file: str = "", file: object = "") -> None:
+    """Show the units of `--units`, else those that a machine's file says; file: its name."""
+    where = f"{file}: units =" if file else "units ="
+    given = ("--units", option) if option is not None else (where, of_file)
     _current.set(display_of(*given))

@@ -36,6 +36,7 @@ _MEASURED = {
     "N.m": ("a torque", "N.mm, lbf.in"),
     "N/m": ("a stiffness", "N/mm, MN/m, lbf/in"),
     "N.s/m": ("a damping", "N.s/mm, kN.s/m, lbf.s/in"),
+    "W": ("a power", "kW, hp"),
     "Pa": ("a stress or a pressure", "GPa, MPa, bar, psi"),
     "kg/m3": ("a density", "g/cm3, lb/in3"),
     "kg.m": ("an unbalance", "g.mm, oz.in"),

@@ -211,7 +211,11 @@ _JOURNAL, _DAMPER = (
         (_JOURNAL, f"{_PADS}\noffset = 1.5", ".offset = 1.5: must be from 0 to 1"),
         (_JOURNAL, "pads = [0.0, 1.0]\narc = 1.5", ".pads: pads 1 and 2 overlap"),
         (_JOURNAL, "supply_pressure = -1e5", ".supply_pressure = -100000 Pa: must be >= 0"),
-        (_DAMPER, "full = true", ".full = true: needs squeeze_film_damper[1].short = true"),
+        (
+            _DAMPER,
+            "sealed = true\nshort = true",
+            ".sealed = true: needs squeeze_film_damper[1].short = false",
+        ),
     ],
 )
 def test_a_film_that_cannot_be_is_refused(machine, more, message):

@@ -4,24 +4,32 @@ import itertools
 import json
 import math
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
+from rotor_fmu.acceptance.balancing import Balancing, CorrectionPlane, Vibration
 from rotor_fmu.display import choose, current, display_of, restored, shown_speed
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import acceptance, answers
 from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
+from rotor_fmu.report import signal_plots
 from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
 from rotor_fmu.report.signal_plots import bode, orbit
 from rotor_fmu.report.view import View
+from rotor_fmu.runs import run_plots
+from rotor_fmu.runs.job import load_rotor
 
 from .recordings import recorded
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 def test_us_units_are_by_definition_and_words_go_together():
@@ -31,6 +39,11 @@ def test_us_units_are_by_definition_and_words_go_together():
     ones = [us.small * 25.4e-6, us.length * 0.0254, us.mass * 0.45359237]
     assert ones == pytest.approx([1, 1, 1])
     assert us.force * 4.4482216152605 == pytest.approx(1)
+    # lbf/in, lbf.s/in, lbf.in, psi, oz.in: NIST SP 811, appendix B
+    others = [us.stiffness * 175.1268, us.damping * 175.1268, us.torque * 0.1129848]
+    assert [*others, us.pressure * 6894.757, us.unbalance * 7.200778e-4] == pytest.approx(
+        5 * [1], rel=1e-6
+    )
     assert mixed.amplitude == pytest.approx(2e6)
     assert mixed.amplitude_unit == "µm pp"
 
@@ -40,6 +53,13 @@ def test_a_word_that_is_none_is_refused_with_its_nearest():
         InputError, match=r"--units mils: 'mils' must be one of .*did you mean mil\?"
     ):
         choose("mils")
+
+
+def test_a_word_of_a_machine_file_that_is_none_is_refused_with_the_file(refusal, tmp_path):
+    (tmp_path / "m.toml").write_text(f'units = "furlong"\n{rig_toml()}')
+    assert "m.toml: units = furlong: 'furlong' must be one of" in refusal(
+        "modes", "--rotor", str(tmp_path / "m.toml")
+    )
 
 
 def test_show_lists_a_machine_in_us_units_and_the_next_command_in_its_own(command):
@@ -74,6 +94,39 @@ def test_the_check_by_api_617_balancing_and_compliance_are_in_the_units_chosen(c
     )
 
 
+def test_no_answer_mixes_si_units_into_those_that_were_chosen():
+    """Columns in rad/s stand beside those of the unit chosen; all else is in it."""
+    si = re.compile(r"Hz|rev/min|\bN\b|N/m|N\.|\bum\b|µm|\bmm\b|g\.mm|MPa|\bkg\b")
+    for result in _answers():
+        with restored():
+            choose("us")
+            table, figure = result.table(), result.figure()
+        texts = [table.title, *table.heads, *(str(cell) for row in table.rows for cell in row)]
+        texts += [text.get_text() for text in figure.findobj(Text)]
+        assert [text for text in texts if si.search(text)] == []
+
+
+def _answers():
+    """Answers of every kind that have units."""
+    oil, squeeze, rolling = (
+        load_rotor(EXAMPLES / name / "rotor.toml")[1]
+        for name in ("oil_film", "squeeze_film", "rolling_bearing")
+    )
+    yield acceptance.critical_map(rig(), [1e6, 1e7, 1e9], count=2)
+    yield acceptance.level_1(rig(), 100.0, node=4, anticipated=1e5, stiffness=[0.0, 1e5])
+    yield acceptance.level_2(rig(), 100.0, node=4, cross_couplings={4: 1e5})
+    yield acceptance.critical_peaks(rig(), 400.0, [4])
+    yield acceptance.unbalance_check(rig(), 100.0, 200.0, [4])
+    yield answers.modes(rig(), 100.0, count=2)
+    yield answers.static(rig())
+    yield frequency_response(rig(), np.linspace(10.0, 300.0, 9), 4, nodes=[4])
+    yield answers.bearing(oil, [300.0, 400.0], bearing="journal_bearing[1]")
+    yield answers.damper(squeeze, 250.0, bearing="squeeze_film_damper[1]")
+    yield answers.rolling(rolling, bearing="left", load=np.array([100.0, 200.0]))
+    planes = (CorrectionPlane(4, 1e-4 + 0j, 2e-4j),)
+    yield Balancing(planes, (Vibration(4, "x", 100.0, 1e-5, 0j, 1e-6),), np.ones((1, 1)), False)
+
+
 def _column(text, head):
     """Numbers below a head of a table with two spaces between its columns."""
     lines = [re.split(r" {2,}", line.strip()) for line in text.splitlines()]
@@ -99,6 +152,29 @@ def test_pictures_are_in_the_units_that_were_chosen():
     assert response[0].get_ylabel() == "Amplitude [mil pp]"
     assert response[0].get_title("left").startswith("zigulic2003: Steady response")
     assert response[0].get_xlim()[1] > 2000
+
+
+def test_pictures_of_contacts_and_spectra_are_in_the_units_chosen_under_the_machine_s_name():
+    """The run begins at 300 rad/s, 2865 rpm, and the contact presses with 5 N."""
+    recording = recorded()
+    with restored():
+        choose("us")
+        view = View(Recorded(recording, "one"))
+        angles = run_plots.contact_angle(recording, "").axes[0]
+        above = signal_plots.contact_force(view).axes[0]
+        once = run_plots.spectra(recorded(rate=0.0), "", "disc[2]").axes[0]
+        lines = signal_plots.spectrum(view).axes[0]
+    heat = angles.collections[0].get_coordinates()
+    assert heat[..., 0].max() == pytest.approx(300.0 * 30 / np.pi, rel=1e-2)
+    assert above.get_ylabel() == "Normal force [lbf]"
+    assert np.nanmax(above.lines[0].get_ydata()) == pytest.approx(5.0 / 4.4482216, rel=1e-6)
+    assert once.get_xlabel() == "Frequency [cpm]"
+    largest = max(once.lines[:2], key=lambda line: line.get_ydata().max())
+    at = largest.get_xdata()[np.argmax(largest.get_ydata())]
+    assert at == pytest.approx(300.0 * 30 / np.pi, rel=2e-2)
+    assert {axes.get_title("left").split(":")[0] for axes in (above, lines)} == {"closed form"}
+    # nothing is there beyond 1x
+    assert lines.get_xlim()[1] < 3.5 * 3000
 
 
 def test_mode_shapes_in_space_are_whole_and_in_the_units_chosen():
@@ -176,6 +252,8 @@ def test_a_page_begins_in_the_units_that_were_chosen():
         choose("rpm,mil")
         page = runs_page(runs, [{}])
     assert '<option value="60" selected>rpm' in page
+    assert '"unit":"mil"' in page
+    assert '"unit":"\\u00b5m"' not in page
     assert '<option value="2" selected>mil 0-p' in page
     assert "<h1>closed form</h1>" in page
     assert "selected" not in runs_page(runs, [{}]).split("<script")[0]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from rotor_fmu.model.linear import Modes
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.machine.writing import toml_text
@@ -15,6 +16,7 @@ from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
 from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.runs.job import load_rotor
 
 ROSS = Path(__file__).parent / "reference" / "ross"
 PNG = b"\x89PNG"
@@ -23,10 +25,10 @@ PNG = b"\x89PNG"
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        (["modes", "--speed", "3000rpm"], "Modes at 314.16 rad/s (3000 rev/min), contacts pinned"),
+        (["modes", "--speed", "3000rpm"], "Modes at 50 Hz (314.16 rad/s), contacts pinned"),
         (
             ["campbell", "--speed", "0:60Hz:7", "--count", "4"],
-            "Critical speeds between 0 and 376.99",
+            "Critical speeds between 0 and 60 Hz",
         ),
         (["unbalance", "--speed", "20:40Hz:5", "--node", "5"], "Response to unbalance, contacts"),
         (["static"], "on bearing[1]"),
@@ -88,7 +90,7 @@ def test_a_rotor_from_ross_is_taken_as_it_is_and_imported(command, tmp_path):
 def test_a_notebook_shows_a_table_and_a_picture():
     result = answers.modes(rig(), 100.0, count=2)
     assert isinstance(result, Modes)
-    assert result._repr_html_().startswith("<table><caption>Modes at 100 rad/s")
+    assert result._repr_html_().startswith("<table><caption>Modes at 15.915 Hz (100 rad/s)")
     assert result._repr_png_().startswith(PNG)
 
 
@@ -229,3 +231,17 @@ def test_a_result_is_a_line_in_a_console():
     ):
         assert "\n" not in repr(result)
         assert len(repr(result)) < 120
+
+
+def test_the_labels_of_a_campbell_diagram_do_not_cover_each_other():
+    """Of a machine whose critical speeds of four orders lie close together."""
+    rotor = load_rotor(ROSS / "under_tension.toml")[1]
+    result = answers.campbell(rotor, np.linspace(0.0, 400.0, 9), harmonic=(1.0, 2.0, 3.0, 4.0))
+    figure = result.figure()
+    figure.draw_without_rendering()
+    axes = figure.axes[0]
+    boxes = [Text.get_window_extent(text) for text in axes.texts]  # without their lines
+    assert len(boxes) == len(result.critical) > 8
+    boxes.append(axes.get_legend().get_window_extent())
+    for i, box in enumerate(boxes):
+        assert not [other for other in boxes[:i] if box.overlaps(other)]

@@ -271,6 +271,9 @@ def test_speeds_are_shown_in_rpm(silent, pages):
         ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
         assert ticks == ["1200", "1830"]
     assert page.run("return over.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
+    across = "over.spectrum.plot.below[0]"
+    assert page.run(f"return {across}.axis_label") == "Whirl frequency [cpm], backward < 0"
+    assert page.run(f"return {across}.formatter.doFormat([50], {{}})") == ["3000"]
     page.set("turns", "1", "change")
     assert page.run("return over.bode.plot.below[0].axis_label") == "Speed [Hz]"
 

@@ -118,3 +118,42 @@ def test_level_2_adds_what_acts_one_by_one():
     assert result.cases[-1].log_dec == pytest.approx(everything.log_dec[0])
     bare = replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
     assert result.cases[0].log_dec == pytest.approx(level_1(bare, 900.0).log_dec_alone)
+
+
+@pytest.mark.parametrize("q", [0.0, 3e7])
+def test_both_levels_are_of_the_same_mode(q):
+    """Of a rotor on bearings that differ in x and y, where the lowest mode that is not backward
+    becomes another one by cross coupling."""
+    rotor = parse_rotor(ANISOTROPIC)
+    of_1 = level_1(rotor, 1152.0, node=4, anticipated=q, stiffness=[q])
+    of_2 = level_2(rotor, 1152.0, node=4, cross_couplings={4: q} if q else None)
+    assert of_2.cases[0].log_dec == pytest.approx(of_1.log_dec_alone, rel=1e-9)
+    assert of_2.cases[-1].log_dec == pytest.approx(of_1.log_dec_anticipated, rel=1e-6)
+
+
+def test_a_second_mode_that_grows_is_seen_at_both_levels():
+    """Damping in the middle, where the second mode has a node, and the opposite of it beside."""
+    sides = "".join(
+        f"[[linear_bearing]]\nnode = {node}\nkxx = 0\nkyy = 0\ncxx = -50\ncyy = -50\n"
+        for node in (2, 6)
+    )
+    rotor = parse_rotor(SHAFT + support(1, 1e8) + support(7, 1e8) + support(4, 1e3, 500.0) + sides)
+    seen = modes(rotor, 50.0)
+    lowest = int(np.argmin(seen.log_dec))
+    assert seen.log_dec[:2].min() > 0 > seen.log_dec[lowest]
+    of_1, of_2 = level_1(rotor, 50.0, stiffness=[0.0]), level_2(rotor, 50.0)
+    for found in (of_1.log_dec_alone, of_2.cases[0].log_dec):
+        assert found == pytest.approx(seen.log_dec[lowest], rel=1e-6)
+    assert of_1.threshold == 0.0
+    assert of_1.is_level_2_required
+    assert not of_2.is_met
+
+
+def test_a_seal_that_makes_another_mode_grow_is_seen():
+    """Without it every mode decays."""
+    text = SHAFT + support(1, 1e8) + support(7, 1e8) + support(4, 1e3, 500.0)
+    seal = "[[seal]]\nnode = 2\nkxx = 0\nkyy = 0\ncxx = -100\ncyy = -100\n"
+    rotor = parse_rotor(text + support(2, 1.0, 5.0) + support(6, 1.0, 5.0) + seal)
+    alone, with_seal = level_2(rotor, 50.0).cases
+    assert alone.log_dec > 0 > with_seal.log_dec
+    assert with_seal.log_dec == pytest.approx(modes(rotor, 50.0).log_dec.min(), rel=1e-6)

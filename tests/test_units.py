@@ -2,15 +2,19 @@
 the units: inch 25.4 mm, pound 0.45359237 kg, standard gravity 9.80665 m/s2."""
 
 import math
+import re
 import subprocess
 import sys
 import tomllib
 
 import jsonschema
+import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
+from rotor_fmu.model.machine.toml import parse_rotor, rig, rig_toml
 
 import rotor_fmu as rf
+from rotor_fmu.cli.nodes import clearances_of, cross_couplings
+from rotor_fmu.cli.speeds import number_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.machine_file.reading import machine_text, si_text
 from rotor_fmu.machine_file.schema import schema
@@ -175,3 +179,29 @@ def test_plain_numbers_and_rpm_need_no_library():
     first, second = done.stdout.splitlines()
     assert first == f"zigulic2003 {2 * math.pi}"
     assert second == "--hold 1 hour: pint is not installed: pip install 'rotor-fmu[units]'"
+
+
+def test_ranges_and_what_stands_at_nodes_take_every_unit_of_their_quantity():
+    """1 lbf/in is 175.1268 N/m; Alford's formula of the second stage in SI units."""
+    map_over = number_range("1e3:1e6lbf/in:3", 33, "--stiffness", "N/m")
+    assert map_over == pytest.approx(175.1268 * np.linspace(1e3, 1e6, 3), rel=1e-6)
+    assert number_range("9000rpm:11000rpm", 2, "--range", "rad/s")[0] == pytest.approx(300 * np.pi)
+    assert clearances_of(["6:0.3mm", "7: 1e-4"]) == pytest.approx({6: 3e-4, 7: 1e-4})
+    machine = rig()
+    stages = ["4:500kW:300mm:20mm:2.5", "4:500e3:0.3:0.02:2.5"]
+    one, other = (cross_couplings(machine, 100.0, [stage], None) for stage in stages)
+    assert one == pytest.approx(other)
+    assert cross_couplings(machine, 100.0, None, ["4:2kN/m"]) == pytest.approx({4: 2000.0})
+
+
+@pytest.mark.parametrize(
+    ("read", "message"),
+    [
+        (lambda: clearances_of(["6:3rpm"]), "--clearance 6: 3rpm: must be a length, in m or such"),
+        (lambda: clearances_of(["6:0mm"]), "--clearance 6:0mm: must be NODE:RADIUS, RADIUS above"),
+        (lambda: number_range("1:2psi", 2, "--stiffness", "N/m"), "must be a stiffness, in N/m"),
+    ],
+)
+def test_a_unit_of_another_quantity_is_refused_in_options_too(read, message):
+    with pytest.raises(InputError, match=re.escape(message)):
+        read()

@@ -287,10 +287,21 @@ class LinearMachine:
         held = len(self.supports.springs) + int(self._acts.sum())
         if self.contacts == PINNED:
             held += len(self.pinned)
-        return (
-            f"the machine is not held: with its contacts {self.contacts} it has {held} bearings or "
-            "supports, and moves as a rigid body; at least 2 nodes must be held"
+        if held < 2:
+            return (
+                f"the machine is not held: with its contacts {self.contacts} it has {held} "
+                "bearings or supports, and moves as a rigid body; at least 2 nodes must be held"
+            )
+        result = (
+            f"the machine is not held: where it is at rest, its contacts {self.contacts}, its "
+            f"{held} bearings and supports have no stiffness against a motion as a rigid body"
         )
+        if self.rotor.gravity == 0.0 and (self._acts & self._is_curved).any():
+            result += (
+                "; gravity is 0, and in the middle of its clearance a film without preload has "
+                "none: give the machine gravity, or its pads preload"
+            )
+        return result
 
 
 class Undamped(NamedTuple):

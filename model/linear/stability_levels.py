@@ -9,7 +9,8 @@ edition, part 1, 2.6.5; API 684, 2nd edition, chapter 3), in SI units
 with the power P [W], the speed Omega [rad/s], the impeller's diameter D and its discharge's width H
 [m], and the densities at discharge and suction. It acts as F_x = -q y, F_y = q x. Level 1 puts the
 sum QA of all stages at one node and asks for a level 2 where the rotor becomes unstable at
-Q0 < 2 QA, or where its logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1.
+Q0 < 2 QA, or where its logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. Both are
+of one mode: see `first_forward`.
 """
 
 from __future__ import annotations
@@ -20,25 +21,18 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
-from ..parts.base import Part
 from ..parts.linear_bearing import LinearBearing, Seal
-from ..structure.assembly import assemble
 from .critical_map import first_rigid_critical
+from .first_forward import SPAN, FirstForward, cross_coupling
 from .machine import LinearError
-from .modes import BACKWARD, FORWARD, Modes, modes
 from .undamped import UndampedMachine
 
 LEAST_LOG_DEC = 0.1
 LEAST_RATIO = 2.0
 ALFORD = 3.0
-_SPAN = 10.0  # of QA: as far as level 1 looks for Q0
 _POINTS = 41
-_COUNT = 8
-_HALVINGS = 6
-_LITTLE = 1e-6  # of the rotor's mass times its frequency squared
 _STEP = 1e-4  # of QA or of Q0, for the sensitivity
 
 
@@ -157,20 +151,18 @@ def level_1(
     """
     _check(speed, anticipated)
     bare = rotor if seals else without_seals(rotor)
-    at = middle_node(rotor, speed, contacts) if node is None else node
-    if not 1 <= at <= len(rotor.nodes):
-        raise LinearError(f"node = {at}: must be from 1 to {len(rotor.nodes)}")
-    follow = _FirstForward(bare, speed, at, contacts)
-    threshold = follow.threshold(anticipated)
+    at = _node(rotor, speed, node, contacts)
+    mode = FirstForward(bare, speed, at, anticipated, contacts)
+    threshold = mode.threshold
     if stiffness is None:
-        end = max(_SPAN * anticipated, 1.2 * (threshold or 0.0)) or follow.scale
+        end = max(SPAN * anticipated, 1.2 * (threshold or 0.0)) or mode.scale
         stiffness = np.linspace(0.0, end, _POINTS)
     values = np.array(stiffness, dtype=float)
     if not np.isfinite(values).all():
         raise LinearError("stiffness: all cross-coupled stiffnesses must be finite")
-    seen = [follow(float(q)) for q in values]
-    step = _STEP * (anticipated or threshold or follow.scale)
-    rise = (follow(step).log_dec - follow(0.0).log_dec) / step
+    seen = [_case(f"{q:g} N/m", mode.coupled(float(q))) for q in values]
+    step = _STEP * (anticipated or threshold or mode.scale)
+    alone, little, with_qa = (log_dec(mode.coupled(q)) for q in (0.0, step, anticipated))
     return StabilityLevel1(
         speed=speed,
         node=at,
@@ -179,9 +171,9 @@ def level_1(
         log_dec=np.array([case.log_dec for case in seen]),
         frequency=np.array([case.frequency for case in seen]),
         threshold=threshold,
-        log_dec_alone=follow(0.0).log_dec,
-        log_dec_anticipated=follow(anticipated).log_dec,
-        sensitivity=rise,
+        log_dec_alone=alone,
+        log_dec_anticipated=with_qa,
+        sensitivity=(little - alone) / step,
         critical_speed_ratio=speed / first_rigid_critical(rotor, contacts),
     )
 
@@ -190,23 +182,25 @@ def level_2(
     rotor: Rotor,
     speed: float,
     *,
+    node: int | None = None,
     cross_couplings: Mapping[int, float] | None = None,
     contacts: str | None = None,
 ) -> StabilityLevel2:
     """Return the first forward mode of the rotor on its bearings, with each of its seals, with all
     of them, with the cross coupling of its stages, and with all together.
 
-    cross_couplings: stiffness [N/m] by node (from 1); speed, contacts: see `level_1`. Raises
-    `LinearError`.
+    cross_couplings: stiffness [N/m] by node (from 1); speed, node, contacts: see `level_1`, whose
+    mode this is. Raises `LinearError`.
     """
     _check(speed, 0.0)
     bare = without_seals(rotor)
     seals = {where: part for where, part in rotor.named_parts() if isinstance(part, Seal)}
-    coupled = tuple(_coupling(node, q) for node, q in (cross_couplings or {}).items())
-    for node in cross_couplings or {}:
-        if not 1 <= node <= len(rotor.nodes):
-            raise LinearError(f"node = {node}: must be from 1 to {len(rotor.nodes)}")
-    variants: list[tuple[str, tuple[Part, ...]]] = [("rotor and bearings", ())]
+    given = cross_couplings or {}
+    at = _node(rotor, speed, node, contacts)
+    for each in given:
+        _node(rotor, speed, each, contacts)
+    coupled = tuple(cross_coupling(number, q) for number, q in given.items())
+    variants: list[tuple[str, tuple[LinearBearing, ...]]] = [("rotor and bearings", ())]
     variants += [(f"with {name}", (seal,)) for name, seal in seals.items()]
     if len(seals) > 1:
         variants.append(("with all seals", tuple(seals.values())))
@@ -214,13 +208,27 @@ def level_2(
         variants.append(("with the cross coupling", coupled))
     if coupled and seals:
         variants.append(("with all", (*seals.values(), *coupled)))
-    cases = [
-        StabilityCase(
-            name, *_first_forward(replace(bare, parts=bare.parts + more), speed, contacts)
-        )
-        for name, more in variants
-    ]
-    return StabilityLevel2(speed, tuple(cases))
+    mode = FirstForward(bare, speed, at, sum(given.values()), contacts)
+    return StabilityLevel2(
+        speed, tuple(_case(name, mode.with_parts(parts)) for name, parts in variants)
+    )
+
+
+def log_dec(root: complex) -> float:
+    """Return the logarithmic decrement of an eigenvalue [1/s]."""
+    return -2 * math.pi * root.real / root.imag
+
+
+def _case(name: str, root: complex) -> StabilityCase:
+    return StabilityCase(name, log_dec(root), root.imag)
+
+
+def _node(rotor: Rotor, speed: float, node: int | None, contacts: str | None) -> int:
+    """Return a node that is there, or by default the one in the middle."""
+    at = middle_node(rotor, speed, contacts) if node is None else node
+    if not 1 <= at <= len(rotor.nodes):
+        raise LinearError(f"node = {at}: must be from 1 to {len(rotor.nodes)}")
+    return at
 
 
 def without_seals(rotor: Rotor) -> Rotor:
@@ -241,110 +249,3 @@ def _check(speed: float, anticipated: float) -> None:
         raise LinearError(f"speed = {speed:g} rad/s: must be > 0 and finite")
     if not (math.isfinite(anticipated) and anticipated >= 0):
         raise LinearError(f"anticipated cross coupling = {anticipated:g} N/m: must be >= 0")
-
-
-def _coupling(node: int, q: float) -> LinearBearing:
-    return LinearBearing(node=node, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)
-
-
-def _first_forward(rotor: Rotor, speed: float, contacts: str | None) -> tuple[float, float]:
-    result = modes(rotor, speed, count=_COUNT, contacts=contacts)
-    at = _forward_place(result)
-    return float(result.log_dec[at]), float(result.damped[at])
-
-
-def _forward_place(result: Modes) -> int:
-    """Return the place of the lowest mode that does not whirl backward: without gyroscopic moments
-    both circles of a mode are one."""
-    places = [i for i, word in enumerate(result.whirl) if word != BACKWARD]
-    if not places:
-        raise LinearError(
-            f"all of the {len(result.whirl)} lowest modes at {result.speed:g} rad/s whirl backward"
-        )
-    return places[0]
-
-
-class _FirstForward:
-    """The first forward mode over the cross coupling at a node: the mode that is the lowest forward
-    one without it, followed by its eigenvalue, since cross coupling changes a mode's whirl.
-
-    On bearings that differ in x and y the modes are nearly planar without cross coupling, and their
-    sense says little: where it makes another mode grow first, that mode is the one followed.
-    """
-
-    def __init__(self, rotor: Rotor, speed: float, node: int, contacts: str | None) -> None:
-        self._rotor, self._speed, self._node = rotor, speed, node
-        first = modes(rotor, speed, count=_COUNT, contacts=contacts)
-        self._contacts = first.contacts
-        self._growing_alone = int((first.eigenvalues.real > 0).sum())
-        at = _forward_place(first)
-        self._known = {0.0: complex(first.eigenvalues[at])}
-        mass = float(sum(_masses(rotor)))
-        self.scale = mass * float(first.natural[at]) ** 2
-        if first.is_degenerate[at]:
-            self._split(complex(first.eigenvalues[at]))
-
-    def _split(self, both: complex) -> None:
-        """Tell the forward mode from the backward one, which have the same eigenvalue, by a little
-        cross coupling."""
-        little = _LITTLE * self.scale
-        found = modes(self._with(little), self._speed, count=_COUNT, contacts=self._contacts)
-        forward = [i for i, word in enumerate(found.whirl) if word == FORWARD]
-        roots = found.eigenvalues[forward or slice(None)]
-        self._known[little] = complex(roots[np.argmin(np.abs(roots - both))])
-
-    def _with(self, q: float) -> Rotor:
-        return replace(self._rotor, parts=(*self._rotor.parts, _coupling(self._node, q)))
-
-    def _roots(self, q: float) -> np.ndarray:
-        rotor = self._with(q)
-        return modes(rotor, self._speed, count=_COUNT, contacts=self._contacts).eigenvalues
-
-    def __call__(self, q: float) -> StabilityCase:
-        """Return the mode with the cross coupling q [N/m]."""
-        if q not in self._known:
-            # from the nearest one that is known, by steps that leave no doubt which it is
-            known = [k for k in self._known if k > 0 or len(self._known) == 1]
-            self._known[q] = self._onward(min(known, key=lambda k: abs(k - q)), q)
-        root = self._known[q]
-        return StabilityCase(f"{q:g} N/m", -2 * math.pi * root.real / root.imag, root.imag)
-
-    def _onward(self, start: float, end: float, depth: int = 0) -> complex:
-        expected = self._known[start]
-        found = self._roots(end)
-        away = np.sort(np.abs(found - expected))
-        if len(found) == 0:
-            raise LinearError(f"no mode oscillates with a cross coupling of {end:g} N/m")
-        if depth < _HALVINGS and len(away) > 1 and 3 * away[0] > away[1]:
-            middle = (start + end) / 2
-            self._known[middle] = self._onward(start, middle, depth + 1)
-            return self._onward(middle, end, depth + 1)
-        return complex(found[np.argmin(np.abs(found - expected))])
-
-    def threshold(self, anticipated: float) -> float | None:
-        """Return the cross coupling from which the mode grows [N/m]; None where it does not up to
-        10 QA, or, without QA, up to the rotor's mass times the frequency squared."""
-        if self(0.0).log_dec <= 0:
-            return 0.0
-        high = anticipated or 1e-3 * self.scale
-        limit = max(_SPAN * anticipated, 10 * self.scale)
-        low = 0.0
-        while self(high).log_dec > 0 and not self._follow_growing(high):
-            if high >= limit:
-                return None
-            low, high = high, 1.5 * high
-        return float(brentq(lambda q: self(q).log_dec, low, high, rtol=1e-10))
-
-    def _follow_growing(self, q: float) -> bool:
-        """Whether another mode grows because of the cross coupling q, which is followed then."""
-        roots = self._roots(q)
-        if int((roots.real > 0).sum()) <= self._growing_alone:
-            return False
-        before, self._known = self._known, {q: complex(roots[np.argmax(roots.real)])}
-        for smaller in sorted((k for k in before if k < q), reverse=True):
-            self(smaller)
-        return True
-
-
-def _masses(rotor: Rotor) -> np.ndarray:
-    return assemble(rotor).mass_sum[::2]

@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 
 from ..api.machine import Machine
 from ..api.simulate import simulate
-from ..display import current
+from ..display import current, speed_with_unit
 from ..errors import InputError, RunFailed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..linear.answers import Displayed, modes
-from ..linear.linear_plots import new_figure
+from ..linear.linear_plots import new_figure, titled
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Interface
@@ -115,16 +115,16 @@ class Balancing(Displayed):
         d, unit = current(), current().amplitude_words
         planes = [
             (
-                f"plane at node {p.node} [g.mm]",
-                *_polar(p.trial, 1e6),
-                *_polar(p.unbalance, 1e6),
+                f"plane at node {p.node} [{d.unbalance_unit}]",
+                *_polar(p.trial, d.unbalance),
+                *_polar(p.unbalance, d.unbalance),
                 *4 * ("",),
             )
             for p in self.planes
         ]
         measured = [
             (
-                f"node {v.node} {v.axis}, {v.speed * 30 / math.pi:.5g} rev/min [{unit}]",
+                f"node {v.node} {v.axis}, {speed_with_unit(v.speed)} [{unit}]",
                 *4 * ("",),
                 *_polar(v.initial, d.amplitude),
                 abs(v.corrected) * d.amplitude,
@@ -169,10 +169,11 @@ class Balancing(Displayed):
             )
         axes.set_aspect("equal", adjustable="datalim")
         axes.margins(0.15)
-        axes.set_xlabel(f"1x vibration in phase with the mark [{d.amplitude_words}]")
-        axes.set_ylabel(f"a quarter turn ahead of it [{d.amplitude_words}]")
+        axes.set_xlabel(f"In phase with the mark [{d.amplitude_words}]")
+        axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_words}]")
         axes.legend(frameon=False, fontsize=8)
-        axes.set_title("Vibration at the measuring points", loc="left", fontsize=10)
+        title = titled(self.machine_name, "1x vibration, its angle from the mark")
+        axes.set_title(title, loc="left", fontsize=10)
         return figure
 
 
@@ -238,7 +239,7 @@ def balance(
     found = correction(initial, trials, np.full(len(planes), complex(trial)))
     corrected = bench.vibration(dict(zip(planes, found.unbalances, strict=True)))
     rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
-    return Balancing(
+    result = Balancing(
         planes=tuple(
             CorrectionPlane(node, complex(trial), complex(unbalance))
             for node, unbalance in zip(planes, found.unbalances, strict=True)
@@ -249,6 +250,8 @@ def balance(
         influence=found.influence,
         touches=bench.touches,
     )
+    object.__setattr__(result, "machine_name", rotor.name)
+    return result
 
 
 def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:

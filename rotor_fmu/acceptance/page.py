@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..display import current
+from ..display import current, shown_speed, speed_with_unit
 from ..linear import acceptance, answers
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
@@ -115,7 +115,8 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     html = page(
         title=rotor.name,
         about=(
-            f"Rotor dynamics by API 617 and 684 between {_rpm(low)} and {_rpm(high)} rev/min, "
+            f"Rotor dynamics by API 617 and 684 between {low * current().speed:.5g} and "
+            f"{speed_with_unit(high)}, "
             "carried on into contact"
         ),
         body=template("machine.html").substitute(
@@ -156,10 +157,6 @@ def _id(heading: str) -> str:
     return heading.lower().replace(" ", "-")
 
 
-def _rpm(omega: float) -> str:
-    return f"{omega * 30 / math.pi:.5g}"
-
-
 def _html(table: Table) -> str:
     return f'<div class="table">{table.html()}</div>'
 
@@ -172,8 +169,10 @@ def _static(rotor: Rotor) -> list[str]:
 def _acting(unbalances: Sequence[tuple[int, float, float]] | None, mode: int | None) -> str:
     if unbalances is None:
         return "The machine's own unbalances act."
+    d = current()
     listed = ", ".join(
-        f"{amount * 1e6:.4g} g.mm at node {node} ({math.degrees(phase):.4g} deg)"
+        f"{amount * d.unbalance:.4g} {d.unbalance_unit} at node {node} "
+        f"({math.degrees(phase):.4g} deg)"
         for node, amount, phase in unbalances
     )
     return f"Unbalances placed by API 617 for mode {mode}: {listed}."
@@ -205,10 +204,11 @@ def _conclusions(
     near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
     loud = [p for p in check.probes if p.peak_to_peak > check.limit]
     tight = [c.name for c in check.clearances if not c.is_met]
-    speeds = ", ".join(dict.fromkeys(_rpm(c.peak.speed) for c in near))
-    limit = f"{check.limit * current().small:.3g} {current().small_word}"
+    d = current()
+    speeds = ", ".join(dict.fromkeys(shown_speed(c.peak.speed) for c in near))
+    limit = f"{check.limit * d.small:.3g} {d.small_word}"
     return (
-        f"Critical speeds too near to the operating range [rev/min]: {speeds}."
+        f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
         if near
         else "All critical speeds have their separation margins.",
         f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."

@@ -14,6 +14,7 @@ import numpy as np
 from ..api.machine import Machine
 from ..api.result import Result
 from ..api.simulate import simulate
+from ..display import current
 from ..linear.answers import UnbalanceResponse, static, unbalance_response
 from ..model.linear.machine import OPEN
 from ..model.machine.rotor import Rotor
@@ -98,7 +99,8 @@ class RubCheck:
             )
         lasting = [c for c in touched if c.share_in_range > _LASTING]
         largest = max(touched, key=lambda c: c.force)
-        force = f"The largest contact force is {largest.force:.4g} N, of {largest.name}."
+        force = f"{largest.force * current().force:.4g} {current().force_unit}"
+        force = f"The largest contact force is {force}, of {largest.name}."
         if not lasting:
             return f"The machine rubs, but not for long in the operating range. {force}"
         names = ", ".join(dict.fromkeys(c.name for c in lasting))

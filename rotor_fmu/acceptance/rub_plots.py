@@ -8,10 +8,9 @@ from matplotlib.figure import Figure
 
 from ..display import current
 from ..figure_style import BLUE, GREEN, GREY, ORANGE
-from ..linear.linear_plots import RANGE, new_figure
+from ..linear.linear_plots import new_figure, shade
 from .rub_check import RubCheck
 
-_RPM = 30 / math.pi
 _HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one is not shown
 
 
@@ -19,12 +18,12 @@ def rub_figure(rub: RubCheck) -> Figure:
     """Draw the linear amplitude over the speed beside those of the runs with contacts."""
     figure, grid = new_figure(6.8, 4.4, 1)
     axes = grid[0, 0]
-    small, unit = current().small, current().small_word
-    axes.axvspan(rub.low * _RPM, rub.high * _RPM, color=RANGE, alpha=0.25, lw=0)
-    axes.plot(rub.speed * _RPM, rub.linear * small, color=GREY, lw=1.4, label="linear")
+    small, unit, speed = current().small, current().small_word, current().speed
+    shade([axes], (rub.low, rub.high))
+    axes.plot(rub.speed * speed, rub.linear * small, color=GREY, lw=1.4, label="linear")
     for run, color, dashes in zip(rub.runs, (BLUE, ORANGE), ("-", (0, (4, 2))), strict=False):
         axes.plot(
-            run.speed * _RPM,
+            run.speed * speed,
             run.amplitude * small,
             color=color,
             ls=dashes,
@@ -38,7 +37,7 @@ def rub_figure(rub: RubCheck) -> Figure:
     largest = max((float(run.amplitude.max(initial=0.0)) for run in rub.runs), default=0.0)
     linear = min(float(rub.linear.max(initial=0.0)), _HIGHEST * largest)
     axes.set_ylim(0, 1.1 * small * max(largest, linear, *gaps, 1e-9))
-    axes.set_xlabel("Rotational speed [rev/min]; the operating range is shaded")
+    axes.set_xlabel(f"{current().speed_label}; the operating range is shaded")
     axes.set_ylabel(f"Amplitude of {rub.place} 0-p [{unit}]")
     axes.legend(frameon=False, fontsize=8)
     axes.set_title("Where a clearance closes", loc="left", fontsize=10)

@@ -9,13 +9,10 @@ from ..linear.linear_tables import Table
 from .rub_check import RubCheck
 
 
-def _rpm(omega: float) -> float:
-    return float(omega) * 30 / math.pi
-
-
 def closings_table(rub: RubCheck) -> Table:
     """Return a table with one row for each clearance that the linear response closes."""
-    small, unit = current().small, current().small_word
+    d = current()
+    small, unit = d.small, d.small_word
     quantities = (f"{name} [{unit}]" for name in ("clearance", "sag", "amplitude"))
     heads = ("contact", *quantities, "closed from", "to")
     rows = [
@@ -24,12 +21,12 @@ def closings_table(rub: RubCheck) -> Table:
             c.clearance * small,
             c.sag * small,
             c.amplitude * small,
-            _rpm(c.begin),
-            _rpm(c.end),
+            c.begin * d.speed,
+            c.end * d.speed,
         )
         for c in rub.closings
     ]
-    title = "Clearances that the linear response closes [rev/min]"
+    title = f"Clearances that the linear response closes [{d.speed_unit}]"
     if all(math.isnan(c.begin) for c in rub.closings):
         title = "Contacts that hold the machine: its linear response takes them as closed"
     return Table(title, heads, rows)
@@ -37,19 +34,20 @@ def closings_table(rub: RubCheck) -> Table:
 
 def runs_table(rub: RubCheck) -> Table:
     """Return a table with one row for each contact of each run."""
+    d = current()
     heads = (
-        *("run", "contact", "first touch [rev/min]", "last touch", "touches [%]"),
-        *("in the range [%]", "largest force [N]", "status"),
+        *("run", "contact", f"first touch [{d.speed_unit}]", "last touch", "touches [%]"),
+        *("in the range [%]", f"largest force [{d.force_unit}]", "status"),
     )
     rows = [
         (
             run.direction,
             c.name,
-            _rpm(c.first),
-            _rpm(c.last),
+            c.first * d.speed,
+            c.last * d.speed,
             100 * c.share,
             100 * c.share_in_range,
-            c.force,
+            c.force * d.force,
             run.status,
         )
         for run in rub.runs

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,11 +10,10 @@ import typer
 
 from ..errors import InputError
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
-from .answers import print_answer
+from .answers import machine_in_units, print_answer
 from .nodes import CrossCouplings, Stages, check_nodes, cross_couplings
-from .shared import Contacts, PictureFolder, RotorFile, check_count
-from .speeds import Rated, rated_speed
+from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
+from .speeds import RatedSpeed, number_range, rated_speed
 
 
 @with_output_options
@@ -24,8 +22,8 @@ def critical_map(
     stiffness: Annotated[
         str | None,
         typer.Option(
-            help="FROM:TO or FROM:TO:POINTS in N/m, spaced evenly on a logarithmic axis; default: "
-            "two decades on either side of the bearings' own."
+            help="FROM:TO or FROM:TO:POINTS, in N/m or such as 1e4:1e7lbf/in, spaced evenly on a "
+            "logarithmic axis; default: two decades on either side of the bearings' own."
         ),
     ] = None,
     count: Annotated[int, typer.Option(help="Number of lines, the lowest ones.")] = 4,
@@ -39,12 +37,13 @@ def critical_map(
         bool, typer.Option("--rigid-pedestals", help="Take housings and pedestals as ground.")
     ] = False,
     contacts: Contacts = None,
+    units: Units = None,
     out: PictureFolder = Path("out/critical_map"),
 ) -> dict[str, Any]:
     """Compute the undamped critical speed map: forward critical speeds over the bearings'
     stiffness, with the stiffness that the bearings have themselves."""
     values = None if stiffness is None else _stiffnesses(stiffness)
-    _, machine = load_rotor(rotor)
+    machine = machine_in_units(rotor, units)
     check_count(count, 100)
     from ..linear import acceptance
 
@@ -61,7 +60,7 @@ def critical_map(
 
 @with_output_options
 def stability(
-    rated: Rated = None,
+    rated: RatedSpeed = None,
     rotor: RotorFile = None,
     level: Annotated[int, typer.Option(help="Level of the analysis, 1 or 2.")] = 1,
     stage: Stages = None,
@@ -73,13 +72,14 @@ def stability(
         ),
     ] = None,
     contacts: Contacts = None,
+    units: Units = None,
     out: PictureFolder = Path("out/stability"),
 ) -> dict[str, Any]:
     """Compute the stability of the first forward mode at the rated speed by API 617: its
     logarithmic decrement over the cross coupling (level 1) or with each seal (level 2)."""
     if level not in (1, 2):
         raise InputError(f"--level {level}: must be 1 or 2")
-    machine = load_rotor(rotor)[1]
+    machine = machine_in_units(rotor, units)
     speed = rated_speed(rated, machine)
     couplings = cross_couplings(machine, speed, stage, cross_coupling)
     from ..linear import acceptance
@@ -96,16 +96,8 @@ def stability(
 
 
 def _stiffnesses(text: str) -> np.ndarray:
-    ends = text.split(":")
-    try:
-        low, high = (float(end) for end in ends[:2])
-        count = int(ends[2]) if len(ends) == 3 else 33
-        is_range = len(ends) in (2, 3) and 0 < low < high < math.inf and 2 <= count <= 1000
-    except ValueError:
-        is_range = False
-    if not is_range:
-        raise InputError(
-            f"--stiffness {text}: must be FROM:TO or FROM:TO:POINTS, ascending from above 0 N/m, "
-            "with 2 to 1000 points"
-        )
-    return np.geomspace(low, high, count)
+    """Stiffnesses [N/m] of `FROM:TO[:POINTS]`, spaced evenly on a logarithmic axis."""
+    values = number_range(text, 33, "--stiffness", "N/m")
+    if len(values) < 2 or values[0] <= 0:
+        raise InputError(f"--stiffness {text}: must be FROM:TO or FROM:TO:POINTS, FROM above 0 N/m")
+    return np.geomspace(values[0], values[-1], len(values))

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 def machine_in_units(file: Path | None, units: str | None) -> Rotor:
     """Return the machine; from here on what is shown is in the units asked for, or its own."""
     machine = load_rotor(file)[1]
-    choose(units, machine.units)
+    choose(units, machine.units, file or "")
     return machine
 
 

@@ -21,12 +21,13 @@ def balance(
     speed: Annotated[
         list[str] | None,
         typer.Option(
-            "--speed", help="Balancing speed, in rad/s or with rpm or Hz added; repeatable."
+            "--speed",
+            help="Balancing speed, in rad/s or with rpm or Hz added; at least one; repeatable.",
         ),
     ] = None,
     plane: Annotated[
         list[int] | None,
-        typer.Option(help="Node of a correction plane, counted from 1; repeatable."),
+        typer.Option(help="Node of a correction plane, counted from 1; at least one; repeatable."),
     ] = None,
     node: Annotated[
         list[int] | None,

@@ -11,9 +11,8 @@ import typer
 from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
-from ..runs.job import load_rotor
-from .answers import print_answer
-from .shared import PictureFolder
+from .answers import machine_in_units, print_answer
+from .shared import PictureFolder, Units
 from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:
@@ -52,6 +51,7 @@ def bearing(
         Path | None,
         typer.Option(help="File for a linear_bearing with these coefficients over the speed."),
     ] = None,
+    units: Units = None,
     out: PictureFolder = Path("out/bearing"),
 ) -> dict[str, Any]:
     """Compute where a bearing's journal, ring or shaft rests, and its coefficients there.
@@ -61,7 +61,7 @@ def bearing(
     and damping on centred circular orbits; of a rolling bearing what its elements carry, and how
     its stiffness changes as they pass.
     """
-    speeds, (_, machine) = speed_range(speed, 21), load_rotor(file)
+    speeds, machine = speed_range(speed, 21), machine_in_units(file, units)
     loads = None if load is None else number_range(load, 21, "--load", "N")
     if loads is not None and len(loads) > 1:
         if len(speeds) > 1:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..errors import InputError
+from ..units import in_si
 
 if TYPE_CHECKING:
     from ..model.linear import Stage
@@ -16,18 +16,24 @@ if TYPE_CHECKING:
 
 Clearances = Annotated[
     list[str] | None,
-    typer.Option(help="NODE:RADIUS, radial clearance of a seal at a node, in m; repeatable."),
+    typer.Option(
+        help="NODE:RADIUS, radial clearance of a seal at a node, such as 6:0.3mm, or in m; "
+        "repeatable."
+    ),
 ]
 Stages = Annotated[
     list[str] | None,
     typer.Option(
-        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller, in W, m, m, 1, whose cross "
-        "coupling follows from Alford's formula; repeatable."
+        help="NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO of an impeller, such as "
+        "6:500kW:300mm:20mm:2.5, or in W, m, m, 1, whose cross coupling follows from Alford's "
+        "formula; repeatable."
     ),
 ]
 CrossCouplings = Annotated[
     list[str] | None,
-    typer.Option(help="NODE:STIFFNESS of a given cross coupling, in N/m; repeatable."),
+    typer.Option(
+        help="NODE:STIFFNESS of a given cross coupling, such as 6:20kN/m, or in N/m; repeatable."
+    ),
 ]
 
 
@@ -42,9 +48,9 @@ def clearances_of(texts: list[str] | None) -> dict[int, float]:
     """Return the radial clearances [m] by node of each `NODE:RADIUS`."""
     result = {}
     for text in texts or []:
-        node, radius = _at_node(text)
+        node, radius = _at_node("--clearance", text, "NODE:RADIUS", "m")
         if not radius > 0:
-            raise InputError(f"--clearance {text}: must be NODE:RADIUS, the radial clearance in m")
+            raise InputError(f"--clearance {text}: must be NODE:RADIUS, RADIUS above 0")
         result[node] = radius
     return result
 
@@ -63,34 +69,28 @@ def cross_couplings(
 
 
 def _coupling(text: str) -> tuple[int, float]:
-    node, q = _at_node(text)
+    node, q = _at_node("--cross-coupling", text, "NODE:STIFFNESS", "N/m")
     if not q >= 0:
         raise InputError(f"--cross-coupling {text}: must be NODE:STIFFNESS, at least 0 N/m")
     return node, q
 
 
-def _at_node(text: str) -> tuple[int, float]:
-    """Return the node and the value of `NODE:VALUE`, which is NaN where there is no finite one."""
-    node, _, value = text.partition(":")
-    try:
-        number, result = int(node), float(value)
-    except ValueError:
-        return 0, math.nan
-    return number, result if math.isfinite(result) else math.nan
+def _at_node(option: str, text: str, form: str, si: str) -> tuple[int, float]:
+    """Return the node and the value, in an SI unit, of `NODE:VALUE`; form: how it is written."""
+    node, colon, value = text.partition(":")
+    if not (colon and node.strip().isdecimal()):
+        raise InputError(f"{option} {text}: must be {form}")
+    return int(node), in_si(f"{option} {node}:", value, si)
 
 
 def _stage(text: str) -> Stage:
     from ..model.linear import Stage
 
-    try:
-        node, *numbers = text.split(":")
-        power, diameter, width, ratio = (float(number) for number in numbers)
-        result = Stage(int(node), power, diameter, width, ratio)
-        is_known = all(0 < value < math.inf for value in result[1:])
-    except ValueError:
-        is_known = False
-    if not is_known:
-        raise InputError(
-            f"--stage {text}: must be NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO, all above 0"
-        )
-    return result
+    node, *values = text.split(":")
+    if len(values) != 4 or not node.strip().isdecimal():
+        raise InputError(f"--stage {text}: must be NODE:POWER:DIAMETER:WIDTH:DENSITY_RATIO")
+    option = f"--stage {node}:"
+    numbers = [in_si(option, v, si) for v, si in zip(values, ("W", "m", "m", "1"), strict=True)]
+    if not min(numbers) > 0:
+        raise InputError(f"--stage {text}: power, diameter, width and ratio must be above 0")
+    return Stage(int(node), *numbers)

@@ -95,14 +95,15 @@ def report(
     ] = None,
     rotor: Annotated[
         Path | None,
-        typer.Option(help="Machine file, whose own report is written in the place of a run's."),
+        typer.Option(help="Machine file; its report is written instead of that of a run."),
     ] = None,
     operating: OperatingRange = None,
     rated: Rated = None,
     node: Annotated[
         list[int] | None,
         typer.Option(
-            help="With --rotor: node of a probe, from 1; repeatable; default: the largest orbits."
+            help="With --rotor: node of a probe, from 1; repeatable; default: the nodes with the "
+            "largest orbits."
         ),
     ] = None,
     mode: Annotated[

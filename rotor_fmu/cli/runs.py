@@ -57,22 +57,32 @@ def _run(
         typer.Option(
             "--from",
             metavar="SPEED",
-            help="Speed at the start, such as 3000rpm or 50Hz; default: the machine's.",
+            help="Speed at which the change begins, such as 3000rpm or 50Hz; default: of a "
+            "run-down the machine's highest, of a run-up 0.",
         ),
     ] = None,
     last: Annotated[
-        str | None, typer.Option("--to", metavar="SPEED", help="Speed at the end of the change.")
+        str | None,
+        typer.Option(
+            "--to",
+            metavar="SPEED",
+            help="Speed at which the change ends; default: of a run-down 0, of a run-up the "
+            "machine's highest continuous one.",
+        ),
     ] = None,
     rate: Annotated[
         str | None,
         typer.Option(
-            metavar="RATE", help="Rate of the speed, such as 100rpm/s or 2Hz/s, or in rad/s2."
+            metavar="RATE",
+            help="Rate of the speed, without sign, such as 100rpm/s or 2Hz/s, or in rad/s2; "
+            "default: the machine's.",
         ),
     ] = None,
     hold: Annotated[
         str | None,
         typer.Option(
-            metavar="TIME", help="Time at the highest speed: before a run-down, after a run-up."
+            metavar="TIME",
+            help="Time at the highest speed, before a run-down or after a run-up; default: none.",
         ),
     ] = None,
     stop: Annotated[

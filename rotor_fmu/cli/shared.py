@@ -25,7 +25,8 @@ Units = Annotated[
 Contacts = Annotated[
     str | None,
     typer.Option(
-        help="State of clearance contacts: open or pinned; default: open if other supports hold it."
+        help="State of clearance contacts: open or pinned; default: open where other supports hold "
+        "the machine, else pinned."
     ),
 ]
 PictureFolder = Annotated[Path, typer.Option(help="Folder for the picture.")]

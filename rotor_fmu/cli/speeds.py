@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-import re
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 
 from ..errors import InputError
-from ..units import in_si, units_for
+from ..units import factor, in_si, split
 
 if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
@@ -40,8 +38,16 @@ OperatingRange = Annotated[
 Rated = Annotated[
     str | None,
     typer.Option(
-        help="Rated speed, such as 11000rpm: the range where --range is not given; default: the "
-        "machine's own."
+        help="Rated speed, such as 11000rpm, or in rad/s: the operating range where --range is not "
+        "given; default: the machine's own range."
+    ),
+]
+
+
+RatedSpeed = Annotated[
+    str | None,
+    typer.Option(
+        "--rated", help="Rated speed, such as 11000rpm, or in rad/s; default: the machine's own."
     ),
 ]
 
@@ -51,40 +57,39 @@ def one_speed(text: str, option: str = "--speed") -> float:
     return in_si(option, text, "rad/s")
 
 
-def _without_unit(text: str, option: str, si: str) -> tuple[str, float]:
-    """The text without the unit that stands in it, and what that is in the SI unit."""
-    units = {unit.lower(): factor for unit, factor in units_for(si).items()}
-    any_unit = "|".join(sorted(units, key=len, reverse=True))
-    result = {unit.lower() for unit in re.findall(any_unit, text, re.I)}
-    if len(result) > 1:
-        raise InputError(f"{option} {text}: must have one unit, not {' and '.join(sorted(result))}")
-    return re.sub(any_unit, "", text, flags=re.I), units[result.pop() if result else si.lower()]
-
-
 def speed_range(text: str | None, points: int, option: str = "--speed") -> np.ndarray:
     """Speeds [rad/s] of `FROM:TO[:POINTS]`, or of a single one; none of None."""
     return np.array([]) if text is None else number_range(text, points, option, "rad/s")
 
 
 def number_range(text: str, points: int, option: str, si: str) -> np.ndarray:
-    """Numbers in an SI unit of `FROM:TO[:POINTS]`, or a single one."""
-    plain, factor = _without_unit(text, option, si)
-    ends = plain.split(":")
-    if len(ends) == 1:
+    """Numbers in an SI unit of `FROM:TO[:POINTS]`, or a single one; a unit stands behind one of the
+    ends, or behind both."""
+    pieces = text.split(":")
+    if len(pieces) == 1:
         return np.array([in_si(option, text, si)])
-    try:
-        low, high = (float(end) * factor for end in ends[:2])
-        count = int(ends[2]) if len(ends) > 2 else points
-        is_range = len(ends) <= 3 and math.isfinite(low) and math.isfinite(high)
-    except ValueError:
-        is_range = False
-    if not is_range:
-        raise InputError(f"{option} {text}: must be FROM:TO or FROM:TO:POINTS")
+    low, high, count, unit = _ends(pieces, points, f"{option} {text}")
     if not low < high:
         raise InputError(f"{option} {text}: FROM must be below TO")
     if not 2 <= count <= _MOST_POINTS:
         raise InputError(f"{option} {text}: POINTS must be an integer from 2 to {_MOST_POINTS}")
-    return np.linspace(low, high, count)
+    scale = factor(f"{option} {text}", unit, si) if unit else 1.0
+    return np.linspace(low * scale, high * scale, count)
+
+
+def _ends(pieces: list[str], points: int, shown: str) -> tuple[float, float, int, str]:
+    """Return both ends, the number of points and the unit, empty where there is none."""
+    ends = [split(piece) for piece in pieces[:2]]
+    try:
+        count = int(pieces[2]) if len(pieces) > 2 else points
+        (low, unit), (high, other) = (end for end in ends if end is not None)
+        if len(pieces) > 3:
+            raise ValueError
+    except ValueError as error:
+        raise InputError(f"{shown}: must be FROM:TO or FROM:TO:POINTS") from error
+    if unit and other and unit.lower() != other.lower():
+        raise InputError(f"{shown}: must have one unit, not {unit} and {other}")
+    return low, high, count, unit or other
 
 
 def operating_range(

@@ -59,7 +59,8 @@ def study(
         bool,
         typer.Option(
             "--diagram",
-            help="Draw the Poincare sections over what is varied, over the periodic motions.",
+            help="Draw Poincare sections over the quantity that is varied, with the periodic "
+            "motions beneath.",
         ),
     ] = False,
     select: Annotated[

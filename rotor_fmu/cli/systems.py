@@ -53,7 +53,7 @@ def ssp(
 ) -> dict[str, Any]:
     """Write a machine and a drive train as one system, for masters: SSP, and OSP with power bonds.
 
-    Leaves both FMUs, System.ssp and OspSystemStructure.xml in the folder.
+    Writes both FMUs, System.ssp and OspSystemStructure.xml in the folder.
     """
     # imported when it is called: the help needs none of it
     from ..cosimulation.coupling import example_coupling

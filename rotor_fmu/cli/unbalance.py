@@ -26,14 +26,18 @@ def unbalance(
     rotor: RotorFile = None,
     speed: Range = None,
     node: Annotated[
-        list[int] | None, typer.Option(help="Node to show, counted from 1; repeatable.")
+        list[int] | None,
+        typer.Option(
+            help="Node to show, counted from 1; repeatable; default: the nodes with the largest "
+            "orbits."
+        ),
     ] = None,
     at: Annotated[
         list[str] | None,
         typer.Option(
             "--unbalance",
             help="NODE:AMOUNT:DEGREES, such as 4:50g.mm:90, or in kg.m; replaces the machine's "
-            "unbalances; repeatable.",
+            "own unbalances; repeatable.",
         ),
     ] = None,
     mode: Annotated[

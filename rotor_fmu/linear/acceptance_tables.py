@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from ..display import current
+from ..display import current, speed_with_unit
 from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import CriticalMap
 from ..model.linear.stability_levels import (
@@ -20,11 +20,6 @@ from .linear_tables import Table
 _MET = {True: "yes", False: "NO"}
 
 
-def rpm(omega: float) -> float:
-    """Return rev/min of rad/s."""
-    return float(omega) * 30 / math.pi
-
-
 def critical_map_table(result: CriticalMap) -> Table:
     """Return a table with one row for each crossing of a line by a bearing's own stiffness."""
     what = "Undamped forward critical speeds"
@@ -32,13 +27,20 @@ def critical_map_table(result: CriticalMap) -> Table:
         what = "Natural frequencies at standstill"
     title = (
         f"{what} where a bearing has the stiffness that all have; first one on rigid bearings "
-        f"{rpm(result.rigid):.5g} rev/min"
+        f"{speed_with_unit(result.rigid)}"
     )
     if not result.crossings:
         title += "; no bearing's own stiffness meets a line within the map"
-    heads = ("bearing", "axis", "mode", "stiffness [N/m]", "[rad/s]", "[rev/min]")
+    d = current()
+    heads = (
+        *("bearing", "axis", "mode", f"stiffness [{d.stiffness_unit}]"),
+        *("critical [rad/s]", f"[{d.speed_unit}]"),
+    )
     rows = [
-        (c.bearing, c.axis, c.mode + 1, float(c.stiffness), float(c.speed), rpm(c.speed))
+        (
+            *(c.bearing, c.axis, c.mode + 1, float(c.stiffness) * d.stiffness),
+            *(float(c.speed), float(c.speed) * d.speed),
+        )
         for c in result.crossings
     ]
     return Table(title, heads, rows)
@@ -46,21 +48,17 @@ def critical_map_table(result: CriticalMap) -> Table:
 
 def peaks_table(criticals: Sequence[ProbeCritical]) -> Table:
     """Return a table with one row for each peak of a node."""
-    heads = ("node", "axis", "critical [rev/min]", current().amplitude_words, "N1", "N2", "AF")
+    d = current()
+    heads = ("node", "axis", f"critical [{d.speed_unit}]", d.amplitude_words, "N1", "N2", "AF")
     rows = [_peak(c) for c in criticals]
     return Table("Critical speeds with their amplification factors (API 684)", heads, rows)
 
 
 def _peak(critical: ProbeCritical) -> tuple[object, ...]:
-    peak = critical.peak
+    peak, d = critical.peak, current()
     return (
-        critical.node,
-        critical.axis,
-        rpm(peak.speed),
-        peak.amplitude * current().amplitude,
-        rpm(peak.below),
-        rpm(peak.above),
-        peak.amplification,
+        *(critical.node, critical.axis, peak.speed * d.speed, peak.amplitude * d.amplitude),
+        *(peak.below * d.speed, peak.above * d.speed, peak.amplification),
     )
 
 
@@ -70,11 +68,11 @@ def unbalance_check_table(result: UnbalanceCheck) -> Table:
     d = current()
     small = d.small_word
     heads = (
-        *("what", "critical [rev/min]", small, "N1", "N2", "AF"),
+        *("what", f"at [{d.speed_unit}]", small, "N1", "N2", "AF"),
         *("required [%]", "actual [%]", "met"),
     )
     title = (
-        f"API 617 between {rpm(result.low):.5g} and {rpm(result.high):.5g} rev/min, contacts "
+        f"API 617 between {result.low * d.speed:.5g} and {speed_with_unit(result.high)}, contacts "
         f"{result.contacts}: critical speeds ({d.amplitude_words}) with separation margins, probes "
         f"({small} p-p) against {result.limit * d.small:.4g} {small}, clearances "
         f"({small} 0-p{_scaled(result)}) against 75 %"
@@ -96,7 +94,7 @@ def _scaled(result: UnbalanceCheck) -> str:
 
 
 def _check_rows(result: UnbalanceCheck) -> Iterable[tuple[object, ...]]:
-    small = current().small
+    small, speed = current().small, current().speed
     for c in result.criticals:
         node, axis, *numbers = _peak(c)
         if c.margin is not None:
@@ -107,33 +105,34 @@ def _check_rows(result: UnbalanceCheck) -> Iterable[tuple[object, ...]]:
         met = _MET[p.peak_to_peak <= result.limit]
         share = 100 * p.peak_to_peak / result.limit
         where = f"probe at node {p.node}"
-        yield (where, rpm(p.speed), p.peak_to_peak * small, "", "", "", 100.0, share, met)
+        yield (where, p.speed * speed, p.peak_to_peak * small, "", "", "", 100.0, share, met)
     for g in result.clearances:
         share = 100 * g.scaled / g.clearance
         where = f"clearance {g.name}"
-        yield (where, rpm(g.speed), g.scaled * small, "", "", "", 75.0, share, _MET[g.is_met])
+        yield (where, g.speed * speed, g.scaled * small, "", "", "", 75.0, share, _MET[g.is_met])
 
 
 def level_1_table(result: StabilityLevel1) -> Table:
     """Return a table of the figures that level 1 asks for."""
     conclusion = "level 2 is required" if result.is_level_2_required else "level 2 is not required"
     title = (
-        f"Stability level 1 at {rpm(result.speed):.5g} rev/min, cross coupling at node "
+        f"Stability level 1 at {speed_with_unit(result.speed)}, cross coupling at node "
         f"{result.node}: {conclusion}"
     )
+    q, unit = current().stiffness, current().stiffness_unit
     none = "unstable nowhere"
-    threshold = none if result.threshold is None else result.threshold
+    threshold = none if result.threshold is None else result.threshold * q
     rows: list[tuple[object, ...]] = [
         ("log dec without cross coupling [1]", result.log_dec_alone, ""),
-        ("QA, anticipated cross coupling [N/m]", result.anticipated, ""),
+        (f"QA, anticipated cross coupling [{unit}]", result.anticipated * q, ""),
         ("log dec with QA [1]", result.log_dec_anticipated, f">= {LEAST_LOG_DEC:g}"),
-        ("Q0, where the rotor becomes unstable [N/m]", threshold, ""),
+        (f"Q0, where the rotor becomes unstable [{unit}]", threshold, ""),
         (
             "Q0 / QA [1]",
             result.ratio if math.isfinite(result.ratio) else "-",
             f">= {LEAST_RATIO:g}",
         ),
-        ("sensitivity of the log dec [m/N]", result.sensitivity, ""),
+        (f"sensitivity of the log dec [1/({unit})]", result.sensitivity / q, ""),
         ("critical speed ratio [1]", result.critical_speed_ratio, ""),
     ]
     return Table(title, ("", "value", "API 617"), rows)
@@ -143,8 +142,9 @@ def level_2_table(result: StabilityLevel2) -> Table:
     """Return a table with one row for each case."""
     verdict = "met" if result.is_met else "NOT met"
     title = (
-        f"Stability level 2 at {rpm(result.speed):.5g} rev/min: log dec >= {LEAST_LOG_DEC:g} "
+        f"Stability level 2 at {speed_with_unit(result.speed)}: log dec >= {LEAST_LOG_DEC:g} "
         f"{verdict}"
     )
-    rows = [(c.name, float(c.log_dec), c.frequency / (2 * math.pi)) for c in result.cases]
-    return Table(title, ("what acts", "log dec", "f_d [Hz]"), rows)
+    d = current()
+    rows = [(c.name, float(c.log_dec), c.frequency * d.speed) for c in result.cases]
+    return Table(title, ("what acts", "log dec", f"f_d [{d.frequency_unit}]"), rows)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from ..display import current, speed_with_unit
 from ..figure_style import BLUE, ORANGE, PlainFigure
 from ..model.linear.bearing import ANGLES, BearingCurves
 from ..model.linear.damper import DamperCurves
@@ -25,11 +26,11 @@ def bearing_figure(result: BearingCurves) -> Figure:
     locus, around, stiffness, damping, *of_pads = grid.ravel()
     x, y = result.x / result.clearance, result.y / result.clearance
     locus.plot(x, y, "-", color=BLUE, lw=1.4)
-    varied, unit, what = _varied(result)
+    d, (varied, unit, what) = current(), _varied(result)
     for i, color in ((0, BLUE), (len(x) - 1, ORANGE)):
         label = f"{varied[i]:.4g} {unit}"
         locus.plot(x[i], y[i], "o", color=color, label=label)
-        around.plot(np.degrees(ANGLES), result.around[i] / 1e6, color=color, label=label)
+        around.plot(np.degrees(ANGLES), result.around[i] * d.pressure, color=color, label=label)
         if i == 0 or tilts:
             _pads(locus, result, i, color if tilts else "black")
         if len(x) == 1:
@@ -40,11 +41,12 @@ def bearing_figure(result: BearingCurves) -> Figure:
     locus.set_title("Journal at rest in its clearance", loc="left", fontsize=9)
     around.set_xlabel("Angle from the right, anticlockwise [deg]")
     around.set_xticks(range(0, 361, 90))
-    around.set_ylabel("Pressure [MPa]")
+    around.set_ylabel(f"Pressure [{d.pressure_unit}]")
     around.set_title("Film in the middle of its length", loc="left", fontsize=9)
     around.legend(frameon=False, fontsize=8)
     mark = "o-" if len(x) < 3 else "-"
-    threshold = result.threshold_load if unit == "N" else result.threshold
+    threshold = result.threshold_load if what == "Load" else result.threshold
+    threshold = None if threshold is None else threshold * (d.force if what == "Load" else d.speed)
     _coefficients((stiffness, damping), varied, result.K, result.C, mark)
     if tilts:
         _pads_over(of_pads, varied, result, mark)
@@ -91,7 +93,8 @@ def _pads(axes: Axes, result: BearingCurves, i: int, color: str) -> None:
 def _pads_over(panels: Sequence[Axes], over: np.ndarray, result: BearingCurves, mark: str) -> None:
     """Draw how far each pad is tilted, and what it bears."""
     angles = 1e3 * result.tilts[:, :, 0] / result.journal_radius
-    loads, names = result.pad_loads, ("Tilt [mrad]", "Load of a pad [N]")
+    d = current()
+    loads, names = result.pad_loads * d.force, ("Tilt [mrad]", f"Load of a pad [{d.force_unit}]")
     for axes, values, name in zip(panels, (angles, loads), names, strict=True):
         for n, color in zip(range(values.shape[1]), COLORS, strict=False):
             label = f"pad {n + 1}"
@@ -101,10 +104,11 @@ def _pads_over(panels: Sequence[Axes], over: np.ndarray, result: BearingCurves, 
 
 
 def _varied(result: BearingCurves | RollingCurves) -> tuple[np.ndarray, str, str]:
-    """Return what varies, the speed or the load, its unit and name."""
+    """Return what varies, the speed or the load, in the unit that is shown, its unit and name."""
+    d = current()
     if len(result.speeds) > 1 and result.speeds[0] == result.speeds[-1]:
-        return np.hypot(*result.load.T), "N", "Load"
-    return result.speeds, "rad/s", "Speed"
+        return np.hypot(*result.load.T) * d.force, d.force_unit, "Load"
+    return result.speeds * d.speed, d.speed_unit, "Speed"
 
 
 def _mark(mark: str, i: int) -> str:
@@ -116,7 +120,9 @@ def _coefficients(
     panels: Sequence[Axes], over: np.ndarray, K: np.ndarray, C: np.ndarray, mark: str
 ) -> None:
     """Draw stiffness and damping, shape (n, 2, 2)."""
-    for axes, of, letter, unit in zip(panels, (K, C), "kc", ("N/m", "N.s/m"), strict=True):
+    d = current()
+    of_both = ((K * d.stiffness, "k", d.stiffness_unit), (C * d.damping, "c", d.damping_unit))
+    for axes, (of, letter, unit) in zip(panels, of_both, strict=True):
         for (i, j), color in zip(((0, 0), (0, 1), (1, 0), (1, 1)), COLORS, strict=False):
             label = f"{letter}{'xy'[i]}{'xy'[j]}"
             axes.plot(over, of[:, i, j], _mark(mark, i), ms=4, color=color, lw=1.4, label=label)
@@ -135,11 +141,13 @@ def damper_figure(result: DamperCurves) -> Figure:
     place.set_aspect("equal")
     place.set_xlabel("x over the clearance [1]")
     place.set_ylabel("y over the clearance [1]")
-    place.set_title(f"Ring at rest under {np.hypot(*result.load):.4g} N", loc="left", fontsize=9)
+    d = current()
+    load = f"{np.hypot(*result.load) * d.force:.4g} {d.force_unit}"
+    place.set_title(f"Ring at rest under {load}", loc="left", fontsize=9)
     for axes, values, name in (
-        (pressure, result.pressure / 1e6, "Largest pressure [MPa]"),
-        (stiffness, result.stiffness, "Stiffness [N/m]"),
-        (damping, result.damping, "Damping of the film [N.s/m]"),
+        (pressure, result.pressure * d.pressure, f"Largest pressure [{d.pressure_unit}]"),
+        (stiffness, result.stiffness * d.stiffness, f"Stiffness [{d.stiffness_unit}]"),
+        (damping, result.damping * d.damping, f"Damping of the film [{d.damping_unit}]"),
     ):
         axes.semilogy(result.orbit, values, "-", color=BLUE, lw=1.4)
         axes.set_xlabel("Orbit over the clearance [1]")
@@ -148,9 +156,10 @@ def damper_figure(result: DamperCurves) -> Figure:
         axes.yaxis.set_major_formatter("{x:g}")
     if result.spring > 0.0:
         stiffness.lines[0].set_label("film")
-        stiffness.axhline(result.spring, color=ORANGE, lw=1.2, ls="--", label="spring")
+        spring = result.spring * d.stiffness
+        stiffness.axhline(spring, color=ORANGE, lw=1.2, ls="--", label="spring")
         stiffness.legend(frameon=False, fontsize=8)
-    title = f"{result.bearing}: centred circular orbits at {result.frequency:.6g} rad/s"
+    title = f"{result.bearing}: centred circular orbits at {speed_with_unit(result.frequency)}"
     figure.suptitle(title, fontsize=10, x=0.01, ha="left")
     return figure
 
@@ -168,21 +177,22 @@ def rolling_figure(result: RollingCurves) -> Figure:
     for axes in (passing, *over):
         style(axes)
     share = 1.4 * np.pi / len(result.angles)
-    around.bar(result.angles, result.elements[last], share, color=BLUE)
-    loads = np.hypot(*result.load.T)
-    title = f"Load of each element [N], under {loads[last]:.4g} N"
+    d = current()
+    around.bar(result.angles, result.elements[last] * d.force, share, color=BLUE)
+    loads = np.hypot(*result.load.T) * d.force
+    title = f"Load of each element [{d.force_unit}], under {loads[last]:.4g} {d.force_unit}"
     around.set_title(title, loc="left", fontsize=9)
     around.tick_params(labelsize=8)
     turned = np.linspace(0.0, 1.0, result.K_passing.shape[1] + 1)
     for i, line in ((last, "-"), (0, "--"))[: 2 if last else 1]:
         for axis, color in ((0, BLUE), (1, ORANGE)):
-            values = result.K_passing[i, :, axis, axis]
-            label = f"k{'xy'[axis]}{'xy'[axis]} under {loads[i]:.4g} N"
+            values = result.K_passing[i, :, axis, axis] * d.stiffness
+            label = f"k{'xy'[axis]}{'xy'[axis]} under {loads[i]:.4g} {d.force_unit}"
             values = np.append(values, values[0])
             passing.plot(turned, values, line, color=color, lw=1.4, label=label)
     passing.set_title("As the elements pass", loc="left", fontsize=9)
     passing.set_xlabel("Cage's angle over that between two elements [1]")
-    passing.set_ylabel("Stiffness [N/m]")
+    passing.set_ylabel(f"Stiffness [{d.stiffness_unit}]")
     passing.margins(y=0.25)
     passing.legend(frameon=False, fontsize=8, ncols=2, loc="upper left")
     if over:

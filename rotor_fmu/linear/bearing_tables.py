@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from ..display import current, speed_with_unit
 from ..model.linear.bearing import BearingCurves
 from ..model.linear.damper import DamperCurves
 from ..model.linear.rolling import RollingCurves
@@ -14,10 +15,13 @@ from .linear_tables import Table
 
 def bearing_table(result: BearingCurves) -> Table:
     """Return a table with one row for each speed; the threshold of stability in the heading."""
+    d = current()
     heads = (
-        *("speed [rad/s]", "load [N]", "e/c [1]", "attitude [deg]", "film [um]", "p max [MPa]"),
-        *("kxx [N/m]", "kxy", "kyx", "kyy", "cxx [N.s/m]", "cxy", "cyx", "cyy"),
-        *("torque [N.m]", "critical mass [kg]", "whirl [1]", "off 2D [%]"),
+        *(f"speed [{d.speed_unit}]", f"load [{d.force_unit}]", "e/c [1]", "attitude [deg]"),
+        *(f"film [{d.small_word}]", f"p max [{d.pressure_unit}]"),
+        *_coefficient_heads(),
+        *(f"torque [{d.torque_unit}]", f"critical mass [{d.mass_unit}]", "whirl [1]"),
+        "off 2D [%]",
     )
     oil = {}
     if np.ptp(result.viscosity) > 0.0 or result.temperature is not None:
@@ -26,11 +30,11 @@ def bearing_table(result: BearingCurves) -> Table:
         oil["oil [degC]"] = result.temperature
     rows = [
         (
-            *(float(speed), float(np.hypot(*result.load[i])), float(result.eccentricity[i])),
-            *(math.degrees(result.attitude[i]), float(result.film[i]) * 1e6),
-            float(result.pressure[i]) / 1e6,
-            *(float(value) for of in (result.K[i], result.C[i]) for value in of.ravel()),
-            *(float(result.torque[i]), float(result.critical_mass[i])),
+            *(float(speed) * d.speed, float(np.hypot(*result.load[i])) * d.force),
+            *(float(result.eccentricity[i]), math.degrees(result.attitude[i])),
+            *(float(result.film[i]) * d.small, float(result.pressure[i]) * d.pressure),
+            *_coefficients(result.K[i], result.C[i]),
+            *(float(result.torque[i]) * d.torque, float(result.critical_mass[i]) * d.mass),
             float(result.whirl[i] / speed) if speed else 0.0,
             100 * float(result.plane_error[i]),
             *(float(values[i]) for values in oil.values()),
@@ -40,60 +44,83 @@ def bearing_table(result: BearingCurves) -> Table:
     return Table(f"{result.bearing}: {_stability(result)}", (*heads, *oil), rows)
 
 
+def _coefficient_heads() -> tuple[str, ...]:
+    d = current()
+    return (
+        *(f"kxx [{d.stiffness_unit}]", "kxy", "kyx", "kyy"),
+        *(f"cxx [{d.damping_unit}]", "cxy", "cyx", "cyy"),
+    )
+
+
+def _coefficients(K: np.ndarray, C: np.ndarray) -> list[float]:
+    d = current()
+    return [float(value) for of in (K * d.stiffness, C * d.damping) for value in of.ravel()]
+
+
 def _stability(result: BearingCurves) -> str:
     """Return which mass whirls, and where."""
+    d = current()
     if len(result.speeds) > 1 and result.speeds[0] == result.speeds[-1]:
         masses = np.hypot(*result.load.T) * (result.mass / np.hypot(*result.load[0]))
         whirls = bool(result.critical_mass[0] < masses[0])
         if result.threshold_load is None:
             return f"a mass that weighs its load {'whirls' if whirls else 'does not whirl'}"
-        side = "below" if whirls else "above"
-        return f"a mass that weighs its load whirls {side} {result.threshold_load:.6g} N"
+        side, load = "below" if whirls else "above", result.threshold_load * d.force
+        return f"a mass that weighs its load whirls {side} {load:.6g} {d.force_unit}"
+    mass = f"a mass of {result.mass * d.mass:.4g} {d.mass_unit} on it"
     if result.threshold is None:
-        return f"a mass of {result.mass:.4g} kg on it does not whirl"
+        return f"{mass} does not whirl"
     already = "already " if result.threshold == result.speeds[0] else ""
-    at = f"{result.threshold:.6g} rad/s"
-    return f"a mass of {result.mass:.4g} kg on it whirls {already}above {at}"
+    at = f"{speed_with_unit(result.threshold)} ({result.threshold:.6g} rad/s)"
+    return f"{mass} whirls {already}above {at}"
 
 
 def damper_table(result: DamperCurves) -> Table:
     """Return a table with one row for each orbit; in the heading where the ring rests."""
+    d = current()
     heads = (
-        *("orbit e/c [1]", "film's stiffness [N/m]", "damping [N.s/m]", "p max [MPa]"),
-        "power [W]",
+        *("orbit e/c [1]", f"film's stiffness [{d.stiffness_unit}]"),
+        *(f"damping [{d.damping_unit}]", f"p max [{d.pressure_unit}]", "power [W]"),
     )
     rows = [
-        (*(float(each) for each in (e, k, c)), float(p) / 1e6, float(power))
+        (
+            *(float(e), float(k) * d.stiffness, float(c) * d.damping),
+            *(float(p) * d.pressure, float(power)),
+        )
         for e, k, c, p, power in zip(
             *(result.orbit, result.stiffness, result.damping, result.pressure, result.power),
             strict=True,
         )
     ]
-    (kxx, kxy), (kyx, kyy) = result.K
-    (cxx, cxy), (cyx, cyy) = result.C
+    (kxx, kxy), (kyx, kyy) = result.K * d.stiffness
+    (cxx, cxy), (cyx, cyy) = result.C * d.damping
     title = (
         f"{result.bearing}: rests at e/c = {result.eccentricity:.4g} under "
-        f"{np.hypot(*result.load):.4g} N; there kxx {kxx:.4g}, kxy {kxy:.4g}, kyx {kyx:.4g}, "
-        f"kyy {kyy:.4g} N/m, cxx {cxx:.4g}, cxy {cxy:.4g}, cyx {cyx:.4g}, cyy {cyy:.4g} N.s/m\n"
-        f"Centred circular orbits at {result.frequency:.6g} rad/s"
+        f"{np.hypot(*result.load) * d.force:.4g} {d.force_unit}; there kxx {kxx:.4g}, "
+        f"kxy {kxy:.4g}, kyx {kyx:.4g}, kyy {kyy:.4g} {d.stiffness_unit}, "
+        f"cxx {cxx:.4g}, cxy {cxy:.4g}, cyx {cyx:.4g}, cyy {cyy:.4g} {d.damping_unit}\n"
+        f"Centred circular orbits at {speed_with_unit(result.frequency)}"
     )
     return Table(title, heads, rows)
 
 
 def rolling_table(result: RollingCurves) -> Table:
     """Return a table with one row for each load; in the heading the cage's speed."""
+    d = current()
+    small, force = d.small_word, d.force_unit
     heads = (
-        *("speed [rad/s]", "load [N]", "x [um]", "y [um]", "largest [N]", "loaded"),
-        *("kxx [N/m]", "kxy", "kyx", "kyy", "cxx [N.s/m]", "cxy", "cyx", "cyy"),
-        *("kxx passing [N/m]", "kyy passing [N/m]"),
+        *(f"speed [{d.speed_unit}]", f"load [{force}]", f"x [{small}]", f"y [{small}]"),
+        *(f"largest [{force}]", "loaded"),
+        *_coefficient_heads(),
+        *(f"{name} passing [{d.stiffness_unit}]" for name in ("kxx", "kyy")),
     )
     rows = [
         (
-            *(float(speed), float(np.hypot(*result.load[i]))),
-            *(float(result.x[i]) * 1e6, float(result.y[i]) * 1e6),
-            *(float(result.largest[i]), int(result.loaded[i])),
-            *(float(value) for of in (result.K[i], result.C[i]) for value in of.ravel()),
-            *(_span(result.K_passing[i, :, axis, axis]) for axis in range(2)),
+            *(float(speed) * d.speed, float(np.hypot(*result.load[i])) * d.force),
+            *(float(result.x[i]) * d.small, float(result.y[i]) * d.small),
+            *(float(result.largest[i]) * d.force, int(result.loaded[i])),
+            *_coefficients(result.K[i], result.C[i]),
+            *(_span(result.K_passing[i, :, axis, axis] * d.stiffness) for axis in range(2)),
         )
         for i, speed in enumerate(result.speeds)
     ]

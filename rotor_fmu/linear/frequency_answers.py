@@ -22,7 +22,7 @@ from ..model.one_thread import on_one_thread
 from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
 from .linear_plots import PURPLE, new_figure, titled
-from .linear_tables import Table, hertz, turns
+from .linear_tables import Table, turns
 
 _COLORS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", "black", GREY)
 ZONES = "ABCD"
@@ -40,7 +40,10 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
             A row for each resonance of each node.
         """
         d = current()
-        heads = ("node", "direction", "[Hz]", f"{d.small_word}/{d.force_unit}", "phase [deg]")
+        heads = (
+            *("node", "direction", f"[{d.frequency_unit}]", f"{d.small_word}/{d.force_unit}"),
+            "phase [deg]",
+        )
         rows = []
         for k, node in enumerate(self.nodes):
             for i, axis in enumerate("xy"):
@@ -49,7 +52,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
                     (
                         node,
                         f"{axis} by {axis}",
-                        hertz(self.frequencies[at]),
+                        float(self.frequencies[at]) * d.speed,
                         abs(values[at]) * d.small / d.force,
                         math.degrees(np.angle(values[at])),
                     )
@@ -71,8 +74,8 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         """
         figure, grid = new_figure(6.8, 6.0, 2, 1, sharex=True, height_ratios=(2, 1))
         above, below = grid[:, 0]
-        frequency = self.frequencies / (2 * math.pi)
         d = current()
+        frequency = self.frequencies * d.speed
         for k, (node, color) in enumerate(zip(self.nodes, _COLORS, strict=False)):
             for (i, j), dashes in (((0, 0), "-"), ((1, 1), (0, (4, 2))), ((1, 0), (0, (1, 1.5)))):
                 values = self.receptance[:, k, i, j]
@@ -88,7 +91,7 @@ class FrequencyResponse(model.FrequencyResponse, Displayed):
         plain_ticks(above.yaxis)
         above.set_ylabel(f"Displacement by force [{d.small_word}/{d.force_unit}]")
         below.set_ylabel("Phase [deg]")
-        below.set_xlabel("Frequency [Hz]")
+        below.set_xlabel(d.frequency_label)
         above.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         state = turns(self.speed, self.contacts)
         figure.suptitle(
@@ -143,7 +146,7 @@ class Sensitivity(model.Sensitivity, Displayed):
                 name,
                 float(size[:, k].max()),
                 20 * math.log10(size[:, k].max()),
-                hertz(self.frequencies[int(np.argmax(size[:, k]))]),
+                float(self.frequencies[int(np.argmax(size[:, k]))]) * current().speed,
                 self.zone(float(size[:, k].max())),
             )
             for k, name in enumerate(self.loops)
@@ -151,7 +154,8 @@ class Sensitivity(model.Sensitivity, Displayed):
         title = f"Sensitivity of the control loops at {turns(self.speed, 'open')}"
         if not self.is_stable:
             title += "; THE CLOSED LOOP IS UNSTABLE, so that these numbers mean nothing"
-        return Table(title, ("loop", "largest", "[dB]", "at [Hz]", "zone"), rows)
+        at = f"at [{current().frequency_unit}]"
+        return Table(title, ("loop", "largest", "[dB]", at, "zone"), rows)
 
     def figure(self) -> Figure:
         """Draw the result.
@@ -163,7 +167,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         """
         figure, grid = new_figure(6.8, 4.4, 1)
         axes = grid[0, 0]
-        frequency = self.frequencies / (2 * math.pi)
+        frequency = self.frequencies * current().speed
         for k, (name, color) in enumerate(zip(self.loops, _COLORS * 4, strict=False)):
             dashes = "-" if name.endswith("x") else (0, (4, 2))
             axes.plot(
@@ -190,7 +194,7 @@ class Sensitivity(model.Sensitivity, Displayed):
         axes.set_xlim(frequency[0], frequency[-1])
         plain_ticks(axes.xaxis)
         plain_ticks(axes.yaxis)
-        axes.set_xlabel("Frequency [Hz]")
+        axes.set_xlabel(current().frequency_label)
         axes.set_ylabel("Sensitivity [1]")
         axes.legend(framealpha=0.9, edgecolor="none", fontsize=8)
         title = f"Sensitivity (ISO 14839-3) at {turns(self.speed, 'open')}"

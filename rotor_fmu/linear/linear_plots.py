@@ -19,6 +19,7 @@ from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
+from .labels import write_labels
 from .linear_tables import turns
 
 PURPLE, RANGE = "#cc79a7", "#56b4e9"
@@ -148,14 +149,6 @@ def campbell_figure(
     for c in result.critical:
         place = _speed(c.speed), c.harmonic * _speed(c.speed)
         above.plot(*place, "o", color="black", mfc="white", ms=5)
-        above.annotate(
-            shown_speed(c.speed),
-            place,
-            xytext=(5, -9) if c.whirl == FORWARD else (-4, 5),
-            ha="left" if c.whirl == FORWARD else "right",
-            textcoords="offset points",
-            fontsize=8,
-        )
     below.axhline(0, color="black", lw=1.0)
     if result.threshold is not None:
         for axes in (above, below):
@@ -174,7 +167,7 @@ def campbell_figure(
     seen = {word for words in result.whirl[1:] for word in words if word}
     handles = [Line2D([], [], color=c, lw=1.6, label=w) for w, c in _WHIRL.items() if w in seen]
     orders = ", ".join(f"{order:g}" for order in result.harmonics)
-    label = "the speed" if result.harmonics == (1.0,) else f"{orders} times the speed"
+    label = "1x, the speed" if result.harmonics == (1.0,) else f"{orders} times the speed"
     handles.append(Line2D([], [], color="black", lw=1.0, ls=(0, (4, 3)), label=label))
     above.legend(handles=handles, framealpha=0.9, edgecolor="none", loc="upper left", fontsize=8)
     highest = 1.05 * np.nanmax(frequency, initial=0.0)
@@ -193,6 +186,9 @@ def campbell_figure(
     above.set_title(
         titled(name, f"Campbell diagram, contacts {result.contacts}"), loc="left", fontsize=10
     )
+    at = [(_speed(c.speed), c.harmonic) for c in result.critical]
+    words = [(shown_speed(c.speed), c.whirl == FORWARD) for c in result.critical]
+    write_labels(above, [(x, n * x, *word) for (x, n), word in zip(at, words, strict=True)])
     return figure
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cells import cell
-from ..display import current
+from ..display import current, speed_with_unit
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import Modes
 from ..model.linear.static import Static
@@ -53,19 +53,18 @@ class Table(NamedTuple):
         return f"<table>{title}<thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
 
 
-def hertz(omega: float) -> float:
-    """Return the frequency [Hz] of an angular frequency [rad/s]."""
-    return float(omega) / (2 * math.pi)
-
-
 def turns(speed: float, contacts: str) -> str:
     """Return the state of a machine in a heading."""
-    return f"{speed:.5g} rad/s ({hertz(speed) * 60:.5g} rev/min), contacts {contacts}"
+    return f"{speed_with_unit(speed)} ({speed:.5g} rad/s), contacts {contacts}"
 
 
 def modes_table(result: Modes) -> Table:
     """Return a table with one row for each mode."""
-    heads = ("mode", "f_d [Hz]", "f_n [Hz]", "omega_d [rad/s]", "damping", "log dec", "whirl")
+    d = current()
+    heads = (
+        *("mode", f"f_d [{d.frequency_unit}]", f"f_n [{d.frequency_unit}]", "omega_d [rad/s]"),
+        *("damping", "log dec", "whirl"),
+    )
     columns = zip(
         result.damped,
         result.natural,
@@ -75,7 +74,10 @@ def modes_table(result: Modes) -> Table:
         strict=True,
     )
     rows = [
-        (i, hertz(damped), hertz(natural), float(damped), _clean(zeta), _clean(decrement), whirl)
+        (
+            *(i, float(damped) * d.speed, float(natural) * d.speed, float(damped)),
+            *(_clean(zeta), _clean(decrement), whirl),
+        )
         for i, (damped, natural, zeta, decrement, whirl) in enumerate(columns, 1)
     ]
     title = f"Modes at {turns(result.speed, result.contacts)}"
@@ -96,20 +98,19 @@ def _clean(ratio: float) -> float:
 def campbell_table(result: Campbell) -> Table:
     """Return a table with one row for each critical speed; the threshold of stability in the
     heading."""
-    heads = ("mode", "order", "speed [rad/s]", "[Hz]", "[rev/min]", "log dec", "whirl")
+    d = current()
+    heads = ("mode", "order", "speed [rad/s]", f"[{d.speed_unit}]", "log dec", "whirl")
     rows = [
-        (
-            *(c.mode + 1, c.harmonic, c.speed, hertz(c.speed), 60 * hertz(c.speed)),
-            *(_clean(c.log_dec), c.whirl),
-        )
+        (c.mode + 1, c.harmonic, c.speed, c.speed * d.speed, _clean(c.log_dec), c.whirl)
         for c in result.critical
     ]
-    between = f"{result.speeds[0]:.5g} and {result.speeds[-1]:.5g} rad/s"
+    low, high = result.speeds[[0, -1]] * d.speed
+    between = f"{low:.5g} and {high:.5g} {d.speed_unit}"
     stability = "stable at all of them"
     if result.threshold is not None:
-        stability = f"unstable above {result.threshold:.6g} rad/s"
-        if result.threshold == result.speeds[0]:
-            stability = f"unstable already at {result.threshold:.6g} rad/s"
+        already = "already at" if result.threshold == result.speeds[0] else "above"
+        stability = f"unstable {already} {speed_with_unit(result.threshold)} "
+        stability += f"({result.threshold:.6g} rad/s)"
     orders = ", ".join(f"{order:g}" for order in result.harmonics)
     harmonic = "" if result.harmonics == (1.0,) else f" of {orders} times the speed"
     title = f"Critical speeds{harmonic} between {between}, contacts {result.contacts}; {stability}"

@@ -14,7 +14,7 @@ from ..display import current, frequency_unit, shown_speed
 from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, Modes
 from .linear_plots import deflection, titled
-from .linear_tables import hertz, turns
+from .linear_tables import turns
 
 _COLORS = {FORWARD: BLUE, BACKWARD: ORANGE, MIXED: GREEN}
 _MOST_SHAPES = 6
@@ -77,12 +77,14 @@ def mode_shapes_figure(result: Modes, name: str = "", shear: Sequence[float] = (
 
 def shapes_for_page(result: Modes) -> dict[str, object]:
     """Return the shapes as numbers for the page's own drawing: z [mm], and of each mode its
-    frequency [Hz], whirl, logarithmic decrement and complex x, y of the nodes."""
+    frequency in the unit that is shown, whirl, logarithmic decrement and complex x, y of the
+    nodes."""
     return {
+        "unit": frequency_unit(),
         "z": (result.z * 1e3).tolist(),
         "modes": [
             {
-                "hertz": hertz(result.damped[i]),
+                "frequency": float(result.damped[i]) * current().speed,
                 "whirl": result.whirl[i],
                 "log_dec": float(result.log_dec[i]),
                 "x": [result.x[i].real.tolist(), result.x[i].imag.tolist()],

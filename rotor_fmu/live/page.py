@@ -17,7 +17,7 @@ from ..report.page import head, json_in_script, machine_html, template
 from .controls import course, groups, places, recorded
 
 _PACKAGE = __package__
-_SCRIPTS = ("plan.js", "chart.js", "page.js")
+_SCRIPTS = ("plan.js", "chart.js", "panel.js", "pictures.js", "page.js")
 
 
 def solver_page(machine: Machine, given: Mapping[str, float] | None = None) -> str:

@@ -133,10 +133,9 @@ def _passes(speed: np.ndarray) -> bool:
 
 
 def _contacts(run: Recorded, of: str) -> str:
+    d = current()
     heads = [
-        "contact",
-        "largest force [N]",
-        f"at [{current().speed_unit}]",
+        *("contact", f"largest force [{d.force_unit}]", f"at [{d.speed_unit}]"),
         "touches [% of the time]",
     ]
     rows = []
@@ -144,7 +143,7 @@ def _contacts(run: Recorded, of: str) -> str:
     for touch in run.touches if weight.any() else ():
         at = int(np.argmax(np.nan_to_num(touch.fn)))
         share = 100 * float((weight * (touch.fn > 0)).sum() / weight.sum())
-        rows.append([touch.label, touch.fn[at], run.w[at] * current().speed, share])
+        rows.append([touch.label, touch.fn[at] * d.force, run.w[at] * d.speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from .. import vibration
+from ..display import current
 from ..vibration import Synchronous, TooFewTurns
 from .criticals import criticals_of
 from .measuring_points import MeasuringPoint, Recorded, hertz
@@ -22,7 +23,8 @@ _ONE_SPEED = 0.005  # share by which one speed may vary
 
 
 def run_data(run: Recorded) -> dict[str, Any]:
-    """Return everything but the signals over time, as JSON values; lengths in µm, speeds in Hz.
+    """Return everything but the signals over time, as JSON values; lengths in µm, speeds in Hz,
+    forces in the unit that is shown.
 
     A run of too few turns has no places, and `why` says so.
     """
@@ -50,18 +52,19 @@ def _turns(run: Recorded) -> dict[str, Any]:
         if "stations" not in result:
             result |= _shared(signal)
     result["chosen"] = run.place().name
-    touches = []
+    d, touches = current(), []
     for touch in run.touches:
         rub = vibration.contact(run.t, run.phi, touch.psi, touch.fn)
         rows = _thin(len(rub.t))
-        values = {"hz": hertz(rub.speed), "peak": rub.peak, "mean": rub.mean}
+        values = {"hz": hertz(rub.speed), "peak": rub.peak * d.force, "mean": rub.mean * d.force}
         values |= {"share": 100 * rub.share, "angle": np.degrees(rub.angle), "t": rub.t}
         values |= {"low": np.degrees(rub.low), "width": np.degrees(rub.width)}
         entry = {key: packed(column[rows]) for key, column in values.items()}
         touches.append({"name": touch.name, "label": touch.label, **entry})
     t, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
     rows = _thin(len(t))
-    sinks = sorted(powers, key=lambda name: -run.losses[name][-1])
+    taking = [name for name in powers if run.losses[name][-1] != 0.0]
+    sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
     power = {
         "hz": packed(hertz(speed)[rows]),
         "t": packed(t[rows]),
@@ -70,7 +73,7 @@ def _turns(run: Recorded) -> dict[str, Any]:
             for s in sinks
         ],
     }
-    return result | {"touches": touches, "power": power}
+    return result | {"touches": touches, "power": power, "force": d.force_unit}
 
 
 def _shared(signal: Synchronous) -> dict[str, Any]:

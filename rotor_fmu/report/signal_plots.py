@@ -20,6 +20,7 @@ from .view import View, parted, two
 PURPLE, BLACK = "#cc79a7", "#000000"
 _SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
 _PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
+_SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
 
 
 def _speed(omega: Any) -> Any:
@@ -141,6 +142,11 @@ def spectrum(view: View) -> Figure:
         )
     axes.axvline(0, color=GREY, lw=0.8)
     axes.set_ylim(bottom=0)
+    # as far as there is something to see, on either side
+    seen = np.abs(frequency[amplitude > _SEEN * amplitude.max(initial=0.0)])
+    once = abs(_speed(result.speed))
+    reach = min(1.1 * max(3 * once, float(seen.max(initial=0.0))), np.abs(frequency).max())
+    axes.set_xlim(-reach, reach)
     axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
     axes.set_ylabel(f"Amplitude [{view.unit}]")
     place = view.run.place(view.name).label
@@ -203,7 +209,7 @@ def cascade(view: View) -> Figure:
     axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
     axes.set_ylabel(current().speed_label if is_one_way else "Time [s]")
     axes.set_title(
-        f"{view.run.name}: {'cascade' if is_one_way else 'waterfall'} of the full spectrum of "
+        f"{view.machine}: {'cascade' if is_one_way else 'waterfall'} of the full spectrum of "
         f"{view.run.place(view.name).label}",
         loc="left",
         fontsize=10,
@@ -272,7 +278,7 @@ def contact_angle(view: View) -> Figure:
     axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
     axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
     axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
-    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=3)
     axes.set_ylim(0, 360)
     axes.set_yticks(*_PSI)
     axes.set_xlabel(current().speed_label)
@@ -286,13 +292,13 @@ def contact_force(view: View) -> Figure:
     figure, (above, below) = two()
     touch = view.run.touch(view.name)
     result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
-    n = _speed(result.speed)
-    largest, mean = parted(n, result.peak), parted(n, result.mean)
+    n, d = _speed(result.speed), current()
+    largest, mean = parted(n, result.peak * d.force), parted(n, result.mean * d.force)
     above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
     above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
-    above.set_ylabel("Normal force [N]")
+    above.set_ylabel(f"Normal force [{d.force_unit}]")
     below.plot(n, parted(n, 100 * result.share), color=GREEN, lw=1.0)
     below.set_ylim(0, 105)
     below.set_ylabel("Touches [% of the turn]")
@@ -306,11 +312,12 @@ def energy(view: View) -> Figure:
     figure, (above, below) = two(even=True)
     run = view.run
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
-    sinks = sorted(powers, key=lambda name: -run.losses[name][-1])
+    taking = [name for name in powers if run.losses[name][-1] != 0.0]
+    sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
     for i, name in enumerate(sinks):
         color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
         energy = run.losses[name]
-        label = f"{name}: {energy[-1]:.3g} J"
+        label = f"{name}: {_joules(energy[-1])}"
         power = parted(speed, powers[name])
         above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=label)
         below.plot(_speed(run.w), energy, color=color, ls=style, lw=1.2)
@@ -320,6 +327,10 @@ def energy(view: View) -> Figure:
     below.set_xlabel(current().speed_label)
     view.title(above, "energy dissipated by sink")
     return figure
+
+
+def _joules(energy: float) -> str:
+    return f"{energy:.3g} J" if abs(energy) < 1e3 else f"{energy / 1e3:.4g} kJ"
 
 
 KINDS: dict[str, Callable[[View], Figure]] = {

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display import current
 from .measuring_points import Recorded, spoken
 from .packed import COARSE, packed
 
@@ -53,16 +54,16 @@ def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
 
 
 def _entries(run: Recorded) -> list[tuple[str, str, np.ndarray]]:
-    """Return the names, units and values, what moves most first."""
-    result: list[tuple[str, str, np.ndarray]] = []
+    """Return the names, units and values in the units that are shown, what moves most first."""
+    d, result = current(), list[tuple[str, str, np.ndarray]]()
     moving = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
     for place in moving:
         result += [
-            (f"{place.name}.x", "µm", place.z.real * 1e6),
-            (f"{place.name}.y", "µm", place.z.imag * 1e6),
+            (f"{place.name}.x", d.small_unit, place.z.real * d.small),
+            (f"{place.name}.y", d.small_unit, place.z.imag * d.small),
         ]
-    result += [(f"{touch.name}.fn", "N", touch.fn) for touch in run.touches]
+    result += [(f"{touch.name}.fn", d.force_unit, touch.fn * d.force) for touch in run.touches]
     if "tau" in run.columns:
-        result.append(("tau", "N.m", run.columns["tau"]))
-    result.append(("w", "Hz", run.w / (2 * np.pi)))
+        result.append(("tau", d.torque_unit, run.columns["tau"] * d.torque))
+    result.append(("w", d.speed_unit, run.w * d.speed))
     return result[:_MOST]

@@ -51,10 +51,15 @@ class View:
         """Unit of the axis."""
         return f"{current().small_unit} {'pp' if self.is_pp else '0-p'}"
 
+    @property
+    def machine(self) -> str:
+        """The machine's name, or, where none was recorded, the run's."""
+        return str(self.run.about.get("machine") or self.run.name)
+
     def title(self, axes: Axes, text: str) -> None:
         """Heading of a picture."""
         # names are text, whatever stands in them
-        axes.set_title(f"{self.run.name}: {text}", loc="left", fontsize=10, parse_math=False)
+        axes.set_title(f"{self.machine}: {text}", loc="left", fontsize=10, parse_math=False)
 
 
 def parted(speed: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
-from ..display import current
+from ..display import current, shown_speed, speed_with_unit
 from ..figure_style import BLUE, GREY, ORANGE, new_figure, save
 from .recording import Recording
 from .run_down import Run
@@ -103,7 +103,7 @@ def contact_angle(recording: Recording, caption: str) -> Figure:
     if per_turn >= _FINE and not is_constant(hz):
         shown = time_share(recording, str(part))
         image = axes.pcolormesh(
-            shown.hz,
+            shown.hz * TURN * current().speed,
             np.degrees(shown.angle),
             100 * shown.share.T,
             cmap="Blues",
@@ -206,20 +206,22 @@ def spectra(recording: Recording, caption: str, place: str | None = None) -> Fig
     figure, axes = new_figure()
     place = place or str(place_of(recording.columns))
     late = late_turns(recording)
-    hz = float(np.abs(recording.columns["w"][late]).mean()) / TURN
+    d, speed = current(), float(np.abs(recording.columns["w"][late]).mean())
     highest = 1e-3
     for axis, color, name in (("x", BLUE, "horizontal"), ("y", ORANGE, "vertical")):
-        values = recording.columns[f"{place}.{axis}"][late] * current().amplitude
+        values = recording.columns[f"{place}.{axis}"][late] * d.amplitude
         f, lines = spectrum(recording.t[late], values)
+        f = f * TURN * d.speed
         highest = max(highest, float(lines.max()))
         axes.semilogy(f, np.maximum(lines, 1e-12), color=color, lw=0.9, label=name)
-    if hz > 0:
-        axes.axvline(hz, color=GREY, lw=0.8, ls="--", label=f"1x, {hz:.4g} Hz")
-        axes.set_xlim(0, min(6 * hz, f[-1]))
+    if speed > 0:
+        once = speed * d.speed
+        axes.axvline(once, color=GREY, lw=0.8, ls="--", label=f"1x, {once:.4g} {d.frequency_unit}")
+        axes.set_xlim(0, min(6 * once, f[-1]))
     axes.set_ylim(highest * 1e-5, highest * 2)
     axes.legend(frameon=False, loc="upper right")
-    axes.set_xlabel("Frequency [Hz]")
-    axes.set_ylabel(f"Displacement of {spoken(place)} [{current().amplitude_unit}]")
+    axes.set_xlabel(d.frequency_label)
+    axes.set_ylabel(f"Displacement of {spoken(place)} [{d.amplitude_unit}]")
     _titled(axes, caption)
     return figure
 
@@ -268,7 +270,7 @@ def write_run_pictures(
     place = figures["place"]
     has_place = place is not None
     if is_constant(run.columns["w"]):
-        speed = f"{float(run.hz[-1]):.4g} Hz"
+        speed = speed_with_unit(run.hz[-1] * TURN)
         if has_place:
             pictures["time"] = motion(recording, f"{name} at {speed}: motion over time", place)
             pictures["spectrum"] = spectra(recording, f"{name} at {speed}: spectrum", place)
@@ -280,7 +282,9 @@ def write_run_pictures(
                     run, axis, f"{name}: {text} amplitude over speed", place=place
                 )
             at_s, at_hz = figures["x_peak_s"], figures["x_peak_hz"]
-            where = "end of the run" if at_s is None else f"horizontal peak, {at_hz:.1f} Hz"
+            where = "end of the run"
+            if at_s is not None:
+                where = f"horizontal peak, {shown_speed(at_hz * TURN)} {current().speed_unit}"
             at_s = end if at_s is None else at_s
             pictures["orbit"] = orbit(recording, at_s, f"{name}: orbit at the {where}", place)
         if contact_of(recording.columns):

@@ -25,8 +25,8 @@ CHANGED |= {f"disc[{i}].e": HEAVY for i in (1, 2, 3)}
 def read(folder, machine, run, keep="l = { lyapunov = 'largest' }", values=None, mu=0.05):
     given = {"solver.tolerance": 1e-6} | (values or {})
     lines = "\n".join(f'"{name}" = {value}' for name, value in given.items())
-    vary = '"disc[1].diameter"' if machine == "rig" else '"contact[1].mu"'
-    value = 0.12 if machine == "rig" else mu
+    vary = '"bearing[1].mu"' if machine == "rig" else '"contact[1].mu"'
+    value = mu
     path = folder / "study.toml"
     path.write_text(
         f"machine = '{machine}'\n[set]\n{lines}\n[run]\n{run}\n"

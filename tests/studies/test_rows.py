@@ -246,13 +246,13 @@ import sys
 from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
-from rotor_fmu.studies.runner import conduct
+from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.executors import Where, engine
 from tests.studies.functions import Ishigami, ishigami_study
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
     study = ishigami_study(folder, Ishigami(pause=0.05))
-    conduct(study, folder / "out", partial(engine, Where(jobs=2)), lambda p: print(p, flush=True))
+    run_study(study, folder / "out", partial(engine, Where(jobs=2)), lambda p: print(p, flush=True))
 """
 
 
@@ -299,9 +299,9 @@ def test_a_hundred_thousand_rows_are_made_and_opened_in_little_memory(tmp_path):
 import sys
 from pathlib import Path
 from tests.studies.functions import here, ishigami_study, one_by_one, quiet, study_text
-from rotor_fmu.studies.runner import conduct
+from rotor_fmu.studies.runner import run_study
 study = ishigami_study(Path(sys.argv[1]), text=study_text("random", 100_000))
-conduct(study, Path(sys.argv[1]) / "out", here, quiet)
+run_study(study, Path(sys.argv[1]) / "out", here, quiet)
 print(next(x for x in open("/proc/self/status") if x.startswith("VmHWM")).split()[1])
 """
     if not Path("/proc/self/status").exists():

@@ -11,7 +11,7 @@ shapes.modes.forEach((mode, i) => {
   const option = document.createElement("option");
   option.value = i;
   option.textContent =
-    `${i + 1}: ${mode.hertz.toPrecision(4)} Hz, ${mode.whirl}, log dec ${mode.log_dec.toPrecision(3)}`;
+    `${i + 1}: ${Number(mode.frequency.toPrecision(4))} ${shapes.unit}, ${mode.whirl}, log dec ${mode.log_dec.toPrecision(3)}`;
   chosen.append(option);
 });
 running.checked = !still;

@@ -1,7 +1,6 @@
 // The pictures of a run over speed and at the speed that is picked; one colour a run.
 
 const HERTZ = "Speed [Hz]";
-const degrees = (re, im) => (Math.atan2(im, re) * 180) / Math.PI;
 // What amplitudes may be shown in: text, unit of displacements, its size [µm], factor of 0-p.
 const UNITS = [
   { text: "µm 0-p", of: "µm", size: 1, times: 1 }, { text: "µm peak-to-peak", of: "µm", size: 1, times: 2 },
@@ -97,6 +96,14 @@ class OverSpeed {
       : new Bokeh.CustomJSTickFormatter({ code: `return String(+(${turns} * tick).toFixed(1))` });
     const name = (axis) => axis.setv({ axis_label: `Speed [${unit}]`, formatter: formatter() });
     if (isSpeed) this.overSpeed.forEach((chart) => name(chart.plot.below[0]));
+    const frequency = turns === 1 ? "Hz" : "cpm";
+    this.spectrum.plot.below[0].setv({
+      axis_label: `Whirl frequency [${frequency}], backward < 0`, formatter: formatter(),
+    });
+    this.lineHover.formatters = {
+      "@x": new Bokeh.CustomJSHover({ code: `return (${turns} * value).toFixed(${digits})` }),
+    };
+    this.lineHover.tooltips = [["", `@x{custom} ${frequency}, @order{0.000}x: @top{0.000}`]];
     if (this.runs[this.shownRun ?? 0].isOneWay) name(this.cascade.plot.left[0]);
   }
 
@@ -109,13 +116,8 @@ class OverSpeed {
     });
     this.base = new Chart("timebase", { x: "Turns", y: "Displacement [µm]", height: 320 });
     this.phase = shared("phase", "Phase, lag negative [deg]");
-    this.spectrum = new Chart("spectrum", { x: "Whirl frequency [Hz], backward < 0", y: " " });
-    this.cascade = new Chart("cascade", {
-      x: "Order of the speed, backward < 0", y: " ", tools: "pan,wheel_zoom,box_zoom,reset", height: 340,
-    });
-    for (const range of [this.cascade.plot.x_range, this.cascade.plot.y_range]) {
-      range.range_padding = 0;
-    }
+    this.spectrum = new Chart("spectrum", { x: " ", y: " " });
+    this.cascade = new Cascade("cascade");
     this.polar = new Chart("polar", {
       x: " ", y: " ", square: true, tools: "pan,wheel_zoom,box_zoom,reset", height: 340,
     });
@@ -125,7 +127,7 @@ class OverSpeed {
     this.poincare = new Chart("poincare", {
       x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,wheel_zoom,box_zoom,reset",
     });
-    this.force = shared("force", "Largest of the turn [N]");
+    this.force = shared("force", `Largest of the turn [${this.runs[0].force}]`);
     this.angle = shared("angle", "Where it touches [deg]", {
       yRange: fixedRange(0, 360), tools: "pan,wheel_zoom,box_zoom,reset",
     });
@@ -137,12 +139,8 @@ class OverSpeed {
     this.spans = this.overSpeed.map((chart) => chart.span("height"));
     link(this.overSpeed);
     this.runs.forEach((run, r) => this.lines(run, r));
-    this.image();
-    this.spectrum.plot.add_tools(
-      new Bokeh.HoverTool({
-        mode: "vline", tooltips: [["", "@x{0.00} Hz, @order{0.000}x: @top{0.000}"]],
-      }),
-    );
+    this.lineHover = new Bokeh.HoverTool({ mode: "vline" });
+    this.spectrum.plot.add_tools(this.lineHover);
   }
 
   // Glyphs of one run, and the sources that feed them.
@@ -192,23 +190,6 @@ class OverSpeed {
     part.sinks.forEach((sink, i) => this.energy.line(sink, `c${i % 5}`, i + 3 * r));
   }
 
-  // The picture of the cascade: its shades, and the speed that is picked.
-  image() {
-    const { ndarray } = Bokeh.require("core/util/ndarray");
-    this.array = (values, shape) => ndarray(values, { dtype: "float32", shape });
-    this.shades = new Bokeh.LinearColorMapper({ palette: Bokeh.Palettes.Cividis256, low: 0, high: 1 });
-    this.tiles = new Bokeh.ColumnDataSource({
-      data: { image: [], x: [], y: [], dw: [], dh: [] },
-    });
-    const named = ["image", "x", "y", "dw", "dh"].map((name) => [name, { field: name }]);
-    this.cascade.plot.image({
-      ...Object.fromEntries(named), source: this.tiles, color_mapper: this.shades,
-    });
-    this.row = this.cascade.span("width");
-    this.row.line_color = "#ffffff";
-    this.cascade.painted.pop();
-  }
-
   async show() {
     const charts = [
       this.orbit, this.base, this.phase, this.spectrum, this.cascade, this.polar, this.whirl,
@@ -240,12 +221,12 @@ class OverSpeed {
       const { xRe, xIm, yRe, yIm, twice, half } = place.curves;
       const x = run.track[this.across];
       const long = (re, im) => re.map((value, i) => this.factor * Math.hypot(value, im[i]));
-      part.bodeX.data = this.parted(x, long(xRe, xIm));
-      part.bodeY.data = this.parted(x, long(yRe, yIm));
-      part.twice.data = this.parted(x, twice.map((v) => this.factor * v));
-      part.half.data = this.parted(x, half.map((v) => this.factor * v));
+      part.bodeX.data = parted(x, long(xRe, xIm));
+      part.bodeY.data = parted(x, long(yRe, yIm));
+      part.twice.data = parted(x, twice.map((v) => this.factor * v));
+      part.half.data = parted(x, half.map((v) => this.factor * v));
       const second = this.others[r]?.curves;
-      part.second.data = second ? this.parted(x, long(second.xRe, second.xIm)) : { x: [], y: [] };
+      part.second.data = second ? parted(x, long(second.xRe, second.xIm)) : { x: [], y: [] };
     });
   }
 
@@ -268,61 +249,26 @@ class OverSpeed {
       if (!place) return;
       const { xRe, xIm, yRe, yIm } = place.curves;
       const x = run.track[this.across];
-      part.phaseX.data = this.broken(x, xRe, xIm);
-      part.phaseY.data = this.broken(x, yRe, yIm);
+      part.phaseX.data = broken(x, xRe, xIm);
+      part.phaseY.data = broken(x, yRe, yIm);
       part.polar.data = { x: xRe.map((v) => this.factor * v), y: xIm.map((v) => this.factor * v) };
       part.whirl.data = { x: run.whirl[this.across], y: place.sense };
       part.points.data = this.sized(place.points.re, place.points.im);
-      part.ring.data = this.circle(place.clearance);
+      part.ring.data = circle(place.clearance === null ? null : place.clearance * this.small);
       const touch = run.touches.find((t) => t.name === touchName);
-      part.force.data = touch ? this.parted(touch[this.across], touch.peak) : { x: [], y: [] };
+      part.force.data = touch ? parted(touch[this.across], touch.peak) : { x: [], y: [] };
       part.angle.data = touch ? { x: touch[this.across], y: touch.angle } : { x: [], y: [] };
-      part.range.data = this.ranges(touch);
+      part.range.data = ranges(touch?.[this.across], touch);
       part.sinks.forEach((sink, i) => {
-        sink.data = this.parted(run.power[this.across], run.power.sinks[i].p);
+        sink.data = parted(run.power[this.across], run.power.sinks[i].p);
       });
     });
     this.names();
   }
 
-  // A curve that is not drawn across a reversal of the speed.
-  parted(x, y) {
-    return { x, y: y.map((v, i) => (i && x[i] * x[i - 1] < 0 ? NaN : v)) };
-  }
-
-  // A phase without the strokes from -180 to 180.
-  broken(x, re, im) {
-    const y = re.map((value, i) => degrees(value, im[i]));
-    return this.parted(x, y.map((v, i) => (i && Math.abs(v - y[i - 1]) > 180 ? NaN : v)));
-  }
-
-  // From low to high, cut where a range passes 360.
-  ranges(touch) {
-    const [x, low, high] = [[], [], []];
-    touch?.low.forEach((from, i) => {
-      const to = from + touch.width[i];
-      const cut = to > 360 ? [[from, 360], [0, to - 360]] : [[from, to]];
-      for (const [a, b] of cut) {
-        if (Number.isFinite(a)) {
-          x.push(touch[this.across][i]);
-          low.push(a);
-          high.push(b);
-        }
-      }
-    });
-    return { x, low, high };
-  }
-
   // Displacements in the unit that is shown.
   sized(x, y) {
     return { x: x.map((v) => this.small * v), y: y.map((v) => this.small * v) };
-  }
-
-  circle(radius) {
-    if (radius === null) return { x: [], y: [] };
-    const turn = Array.from({ length: 121 }, (_, i) => (i * Math.PI) / 60);
-    const long = radius * this.small;
-    return { x: turn.map((a) => long * Math.cos(a)), y: turn.map((a) => long * Math.sin(a)) };
   }
 
   // Names of lines that every run has, in the run's colour.
@@ -361,43 +307,9 @@ class OverSpeed {
     );
   }
 
-  // The cascade of one run on an even grid of speeds (of times, where the speed goes both ways).
   fillCascade(r) {
-    const run = this.runs[r];
-    const place = this.places[r];
-    const down = run.isOneWay ? run.stations.hz : run.stations.t;
-    const width = run.orders.length;
-    const height = down.length;
-    const [low, high] = [Math.min(...down), Math.max(...down)];
-    const image = new Float32Array(width * height);
-    let largest = 0;
-    const { passage } = run.stations;
-    const ends = new Map(); // of what each passage shows: nothing is drawn over a reversal
-    down.forEach((at, i) => {
-      const [a, b] = ends.get(passage[i]) ?? [at, at];
-      ends.set(passage[i], [Math.min(a, at), Math.max(b, at)]);
-    });
-    for (let row = 0; row < height; row++) {
-      const at = low + ((row + 0.5) * (high - low)) / height;
-      const from = nearest(down, at);
-      const [begin, end] = ends.get(passage[from]);
-      if (at < begin || at > end) continue;
-      for (let k = 0; k < width; k++) {
-        // a root shows small lines beside large ones
-        const value = Math.sqrt(place.cascade[from * width + k]);
-        image[row * width + k] = value;
-        if (value > largest) largest = value;
-      }
-    }
-    const [first, last] = [run.orders[0], run.orders[width - 1]];
-    const half = (run.orders[1] - first) / 2;
-    this.shades.high = largest || 1;
-    this.tiles.data = {
-      image: [this.array(image, [height, width])], x: [first - half], y: [low],
-      dw: [last - first + 2 * half], dh: [high - low || 1],
-    };
-    this.cascade.plot.left[0].axis_label = run.isOneWay ? HERTZ : "Time [s]";
-    this.cascade.name([[`from 0 to ${shown(this.factor * largest ** 2)} ${this.chosenUnit.text}`, "ground"]]);
+    const largest = this.factor * this.cascade.fill(this.runs[r], this.places[r]);
+    this.cascade.name([[`from 0 to ${shown(largest)} ${this.chosenUnit.text}`, "ground"]]);
     this.shownRun = r;
   }
 
@@ -433,7 +345,7 @@ class OverSpeed {
       const few = (values) => values.subarray(Math.max(turn - 8, 0), turn + 8);
       part.pointsNow.data = this.sized(few(place.points.re), few(place.points.im));
       if (r === 0) for (const span of this.spans) span.location = run.stations[this.across][at];
-      if (r === this.shownRun) this.row.location = run.isOneWay ? now : t;
+      if (r === this.shownRun) this.cascade.row.location = run.isOneWay ? now : t;
       return {
         hz: now, t, label: place.label, sense: place.sense[whirl], order: place.order[whirl],
         x: this.factor * Math.hypot(xRe[row], xIm[row]), phaseX: degrees(xRe[row], xIm[row]),

@@ -13,7 +13,7 @@ class ResponseCurves {
     });
     this.chart.plot.below[0].axis_label = verbatim(unit === "1" ? parameter : `${parameter} [${unit}]`);
     this.orbit = new Chart("orbit", {
-      x: "Horizontal [µm]", y: "Vertical [µm]", square: true, tools: "pan,wheel_zoom,box_zoom,reset",
+      x: `Horizontal [${response.small}]`, y: `Vertical [${response.small}]`, square: true, tools: "pan,wheel_zoom,box_zoom,reset",
       height: 420,
     });
     this.branches = Math.max(-1, ...response.branch) + 1;

@@ -1,0 +1,177 @@
+// The pictures of the run, and of the one before.
+
+const charts = {
+  amplitude: new Chart("amplitude", (hz) => pickWhere(abscissa(now), hz)),
+  orbit: new Chart("orbit"),
+  time: new Chart("time", (t) => pickWhere(now.t.subarray(0, now.n), t)),
+  near: new Chart("near", (t) => pickWhere(now.t.subarray(0, now.n), t)),
+};
+let picked = null; // a time [s], null where none was picked
+
+const column = (run, name) => run.columns[columnOf.get(name)].subarray(0, run.n);
+const isSteady = (run) => run.plan.speeds[0] === run.plan.speeds[1];
+const shownRuns = () => (field("compare").checked && before ? [before, now] : [now]);
+const styleOf = (run) => (run === now ? "now" : "before");
+const wordOf = (run) => (run === now ? "this run" : "the run before");
+const scaled = (list, factor) => list.map((value) => value * factor);
+
+function abscissa(run) {
+  return isSteady(run) ? run.t.subarray(0, run.n) : scaled(column(run, "w"), 1 / TURN);
+}
+
+function amplitude(run, place) {
+  if (place.amplitude) return scaled(column(run, place.amplitude), 1e6);
+  const [x, y] = [column(run, place.x), column(run, place.y)];
+  return x.map((value, i) => 1e6 * Math.hypot(value, y[i]));
+}
+
+// Index of the last row at or before a time.
+function rowAt(run, t) {
+  let [low, high] = [0, run.n - 1];
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (run.t[middle] <= t * (1 + 1e-12)) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+function pickWhere(list, value) {
+  let best = 0;
+  for (let i = 1; i < list.length; i++) {
+    if (Math.abs(list[i] - value) < Math.abs(list[best] - value)) best = i;
+  }
+  pick(now.t[best]);
+}
+
+function pick(t) {
+  picked = t;
+  field("cursor").value = Math.round((1000 * t) / now.plan.duration);
+  redraw();
+}
+
+// Rows of so many turns up to a row.
+function turnsUpTo(run, row, turns) {
+  const phi = column(run, "phi");
+  let first = row;
+  while (first > 0 && Math.abs(phi[row] - phi[first]) < turns * TURN) first -= 1;
+  return [first, row + 1];
+}
+
+// Row of the largest amplitude.
+function peakRow(run, place) {
+  return amplitude(run, place).reduce((best, value, i, list) => (value > list[best] ? i : best), 0);
+}
+
+function peakOf(run, place) {
+  const row = peakRow(run, place);
+  return `${digits(amplitude(run, place)[row], 4)} µm at ${digits(hertz(run, row), 4)} Hz`;
+}
+
+// Zero where round-off alone is left of the speed.
+function hertz(run, row) {
+  const w = column(run, "w")[row];
+  return Math.abs(w) < 1e-9 * Math.max(...run.plan.speeds.map(Math.abs)) ? 0 : w / TURN;
+}
+
+// The time picked; without one the last, and the peak's of a run that has ended.
+function shownTime(place) {
+  if (picked !== null) return picked;
+  return now.t[place && now.seconds !== undefined ? peakRow(now, place) : now.n - 1];
+}
+
+function say() {
+  const share = now.n / now.plan.rows;
+  field("progress").value = share;
+  const place = data.places[field("place").value];
+  let text = `Running: ${digits(now.n ? now.t[now.n - 1] : 0, 3)} of ${digits(now.plan.duration, 4)} s.`;
+  if (now.seconds !== undefined) {
+    const how = now.failure ? "Ended early" : "Done";
+    text = `${how} after ${digits(now.seconds, 2)} s.`;
+    if (now.n && place) {
+      text += ` Peak of ${place.title}: ${peakOf(now, place)}`;
+      if (shownRuns().length > 1) text += `; the run before: ${peakOf(before, place)}`;
+      text += ".";
+    }
+  }
+  // read aloud when a run has ended, not ten times a second
+  for (const id of ["state", "reading"]) {
+    field(id).setAttribute("aria-live", now.seconds === undefined ? "off" : "polite");
+  }
+  if (field("state").textContent !== text) field("state").textContent = text;
+}
+
+function redraw() {
+  clearTimeout(drawing);
+  drawing = 0;
+  if (!now?.n) return;
+  say();
+  const place = data.places[field("place").value];
+  const signal = data.recorded[field("signal").value];
+  const t = shownTime(place);
+  const row = rowAt(now, t);
+  const runs = shownRuns().filter((run) => run.n);
+  const series = (of) => runs.map((run) => ({ ...of(run), kind: styleOf(run), label: wordOf(run) }));
+  const columns = Math.max(200, charts.time.figure.clientWidth);
+  const speeds = runs.flatMap((run) => run.plan.speeds).map((each) => each / TURN);
+  const steady = isSteady(now);
+  if (place) {
+    charts.amplitude.draw({
+      series: series((run) => thinned(abscissa(run), amplitude(run, place), columns)),
+      xLabel: steady ? "Time [s]" : "Speed [Hz]",
+      yLabel: `${place.amplitude ? "Amplitude" : "Distance from the centre"}, ${place.title} [µm]`,
+      cursor: steady ? t : hertz(now, row),
+      from: 0,
+      xRange: steady ? null : [Math.min(...speeds), Math.max(...speeds)],
+    });
+    const orbits = series((run) => {
+      const span = turnsUpTo(run, rowAt(run, t), 2);
+      const of = (name) => scaled(column(run, name).slice(...span), 1e6);
+      return { x: of(place.x), y: of(place.y) };
+    });
+    if (place.clearance) {
+      const radius = 1e6 * (now.given[place.clearance] ?? byName.get(place.clearance).start);
+      const angles = Array.from({ length: 121 }, (_, i) => (i * TURN) / 120);
+      const ring = (of) => angles.map((angle) => radius * of(angle));
+      orbits.push({ x: ring(Math.cos), y: ring(Math.sin), kind: "ring" });
+    }
+    charts.orbit.draw({ series: orbits, xLabel: "x [µm]", yLabel: `y, ${place.title} [µm]`, equal: true });
+  }
+  const yLabel = `${signal.label}${signal.unit ? ` [${signal.unit}]` : ""}`;
+  const over = (run, first, last) => ({
+    x: run.t.subarray(first, last),
+    y: scaled(column(run, signal.name).subarray(first, last), signal.factor),
+  });
+  charts.time.draw({
+    series: series((run) => {
+      const { x, y } = over(run, 0, run.n);
+      return thinned(x, y, columns);
+    }),
+    xLabel: "Time [s]",
+    yLabel,
+    cursor: t,
+    xRange: [0, Math.max(...runs.map((run) => run.plan.duration))],
+  });
+  const [first, last] = turnsUpTo(now, row, 6);
+  const span = [now.t[first], now.t[last - 1]];
+  if (span[1] > span[0]) {
+    charts.near.draw({
+      series: series((run) => {
+        const { x, y } = over(run, rowAt(run, span[0]), rowAt(run, span[1]) + 1);
+        return thinned(x, y, 2000);
+      }),
+      xLabel: "Time [s]",
+      yLabel,
+      cursor: t,
+      xRange: span,
+    });
+  }
+  const hz = hertz(now, row);
+  const value = column(now, signal.name)[row] * signal.factor;
+  const parts = [`t = ${digits(now.t[row], 6)} s, ${digits(hz, 4)} Hz (${Math.round(60 * hz)} rpm)`];
+  if (place) parts.push(`amplitude of ${place.title} ${digits(amplitude(now, place)[row], 4)} µm`);
+  parts.push(`${signal.label} ${digits(value)} ${signal.unit}`);
+  field("reading").textContent = parts.join("; ");
+  if (picked === null) field("cursor").value = Math.round((1000 * now.t[row]) / now.plan.duration);
+  field("cursor").setAttribute("aria-valuetext", `${digits(now.t[row], 4)} s`);
+}
