@@ -193,14 +193,14 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
     status = NOT_CONVERGED_AT_REST
     for _ in range(_HUMPS):
         status = _settle(structure, spin, motion, trial, memory, work, problem)
-        if status == MOVED:
-            continue
         if status != HELD:
             break
+        # Short steps lead away from a hump, but in a direction that rounding chose.
         steepest, where = _hump(structure, omega, motion, problem)
-        if steepest == 0.0:
-            break
-        status = _leave(structure, motion, trial, memory, work, problem, spin, steepest, where)
+        if steepest != 0.0:
+            status = _leave(structure, motion, trial, memory, work, problem, spin, steepest, where)
+        if status == HELD:
+            status = _polish(structure, spin, motion, trial, memory, work, problem)
         if status != MOVED:
             break
     work.key[0] = -1.0
@@ -209,8 +209,7 @@ def find_equilibrium(structure, omega, motion, trial, memory, work, problem):
 
 @jit_inlined
 def _settle(structure, spin, motion, trial, memory, work, problem):
-    """Find an equilibrium, whether it is stable or not; MOVED where the last, short, steps lead
-    away from it."""
+    """Find an equilibrium, whether it is stable or not."""
     lowest = structure.numbers[0].lowest_omega
     stiffest = mass = 0.0
     for i in range(len(structure.weight)):
@@ -246,20 +245,25 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
         if before > 0.0 and change > _FAST * before:
             radians = min(_GROWTH * radians, _LONGEST)
         before = change
-    if status == HELD:
-        result = motion.v_dot  # nobody's until the run begins
-        for i in range(len(motion.q)):
-            result[i] = motion.q[i]
-        for _ in range(_POLISHES):
-            tau = _POLISH / lowest
-            done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
-            if done != DONE:
-                break
-            _take(motion, trial)
-        drift = 0.0
-        for i in range(len(motion.q)):
-            drift = max(drift, modulus(motion.q[i] - result[i]))
-            result[i] = 0.0
-        if drift > _PUSH * structure.numbers[0].clearance:
-            status = MOVED
     return status
+
+
+@jit_inlined
+def _polish(structure, spin, motion, trial, memory, work, problem):
+    """Take an equilibrium's rounding away by short steps; returns HELD, or MOVED where they lead
+    away from it."""
+    lowest = structure.numbers[0].lowest_omega
+    result = motion.v_dot  # nobody's until the run begins
+    for i in range(len(motion.q)):
+        result[i] = motion.q[i]
+    for _ in range(_POLISHES):
+        tau = _POLISH / lowest
+        done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        if done != DONE:
+            break
+        _take(motion, trial)
+    drift = 0.0
+    for i in range(len(motion.q)):
+        drift = max(drift, modulus(motion.q[i] - result[i]))
+        result[i] = 0.0
+    return MOVED if drift > _PUSH * structure.numbers[0].clearance else HELD
