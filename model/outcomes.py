@@ -88,7 +88,10 @@ def _broken(run):
 
 @jit
 def _node_of(structure, dof):
-    """Return the node, from 1, of a deflection."""
+    """Return the node, from 1, of a deflection, or that which a housing holds, of its place."""
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].end == dof:
+            dof = structure.interfaces[j].dof
     for i in range(len(structure.deflections)):
         if structure.deflections[i, 0] == dof:
             return structure.deflections[i, 1]

@@ -32,7 +32,7 @@ def load_on(run, j):
         if dof != own and is_held(structure, dof):
             others += 1
             other = dof
-    if others != 1:
+    if others != 1 or own >= len(structure.weight):
         return modulus(total), False
     here, there = structure.one_body[1, own], structure.one_body[1, other]
     return modulus((moment - there * total) / (here - there)), True

@@ -93,8 +93,9 @@ class LinearMachine:
 
     @property
     def support_dofs(self) -> np.ndarray:
-        """The deflections where springs, then interfaces act."""
-        return np.concatenate([self.structure.springs.dof, self.structure.interfaces.dof])
+        """The deflections where springs, then interfaces stand."""
+        at = [2 * (e.node - 1) for e in interfaces(self.rotor)]
+        return np.concatenate([self.structure.springs.dof, np.array(at, int)])
 
     @property
     def nodes(self) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.linalg
 
 from ..machine.rotor import Rotor
-from ..parts.base import Interface, Part, Spring
+from ..parts.base import GROUND, Interface, Part, Spring
 from ..parts.linear_bearing import LinearBearing, Seal
 from ..parts.support import Support
 from .machine import OPEN, PINNED, LinearError, LinearMachine
@@ -116,7 +116,8 @@ def _bearings(rotor: Rotor, contacts: str) -> dict[str, Part]:
             continue
         for element in part.elements(where, rotor.material.density):
             is_contact = isinstance(element, Interface) and element.law.has_wall
-            holds = isinstance(element, Spring | Interface) and not is_contact
+            is_of_ring = isinstance(element, Interface) and element.ring != GROUND
+            holds = isinstance(element, Spring | Interface) and not (is_contact or is_of_ring)
             if holds or (is_contact and contacts == PINNED):
                 result[where] = part
     return result

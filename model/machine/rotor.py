@@ -206,23 +206,30 @@ class Rotor:
             seen.add(label)
 
     def _check_housings(self, housings: set[str]) -> None:
-        for where, part in self.named_parts():
-            for element in part.elements(where, self.material.density):
-                if isinstance(element, Interface) and element.housing not in housings:
+        interfaces = [(w, e) for w, e in self._named_elements() if isinstance(e, Interface)]
+        held = {(e.node, e.housing) for _, e in interfaces if e.ring == GROUND}
+        for where, element in interfaces:
+            for key in ("housing", "ring"):
+                name = getattr(element, key)
+                if name not in housings:
                     known = ", ".join(sorted(housings - {GROUND})) or "none"
-                    near = get_close_matches(str(element.housing), housings - {GROUND}, 1)
+                    near = get_close_matches(str(name), housings - {GROUND}, 1)
                     hint = f"; did you mean {near[0]}?" if near else ""
                     raise QuantityError(
-                        f"{where}.housing = {element.housing!r}: no housing of that name; there is "
-                        f"{known}{hint}"
+                        f"{where}.{key} = {name!r}: no housing of that name; there is {known}{hint}"
                     )
+            if element.ring != GROUND and (element.node, element.ring) not in held:
+                raise QuantityError(
+                    f"{where}.ring = {element.ring!r}: must be the housing of a bearing at node "
+                    f"{element.node}"
+                )
+
+    def _named_elements(self) -> list[tuple[str, Element]]:
+        density = self.material.density
+        return [(w, e) for w, part in self.named_parts() for e in part.elements(w, density)]
 
     def _check_base(self) -> None:
-        elements = [
-            (where, element)
-            for where, part in self.named_parts()
-            for element in part.elements(where, self.material.density)
-        ]
+        elements = self._named_elements()
         moved = [where for where, element in elements if _is_base(element)]
         for where, element in elements:
             if moved and isinstance(element, Interface) and element.law.weigh is not weighs_nothing:

@@ -100,12 +100,14 @@ class Mount(NamedTuple):
 
 
 class Interface(NamedTuple):
-    """A node against a housing, or against `GROUND`: a law with the numbers of `source`."""
+    """A node against a housing, or against `GROUND`: a law with the numbers of `source`. ring: the
+    housing that stands at the node and moves in its place, if one does."""
 
     node: int
     law: Law
     source: Any
     housing: str = GROUND
+    ring: str = GROUND
 
 
 Element = Body | Spring | Unbalance | Port | Probe | Velocity | Release | Mount | Interface

@@ -140,7 +140,8 @@ SQUEEZE_FILM_DAMPER = Law(
 @dataclass(frozen=True, kw_only=True)
 class SqueezeFilmDamper(DamperQuantities, Part):
     """A squeeze film damper between a node (from 1), whose ring does not turn, and the housing of
-    that name or ground."""
+    that name or ground; or between another housing there, `ring`, such as the outer ring of the
+    node's rolling bearing, and these."""
 
     KIND: ClassVar[str] = "squeeze_film_damper"
     TEXT: ClassVar[str] = "a ring that does not turn in an oil film, with a centring spring or none"
@@ -148,6 +149,7 @@ class SqueezeFilmDamper(DamperQuantities, Part):
 
     node: int
     housing: str = GROUND
+    ring: str = GROUND
     full: bool = switch("whether the film never ruptures", False)
     sealed: bool = switch("whether nothing leaves at the film's sides: a long film", False)
 
@@ -157,6 +159,10 @@ class SqueezeFilmDamper(DamperQuantities, Part):
         check_film(where, self)
         if self.sealed and self.short:
             raise QuantityError(f"{where}.sealed = true: needs {where}.short = false")
+        if self.ring != GROUND and self.ring == self.housing:
+            raise QuantityError(
+                f"{where}.ring = {self.ring!r}: must be another one than {where}.housing"
+            )
 
     def circle(self) -> list[float]:
         """Return the row of `contact.film.PAD` of the film."""
@@ -164,7 +170,7 @@ class SqueezeFilmDamper(DamperQuantities, Part):
 
     def elements(self, where: str, density: float) -> Iterator[Element]:
         """One interface."""
-        yield Interface(self.node, SQUEEZE_FILM_DAMPER, self, self.housing)
+        yield Interface(self.node, SQUEEZE_FILM_DAMPER, self, self.housing, self.ring)
 
     def outline(self) -> Iterator[Shape]:
         """A bush about the ring, on springs where it is a housing."""

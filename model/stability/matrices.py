@@ -9,7 +9,7 @@ from ..kernels.functions import inverse
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..parts.law import Kinematics
-from ..step.laws import law_gap, law_vibrate, relative
+from ..step.laws import law_gap, law_vibrate, relative, side_of
 
 # Which interfaces with a wall are closed: none, all, or the one of this number.
 OPEN, ALL = -1, -2
@@ -121,18 +121,19 @@ def _take_matrices(structure, survey, basis, mass):
     n, coarse = len(structure.weight), len(mass)
     survey.in_use[0] = coarse
     for j in range(len(structure.interfaces)):
-        dof, housing = structure.interfaces[j].dof, structure.interfaces[j].end - n
+        dof = structure.interfaces[j].dof
         for i in range(n):
             survey.product[i] = 1.0 if i == dof else 0.0
         _to_coarse(survey, basis, mass)
         for i in range(coarse):
             whole = 1.0 if i == dof else 0.0
-            survey.pick[j, i] = whole if basis.shape[1] == 0 else basis[dof, i]
+            if basis.shape[1] > 0:
+                whole = basis[dof, i] if dof < n else 0.0
+            survey.pick[j, i] = whole
             survey.push[j, i] = survey.column[i]
         for h in range(len(structure.housings)):
-            is_its = h == housing
-            survey.pick[j, coarse + h] = -1.0 if is_its else 0.0
-            survey.push[j, coarse + h] = -1.0 if is_its else 0.0
+            survey.pick[j, coarse + h] = side_of(structure.interfaces[j], n + h)
+            survey.push[j, coarse + h] = side_of(structure.interfaces[j], n + h)
 
 
 @jit

@@ -85,6 +85,15 @@ def relative(interface, z):
 
 
 @jit
+def side_of(interface, place):
+    """Return how an interface's force acts on the housing at a place: 1.0 as on a node, -1.0 the
+    other way, 0.0 not at all."""
+    if interface.end == place:
+        return -1.0
+    return 1.0 if interface.dof == place else 0.0
+
+
+@jit
 def first_broken(structure, q, internal_state):
     """Return the first interface whose law means nothing at the displacements q [m] and with its
     internal states, or -1."""

@@ -10,6 +10,7 @@ from ..kernels.jit import jit, jit_not_inlined
 from ..parts.housing import masses
 from ..schemes.radau import LAMBDA, SHARES, STAGES
 from .excitation import circulation
+from .laws import side_of
 
 
 @jit
@@ -81,20 +82,19 @@ def condense(structure, h, stages):
             column = stages.columns[s, b]
             for i in range(n):
                 column[i] = 0.0
-            column[dof] = 1.0
-            solve(stages.factors[s], column, dof)
+            if dof < n:
+                column[dof] = 1.0
+                solve(stages.factors[s], column, dof)
     for a in range(m):
         for b in range(m):
-            wall = structure.interfaces[a].end
-            is_shared = structure.interfaces[b].end == wall and wall < n + len(structure.housings)
+            dof = structure.interfaces[a].dof
             for i in range(STAGES):
                 for k in range(STAGES):
                     d, v = 0.0j, 0.0j
                     for s in range(STAGES):
                         factor = h * LAMBDA[s]
-                        part = factor * (
-                            SHARES[s, i, k] * stages.columns[s, b, structure.interfaces[a].dof]
-                        )
+                        response = stages.columns[s, b, dof] if dof < n else 0.0j
+                        part = factor * (SHARES[s, i, k] * response)
                         v += part
                         d += factor * part
                     row, column = 2 * (i * m + a), 2 * (k * m + b)
@@ -104,11 +104,14 @@ def condense(structure, h, stages):
                     by_v[row, column] = by_v[row + 1, column + 1] = v.real
                     by_v[row, column + 1] = -v.imag
                     by_v[row + 1, column] = v.imag
-                    if is_shared:
+                    for place in range(len(structure.housings)):
+                        side = side_of(structure.interfaces[a], n + place)
+                        side *= side_of(structure.interfaces[b], n + place)
+                        if side == 0.0:
+                            continue
                         for axis in range(2):
-                            on = stages.housing_d[axis, wall - n, i, k]
-                            by_d[row + axis, column + axis] += on
-                            by_v[row + axis, column + axis] += stages.housing_v[
-                                axis, wall - n, i, k
-                            ]
+                            on_d = side * stages.housing_d[axis, place, i, k]
+                            on_v = side * stages.housing_v[axis, place, i, k]
+                            by_d[row + axis, column + axis] += on_d
+                            by_v[row + axis, column + axis] += on_v
     stages.key[3] = 1.0

@@ -22,7 +22,7 @@ from ..parts.housing import masses
 from ..schemes.radau import A_SQUARED, END_SLOPE, STAGES, T_INVERSE, A, C, T
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
-from .laws import first_broken, relative
+from .laws import first_broken, relative, side_of
 from .stage_matrices import condense, factorize_systems
 from .stage_problem import solve_stages
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
@@ -184,8 +184,11 @@ def _fill_free(structure, h, old, stages):
             free_v = v
             for k in range(STAGES):
                 w = 0.0j
-                for s in range(STAGES):
-                    w += T[k, s] * stages.modal[s, interface.dof]
+                if interface.dof < n:
+                    for s in range(STAGES):
+                        w += T[k, s] * stages.modal[s, interface.dof]
+                else:
+                    w += stages.v_dot[k, interface.dof]
                 if interface.end < n + len(structure.housings):
                     w -= stages.v_dot[k, interface.end]
                 free_d += scaled(h * h * A_SQUARED[i, k], w)
@@ -202,7 +205,6 @@ def _fill_motion(structure, h, old, stages):
     n = len(structure.weight)
     size = len(old.q)
     for j in range(len(structure.interfaces)):
-        wall = structure.interfaces[j].end
         for k in range(STAGES):
             force = stages.force[k, j]
             if force != 0.0:
@@ -210,8 +212,10 @@ def _fill_motion(structure, h, old, stages):
                     share = T_INVERSE[s, k] * force
                     for i in range(n):
                         stages.modal[s, i] += share * stages.columns[s, j, i]
-                if wall < n + len(structure.housings):
-                    _push_housing(stages, n, wall - n, k, -force)
+                for place in range(len(structure.housings)):
+                    side = side_of(structure.interfaces[j], n + place)
+                    if side != 0.0:
+                        _push_housing(stages, n, place, k, scaled(side, force))
     for k in range(STAGES):
         for i in range(n):
             stages.v_dot[k, i] = (

@@ -20,7 +20,7 @@ from ..parts.law import Weights
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
-from .laws import first_broken, kinematics, law_force, law_rates, relative
+from .laws import first_broken, kinematics, law_force, law_rates, relative, side_of
 from .linear_step import balance, balance_back, correct, predict, weights
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 
@@ -118,7 +118,7 @@ def accelerate(structure, spin, damping, loads, motion, work):
             structure.laws, interface, moving, motion.internal_state[interface.internal_state :]
         )
         motion.force[j] = force
-        f[interface.dof] += force
+        motion.v_dot[interface.dof] += force
         motion.v_dot[interface.end] -= force
     _fill_rates(structure, spin, motion)
     for j in range(len(structure.housings)):
@@ -176,18 +176,20 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
         column = work.columns[j]
         for i in range(n):
             column[i] = 0.0
-        column[interfaces[j].dof] = share
-        solve(factors, column, interfaces[j].dof)
-        wall = interfaces[j].end
+        if interfaces[j].dof < n:
+            column[interfaces[j].dof] = share
+            solve(factors, column, interfaces[j].dof)
         for i in range(m):
-            response = column[interfaces[i].dof]
+            response = column[interfaces[i].dof] if interfaces[i].dof < n else 0.0j
             flexibility[2 * i, 2 * j] = response.real
             flexibility[2 * i, 2 * j + 1] = -response.imag
             flexibility[2 * i + 1, 2 * j] = response.imag
             flexibility[2 * i + 1, 2 * j + 1] = response.real
-            if interfaces[i].end == wall and wall < n + len(structure.housings):
-                flexibility[2 * i, 2 * j] += work.housing[wall - n, 0]
-                flexibility[2 * i + 1, 2 * j + 1] += work.housing[wall - n, 1]
+            for k in range(len(structure.housings)):
+                side = side_of(interfaces[i], n + k) * side_of(interfaces[j], n + k)
+                if side != 0.0:
+                    flexibility[2 * i, 2 * j] += side * work.housing[k, 0]
+                    flexibility[2 * i + 1, 2 * j + 1] += side * work.housing[k, 1]
     work.key[0] = h
     work.key[1] = spin.omega
     work.key[2] = spin.alpha
@@ -266,9 +268,10 @@ def add_interface_force(structure, work, j, force, a):
     n = structure.M.shape[0]
     for i in range(n):
         a[i] += work.columns[j, i] * force
-    wall = structure.interfaces[j].end
-    if wall < n + len(structure.housings):
-        a[wall] -= by_axis(work.housing[wall - n, 0], work.housing[wall - n, 1], force)
+    for k in range(len(structure.housings)):
+        side = side_of(structure.interfaces[j], n + k)
+        if side != 0.0:
+            a[n + k] += by_axis(side * work.housing[k, 0], side * work.housing[k, 1], force)
 
 
 @jit

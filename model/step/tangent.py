@@ -296,7 +296,7 @@ def instant_row(structure, spin, row, out, d_spin, motion, step, work):
             work,
         )
         out.force[j] = force
-        f[interface.dof] += force
+        out.v_dot[interface.dof] += force
         out.v_dot[interface.end] -= force
     for j in range(len(structure.housings)):
         m_x, m_y = masses(structure.housings[j])

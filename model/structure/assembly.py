@@ -211,7 +211,7 @@ def _mechanism(
             (
                 code,
                 len(rows[code]),
-                _dof(element),
+                places[element.ring] if element.ring != GROUND else _dof(element),
                 places[element.housing],
                 internal_state,
                 states,
@@ -261,7 +261,7 @@ def soft_stiffness(n: int, springs: np.recarray, elements: list[Element]) -> np.
     held = np.zeros(n)
     np.add.at(held, springs.dof, springs.stiffness)
     for _, i in _of(Interface, elements):
-        if i.law.stiffness is not None:
+        if i.law.stiffness is not None and i.ring == GROUND:
             held[_dof(i)] += max(0.0, i.law.stiffness(i.source))
     return held
 
@@ -277,7 +277,8 @@ def _lowest_omega(
 ) -> float:
     """Of the elastic modes on springs and soft laws [rad/s]; where those do not hold the shaft at
     two nodes, it is pinned to its walls."""
-    walls = [_dof(i) for _, i in _of(Interface, elements) if i.law.stiffness is None]
+    on_shaft = (i for _, i in _of(Interface, elements) if i.ring == GROUND)
+    walls = [_dof(i) for i in on_shaft if i.law.stiffness is None]
     pinned = [] if np.count_nonzero(held) >= 2 else walls
     others = K_axial.copy()
     others[:, 0] += held

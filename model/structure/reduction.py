@@ -43,6 +43,7 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
     ]
     acted_on += [structure.unbalances.slope, structure.probes.slope]
     retained = np.unique(np.concatenate(acted_on))
+    retained = retained[retained < n]  # those behind are housings
     rest = np.setdiff1d(np.arange(n), retained)
     modes = min(modes, len(rest))
     if n > LONG and modes < len(rest) // 2:
@@ -83,10 +84,11 @@ def reduced(structure: Structure, modes: int) -> Structure:
     place = {dof: i for i, dof in enumerate(retained.tolist())}
 
     def place_of(dofs: np.ndarray) -> np.ndarray:
-        return np.array([place[dof] for dof in dofs.tolist()], dtype=np.int64)
+        # housings and ground stand behind the dofs
+        moved_to = [place[dof] if dof < n else dof + size - n for dof in dofs.tolist()]
+        return np.array(moved_to, dtype=np.int64)
 
     at = moved(structure, place_of)
-    # housings and ground stand behind the dofs
     at["interfaces"].end += size - n
     deflections = structure.deflections[np.isin(structure.deflections[:, 0], retained)].copy()
     deflections[:, 0] = place_of(deflections[:, 0])

@@ -27,7 +27,8 @@ RELEASE = _record("", " ".join(Release._fields))
 # `state`: where the bow, in x and y of the rotor's frame, lies among the laws' states
 BOW = _record("state", "")
 HOUSING = _record("out", " ".join(quantities(HousingQuantities)))
-# `end`: the housing's place in a motion, behind the dofs, or that of ground, the last;
+# `dof`: the node's deflection, or the place of the housing that moves instead (`on_shaft`); `end`:
+# the housing's place in a motion, behind the dofs, or that of ground, the last;
 # `internal_state`: where the states of the law begin; `slips`: whether it has a wall that does not
 # turn.
 INTERFACE = _record("law row dof end internal_state states out has_wall slips", "length")

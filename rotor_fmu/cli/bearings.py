@@ -121,8 +121,14 @@ def _linear_bearing(
     from ..linear.answers import BearingCurves
     from ..model.linear import bearings
     from ..model.machine.writing import toml_text
+    from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
 
     part = bearings(machine)[result.bearing]
+    if isinstance(part, SqueezeFilmDamper) and part.ring:
+        raise InputError(
+            f"--table: {result.bearing} stands between two housings, {part.ring!r} and "
+            f"{part.housing or 'ground'!r}; a linear_bearing is between a node and one of them"
+        )
     values: dict[str, Any] = {"node": part.node}
     if part.housing:
         values["housing"] = part.housing

@@ -52,6 +52,7 @@ class Table:
 _WORDS = {
     "node": ("integer", "number of the node of the shaft, from 1; or `z`, a position [m]"),
     "housing": ("string", "name of the `[[housing]]` that it sits on; ground without"),
+    "ring": ("string", "name of the `[[housing]]` that is its ring; the node itself without"),
     "name": ("string", "name, by which the FMU, pictures and other parts call it"),
     "material": ("string", "name of a `[material.NAME]`; the machine's own without"),
     "rupture": ("string", "where the film ruptures: as Reynolds says, or Guembel"),
