@@ -32,6 +32,7 @@ _FALLS = 12  # steps that fail
 # A change that no longer shrinks and is below this is rounding too; in long steps that of a shaft
 # that is stiff by many decades, which the last steps leave behind.
 _STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
+_MIDDLE = 1e-12  # of the smallest clearance: a rest so close to the middle is rounding, of preloads
 # Of the stiffest element's force, against that of the softest mode; what rounding may take from a
 # rest before it is none.
 _EPSILON, _WORST = 2.0**-53, 1e-4
@@ -239,7 +240,8 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
             size = max(size, modulus(trial.q[i]))
         _take(motion, trial)
         rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness)
-        if change <= _SMALL * size or (change <= rounding * size and change >= 0.5 * before):
+        is_steady = change <= rounding * size or size <= _MIDDLE * structure.numbers[0].clearance
+        if change <= _SMALL * size or (is_steady and change >= 0.5 * before):
             status = HELD
             break
         if before > 0.0 and change > _FAST * before:

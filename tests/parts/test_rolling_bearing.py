@@ -212,6 +212,14 @@ def test_a_free_rotor_loses_what_its_bearings_dissipate_and_store():
     assert change == pytest.approx(lost, rel=1e-2)
 
 
+@pytest.mark.parametrize("across", ["gravity = 0.0", "inclination = 1.5707963"])
+def test_a_vertical_shaft_rests_in_the_middle_of_preloaded_bearings(across):
+    """Within what rounding leaves of their elements' forces, which balance."""
+    bearings = "".join(_BEARING.format(node=n, more=f"{_BALLS}\nclearance = -3e-6") for n in (1, 3))
+    run = _run(parse_rotor(f"{across}\n{_SHAFT.format(e=0.0)}{bearings}"), 100.0)
+    assert abs(complex(run.read("body[1].x"), run.read("body[1].y"))) < 1e-12 * 3e-6
+
+
 def test_a_preload_makes_it_as_stiff_as_the_closed_form():
     """K = Z / 2 n k clearance^(n - 1) of a journal in its middle."""
     rotor = _rotor(f"{_BALLS}\nclearance = -5e-6")
