@@ -1,5 +1,5 @@
 """Derivatives of a zone's load: one adjoint solution each for its x, its y and the flows at its
-free ends, with the factors of the pressure's own matrix (`film_zone`)."""
+free ends, all four at once, with the factors of the pressure's own matrix (`film_zone`)."""
 
 from __future__ import annotations
 
@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 from ..kernels.jit import jit, jit_not_inlined
 from .film_zone import conductance, vectors
+
+ADJOINTS = 4  # of the load's x and y, and of the flows at the first and the last end
+OF_X, OF_Y, OF_FIRST, OF_LAST = range(ADJOINTS)
 
 
 class Gradient(NamedTuple):
@@ -20,26 +23,28 @@ class Gradient(NamedTuple):
 
 
 @jit_not_inlined
-def gradient(film, zone, work):
-    """Return the `Gradient` of the residuals' sum, weighted with minus the adjoint, the pressure
-    kept; the adjoint's ends are weights too."""
+def gradient(film, zone, work, of):
+    """Return the `Gradient` of the residuals' sum, weighted with minus the adjoint `of`, the
+    pressure kept; the adjoint's ends are weights too."""
     n, D, S = film.n, film.D, film.S
     cosine, sine, thickness, slope, bend, P, _, adjoint = vectors(film, work)
     step = (zone.last - zone.first) / n
-    share = 1.0 / n
+    share, per = 1.0 / n, 1.0 / step
     D_x = D_y = S_x = S_y = by_first = by_last = stretched = 0.0
     before = 0.0
     for i in range(n + 1):
         h = thickness[i]
+        by_residual = adjoint[ADJOINTS * i + of]
         after, weight = 0.0, 0.5 * step
         if i < n:
             mean = 0.5 * (h + thickness[i + 1])
-            after = (P[i + 1] - P[i]) * (adjoint[i + 1] - adjoint[i]) / step * mean * mean
+            change = adjoint[ADJOINTS * (i + 1) + of] - by_residual
+            after = (P[i + 1] - P[i]) * change * per * mean * mean
             stretched -= after * mean
             after *= 1.5
             weight = 0.5 * step if i == 0 else step
         f = cosine[i] * S.real + sine[i] * S.imag
-        loaded = weight * adjoint[i]
+        loaded = weight * by_residual
         stretched += loaded * (film.a * h * h * h * P[i] - 1.25 * slope[i] * f)
         of_f = -1.25 * loaded
         of_h = (before + after + 3.0 * loaded * film.a * h * h * P[i]) * slope[i]
@@ -59,55 +64,93 @@ def gradient(film, zone, work):
 
 
 @jit_not_inlined
-def solve_adjoint(film, zone, work):
-    """Overwrite the adjoint by what the matrix of the pressure makes of it; its ends stay."""
+def solve_adjoints(film, zone, work):
+    """Overwrite the adjoints by what the matrix of the pressure makes of them; their ends stay."""
     n = film.n
     at = vectors(film, work)
     thickness, inverse, adjoint = at.thickness, at.inverse, at.adjoint
     per = n / (zone.last - zone.first)
+    middle = n // 2
     left = per * conductance(thickness[0], thickness[1])
-    for i in range(1, n):
-        adjoint[i] = (adjoint[i] + left * adjoint[i - 1]) * inverse[i]
-        left = per * conductance(thickness[i], thickness[i + 1])
-    for i in range(n - 1, 0, -1):
-        right = per * conductance(thickness[i], thickness[i + 1])
-        adjoint[i] += right * inverse[i] * adjoint[i + 1]
+    right = per * conductance(thickness[n - 1], thickness[n])
+    for i in range(1, n - middle):
+        k = n - i
+        if i < middle:
+            _go_on(adjoint, i, i - 1, left, inverse[i])
+            left = per * conductance(thickness[i], thickness[i + 1])
+        _go_on(adjoint, k, k + 1, right, inverse[k])
+        right = per * conductance(thickness[k - 1], thickness[k])
+    for of in range(ADJOINTS):
+        at_middle = ADJOINTS * middle + of
+        total = adjoint[at_middle] + left * adjoint[at_middle - ADJOINTS]
+        adjoint[at_middle] = (total + right * adjoint[at_middle + ADJOINTS]) * inverse[middle]
+    for i in range(middle + 1, n):
+        share = per * conductance(thickness[i - 1], thickness[i]) * inverse[i]
+        _add_share(adjoint, i, i - 1, share)
+        k = 2 * middle - i
+        if k > 0:
+            share = per * conductance(thickness[k], thickness[k + 1]) * inverse[k]
+            _add_share(adjoint, k, k + 1, share)
+
+
+@jit
+def _go_on(adjoint, i, before, flow, inverse):
+    """Eliminate the node `before` from the adjoints' equations at node i."""
+    for of in range(ADJOINTS):
+        at = ADJOINTS * i + of
+        adjoint[at] = (adjoint[at] + flow * adjoint[ADJOINTS * before + of]) * inverse
+
+
+@jit
+def _add_share(adjoint, i, after, share):
+    """Add to the adjoints at node i what they take from the node `after`."""
+    for of in range(ADJOINTS):
+        adjoint[ADJOINTS * i + of] += share * adjoint[ADJOINTS * after + of]
+
+
+@jit
+def clear_ends(film, work):
+    """Make the adjoints 0 at both ends."""
+    adjoint = vectors(film, work).adjoint
+    for of in range(ADJOINTS):
+        adjoint[of] = adjoint[ADJOINTS * film.n + of] = 0.0
 
 
 @jit_not_inlined
-def _of_load(film, zone, work, is_y):
+def _fill_adjoints(film, zone, work):
+    """Fill in the adjoints of a solved zone."""
+    n = film.n
+    cosine, sine, _, _, _, _, _, adjoint = vectors(film, work)
+    step = (zone.last - zone.first) / n
+    clear_ends(film, work)
+    adjoint[OF_FIRST] = adjoint[ADJOINTS * n + OF_LAST] = -1.0
+    for i in range(1, n):
+        at = ADJOINTS * i
+        adjoint[at + OF_X] = step * cosine[i]
+        adjoint[at + OF_Y] = step * sine[i]
+        adjoint[at + OF_FIRST] = 0.0
+        adjoint[at + OF_LAST] = 0.0
+    solve_adjoints(film, zone, work)
+
+
+@jit_not_inlined
+def _of_load(film, zone, work, of):
     """Return the `Gradient` of the load's x or y."""
     n = film.n
-    cosine, sine, _, _, _, P, _, adjoint = vectors(film, work)
+    cosine, sine, _, _, _, P, _, _ = vectors(film, work)
     step = (zone.last - zone.first) / n
     total = by_first = by_last = 0.0
-    adjoint[0] = 0.0
-    adjoint[n] = 0.0
     for i in range(1, n):
-        along = sine[i] if is_y else cosine[i]
-        turned = P[i] * step * (cosine[i] if is_y else -sine[i])
-        adjoint[i] = step * along
+        along = sine[i] if of == OF_Y else cosine[i]
+        turned = P[i] * step * (cosine[i] if of == OF_Y else -sine[i])
         total += P[i] * along
         by_first += turned * (1.0 - i / n)
         by_last += turned * (i / n)
-    solve_adjoint(film, zone, work)
-    g = gradient(film, zone, work)
+    g = gradient(film, zone, work, of)
     stretched = total / n
     return Gradient(
         g.by_D, g.by_S, g.by_first + by_first - stretched, g.by_last + by_last + stretched
     )
-
-
-@jit_not_inlined
-def _of_end(film, zone, work, is_last):
-    """Return the `Gradient` of the flow at a free end, which is 0 there."""
-    n = film.n
-    adjoint = vectors(film, work).adjoint
-    for i in range(n + 1):
-        adjoint[i] = 0.0
-    adjoint[n if is_last else 0] = -1.0
-    solve_adjoint(film, zone, work)
-    return gradient(film, zone, work)
 
 
 @jit
@@ -133,12 +176,13 @@ def zone_tangent(film, zone, work):
     q_S."""
     none = Gradient(0.0j, 0.0j, 0.0, 0.0)
     of_first = of_last = none
+    _fill_adjoints(film, zone, work)
     if zone.is_first_free:
-        of_first = _of_end(film, zone, work, False)
+        of_first = gradient(film, zone, work, OF_FIRST)
     if zone.is_last_free:
-        of_last = _of_end(film, zone, work, True)
-    x_D, x_S = _follow(_of_load(film, zone, work, False), of_first, of_last, zone)
-    y_D, y_S = _follow(_of_load(film, zone, work, True), of_first, of_last, zone)
+        of_last = gradient(film, zone, work, OF_LAST)
+    x_D, x_S = _follow(_of_load(film, zone, work, OF_X), of_first, of_last, zone)
+    y_D, y_S = _follow(_of_load(film, zone, work, OF_Y), of_first, of_last, zone)
     return pairs_of(x_D, x_S, y_D, y_S)
 
 

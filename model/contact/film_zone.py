@@ -21,10 +21,11 @@ from typing import NamedTuple
 from ..kernels.functions import direction
 from ..kernels.jit import jit, jit_not_inlined
 
-VECTORS = 8  # of n + 1 numbers, that the work array of a zone holds: `Vectors`
+VECTORS = 11  # of n + 1 numbers, that the work array of a zone holds: `Vectors`
 _ITERATIONS = 600  # a few as a rule; hundreds where elements are few and the film thin
 _CONVERGED = 1e-10  # of the ends [rad]
-_FEW, _NEAR = 8, 1e-3  # elements that the ends are first looked for with, and how well [rad]
+_FEW, _NEAR = 8, 1e-2  # elements that the ends are first looked for with, and how well [rad]
+_ONWARD = 1.35  # of the change that an error by the element's square would still bring
 _SECANT = 1e-8  # move of an end from which a slope may be taken [rad]
 _SHORTEST = 1e-9  # a zone of a pad's edge [rad]: what is less bears nothing
 _PI = math.pi
@@ -103,7 +104,8 @@ def zone_bound(film, sense, turn):
 
 class Vectors(NamedTuple):
     """The work array's vectors of n + 1 nodes: cosine and sine of their angles, thickness, its
-    first and second derivative (`Gap`), pressure, inverses of the pivots, and an adjoint."""
+    first and second derivative (`Gap`), pressure, inverses of the pivots; and four adjoints, those
+    of a node one after the other."""
 
     cosine: object
     sine: object
@@ -121,7 +123,7 @@ def vectors(film, work):
     m = film.n + 1
     return Vectors(
         *(work[:m], work[m : 2 * m], work[2 * m : 3 * m], work[3 * m : 4 * m]),
-        *(work[4 * m : 5 * m], work[5 * m : 6 * m], work[6 * m : 7 * m], work[7 * m : 8 * m]),
+        *(work[4 * m : 5 * m], work[5 * m : 6 * m], work[6 * m : 7 * m], work[7 * m : 11 * m]),
     )
 
 
@@ -133,36 +135,75 @@ def conductance(low, high):
 
 
 @jit_not_inlined
-def fill_pressure(film, first, last, work):
-    """Fill in the pressure between two angles, 0 at both [1/s]; returns P' and P'' there."""
-    n, S = film.n, film.S
-    cosine, sine, thickness, slope, bend, P, inverse, _ = vectors(film, work)
-    step = (last - first) / n
-    e, turn = direction(first), direction(step)
-    for i in range(n + 1):
-        cosine[i] = e.real
-        sine[i] = e.imag
-        at = floored(1.0 - (e.real * film.D.real + e.imag * film.D.imag), film.floor)
+def _fill_nodes(film, first, last, work):
+    """Fill in what Reynolds' equation has at nodes between two angles, from both ends on."""
+    n, D, floor = film.n, film.D, film.floor
+    cosine, sine, thickness, slope, bend, _, _, _ = vectors(film, work)
+    turn = direction((last - first) / n)
+    ahead, behind = direction(first), direction(last)
+    back = turn.conjugate()
+    for i in range(n // 2 + 1):
+        k = n - i
+        cosine[i] = ahead.real
+        sine[i] = ahead.imag
+        at = floored(1.0 - (ahead.real * D.real + ahead.imag * D.imag), floor)
         thickness[i] = at.thickness
         slope[i] = at.slope
         bend[i] = at.bend
-        e = e * turn
+        cosine[k] = behind.real
+        sine[k] = behind.imag
+        at = floored(1.0 - (behind.real * D.real + behind.imag * D.imag), floor)
+        thickness[k] = at.thickness
+        slope[k] = at.slope
+        bend[k] = at.bend
+        ahead = ahead * turn
+        behind = behind * back
+
+
+@jit_not_inlined
+def fill_pressure(film, first, last, work):
+    """Fill in the pressure between two angles, 0 at both [1/s]; returns P' and P'' there. The
+    elimination goes from both ends to the middle, and back."""
+    n, S = film.n, film.S
+    _fill_nodes(film, first, last, work)
+    cosine, sine, thickness, slope, _, P, inverse, _ = vectors(film, work)
+    step = (last - first) / n
     per, mass, source = 1.0 / step, film.a * step, 1.25 * step
     P[0] = 0.0
     P[n] = 0.0
-    above = 0.0
+    middle = n // 2
+    above = below = 0.0
     left = per * conductance(thickness[0], thickness[1])
-    for i in range(1, n):
-        right = per * conductance(thickness[i], thickness[i + 1])
-        cube = thickness[i] * thickness[i] * thickness[i]
-        inverse[i] = 1.0 / (left + right + mass * cube - left * above)
-        f = cosine[i] * S.real + sine[i] * S.imag
-        P[i] = (source * slope[i] * f + left * P[i - 1]) * inverse[i]
-        above = right * inverse[i]
-        left = right
-    for i in range(n - 1, 0, -1):
-        right = per * conductance(thickness[i], thickness[i + 1])
-        P[i] += right * inverse[i] * P[i + 1]
+    right = per * conductance(thickness[n - 1], thickness[n])
+    for i in range(1, n - middle):
+        k = n - i
+        if i < middle:
+            onward = per * conductance(thickness[i], thickness[i + 1])
+            cube = thickness[i] * thickness[i] * thickness[i]
+            inverse[i] = 1.0 / (left + onward + mass * cube - left * above)
+            f = cosine[i] * S.real + sine[i] * S.imag
+            P[i] = (source * slope[i] * f + left * P[i - 1]) * inverse[i]
+            above = onward * inverse[i]
+            left = onward
+        onward = per * conductance(thickness[k - 1], thickness[k])
+        cube = thickness[k] * thickness[k] * thickness[k]
+        inverse[k] = 1.0 / (right + onward + mass * cube - right * below)
+        f = cosine[k] * S.real + sine[k] * S.imag
+        P[k] = (source * slope[k] * f + right * P[k + 1]) * inverse[k]
+        below = onward * inverse[k]
+        right = onward
+    h = thickness[middle]
+    inverse[middle] = 1.0 / (left + right + mass * (h * h * h) - left * above - right * below)
+    f = cosine[middle] * S.real + sine[middle] * S.imag
+    P[middle] = source * slope[middle] * f + left * P[middle - 1] + right * P[middle + 1]
+    P[middle] *= inverse[middle]
+    for i in range(middle + 1, n):
+        onward = per * conductance(thickness[i - 1], thickness[i])
+        P[i] += onward * inverse[i] * P[i - 1]
+        k = 2 * middle - i
+        if k > 0:
+            onward = per * conductance(thickness[k], thickness[k + 1])
+            P[k] += onward * inverse[k] * P[k + 1]
     f_0 = slope[0] * (cosine[0] * S.real + sine[0] * S.imag)
     f_n = slope[n] * (cosine[n] * S.real + sine[n] * S.imag)
     rise = per * conductance(thickness[0], thickness[1]) * P[1] + 0.5 * source * f_0
@@ -204,23 +245,42 @@ def _ruptured(film, bound, first, last, most, work):
         begin = min(bound.low[1], max(bound.low[0], begin))
         end = min(bound.high[1], max(bound.high[0], end))
         moved_first, moved_last = begin - first, end - last
-        if max(abs(moved_first), abs(moved_last)) <= most:
+        is_near = max(abs(moved_first), abs(moved_last)) <= most
+        if is_near and most <= _CONVERGED:
             break
         first, last = begin, end
+        if is_near:  # of a start the pressure is not needed
+            break
         rise_before, fall_before = rise, fall
     return Zone(first, last, is_first_free, is_last_free)
+
+
+@jit
+def _with_elements(film, n):
+    """Return the film with another count of elements."""
+    return Film(
+        *(film.D, film.S, film.a, film.floor, film.first, film.last, film.is_whole),
+        *(film.is_full, n, film.ambient),
+    )
 
 
 @jit_not_inlined
 def solve_zone(film, bound, work):
     """Return the `Zone` within a `Bound`, its pressure filled into `work`: on a few elements first,
-    then on all."""
-    few = Film(
-        *(film.D, film.S, film.a, film.floor, film.first, film.last, film.is_whole),
-        *(film.is_full, max(_FEW, film.n // 4), film.ambient),
-    )
-    near = _ruptured(few, bound, bound.low[1], bound.high[0], _NEAR, work)
-    return _ruptured(film, bound, near.first, near.last, _CONVERGED, work)
+    on some more, then on all, from where the ends are if they err by the element's square."""
+    few = max(_FEW, film.n // 8)
+    some = max(2 * few, film.n // 4)
+    at = _ruptured(_with_elements(film, few), bound, bound.low[1], bound.high[0], _NEAR, work)
+    first, last = at.first, at.last
+    if some < film.n:
+        at = _ruptured(_with_elements(film, some), bound, first, last, _NEAR, work)
+        coarse, fine, finest = 1.0 / (few * few), 1.0 / (some * some), 1.0 / (film.n * film.n)
+        onward = _ONWARD * (fine - finest) / (coarse - fine)
+        first = at.first + onward * (at.first - first)
+        last = at.last + onward * (at.last - last)
+        first = min(bound.low[1], max(bound.low[0], first))
+        last = min(bound.high[1], max(bound.high[0], last))
+    return _ruptured(film, bound, first, last, _CONVERGED, work)
 
 
 @jit_not_inlined

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from ..kernels.jit import jit, jit_not_inlined
-from .film_adjoint import gradient, pairs_of, solve_adjoint
+from .film_adjoint import ADJOINTS, OF_X, OF_Y, clear_ends, gradient, pairs_of, solve_adjoints
 from .film_zone import Zone, conductance, fill_pressure, vectors
 
 
@@ -40,19 +40,19 @@ def _close(film, zone, work):
     n = film.n
     at = vectors(film, work)
     step = (zone.last - zone.first) / n
-    for i in range(n + 1):
+    for i in range(ADJOINTS * (n + 1)):
         at.adjoint[i] = 0.0
-    at.adjoint[0] = at.adjoint[n] = 1.0
-    solve_adjoint(film, zone, work)
+    at.adjoint[0] = at.adjoint[ADJOINTS * n] = 1.0
+    solve_adjoints(film, zone, work)
     first, last = _ends(film, zone, work)
     cube = at.thickness[0] * at.thickness[0] * at.thickness[0]
-    out = first * (1.0 - at.adjoint[1]) + last * (1.0 - at.adjoint[n - 1])
+    out = first * (1.0 - at.adjoint[ADJOINTS]) + last * (1.0 - at.adjoint[ADJOINTS * (n - 1)])
     at.inverse[0] = 1.0 / (out + film.a * step * cube)
     f = at.slope[0] * (at.cosine[0] * film.S.real + at.sine[0] * film.S.imag)
     joint = first * at.P[1] + last * at.P[n - 1] + 1.25 * step * f
     joint *= at.inverse[0]
     for i in range(n + 1):
-        at.P[i] += joint * at.adjoint[i]
+        at.P[i] += joint * at.adjoint[ADJOINTS * i]
 
 
 @jit
@@ -112,43 +112,49 @@ def full_load(film, zone, work):
 
 
 @jit_not_inlined
-def _weigh(film, zone, work, is_y):
-    """Fill in the derivatives of the load's x or y by the pressures."""
+def _weigh(film, zone, work):
+    """Fill in the derivatives of the load's x and y by the pressures."""
     at, ambient = vectors(film, work), film.ambient
-    along, adjoint = (at.sine if is_y else at.cosine), at.adjoint
+    adjoint = at.adjoint
     step = (zone.last - zone.first) / film.n
-    adjoint[0] = 0.0
-    for i in range(film.n):
-        if ambient > 0.0:
-            adjoint[i] = step * _along_the_length(at.P[i], ambient)[1] * along[i]
-            adjoint[i + 1] = 0.0
-        else:
-            _, by, by_after = _share(at.P[i], at.P[i + 1], along[i], along[i + 1])
-            adjoint[i] += step * by
-            adjoint[i + 1] = step * by_after
-
-
-@jit_not_inlined
-def _of_load(film, zone, work, is_y):
-    """Return the `Gradient` of the load's x or y."""
-    n, adjoint = film.n, vectors(film, work).adjoint
-    _weigh(film, zone, work, is_y)
-    joint = 0.0
-    if film.is_whole:
-        at_ends = adjoint[0] + adjoint[n]
-        adjoint[0] = adjoint[n] = 0.0
-        solve_adjoint(film, zone, work)
-        first, last = _ends(film, zone, work)
-        joint = at_ends + first * adjoint[1] + last * adjoint[n - 1]
-        joint *= vectors(film, work).inverse[0]
-        _weigh(film, zone, work, is_y)
-    adjoint[0] = adjoint[n] = joint
-    solve_adjoint(film, zone, work)
-    return gradient(film, zone, work)
+    for of in (OF_X, OF_Y):
+        along = at.sine if of == OF_Y else at.cosine
+        adjoint[of] = 0.0
+        for i in range(film.n):
+            k = ADJOINTS * i + of
+            if ambient > 0.0:
+                adjoint[k] = step * _along_the_length(at.P[i], ambient)[1] * along[i]
+                adjoint[k + ADJOINTS] = 0.0
+            else:
+                _, by, by_after = _share(at.P[i], at.P[i + 1], along[i], along[i + 1])
+                adjoint[k] += step * by
+                adjoint[k + ADJOINTS] = step * by_after
 
 
 @jit_not_inlined
 def full_tangent(film, zone, work):
     """Return the derivative of `full_load`, as `film_zone.zone_tangent` does."""
-    x, y = _of_load(film, zone, work, False), _of_load(film, zone, work, True)
+    n, at = film.n, vectors(film, work)
+    adjoint = at.adjoint
+    for i in range(ADJOINTS * (n + 1)):
+        adjoint[i] = 0.0
+    _weigh(film, zone, work)
+    joint_x = joint_y = 0.0
+    if film.is_whole:
+        end = ADJOINTS * n
+        x, y = adjoint[OF_X] + adjoint[end + OF_X], adjoint[OF_Y] + adjoint[end + OF_Y]
+        clear_ends(film, work)
+        solve_adjoints(film, zone, work)
+        first, last = _ends(film, zone, work)
+        near, far = ADJOINTS, ADJOINTS * (n - 1)
+        joint_x = x + first * adjoint[near + OF_X] + last * adjoint[far + OF_X]
+        joint_y = y + first * adjoint[near + OF_Y] + last * adjoint[far + OF_Y]
+        joint_x *= at.inverse[0]
+        joint_y *= at.inverse[0]
+        _weigh(film, zone, work)
+    clear_ends(film, work)
+    adjoint[OF_X] = adjoint[ADJOINTS * n + OF_X] = joint_x
+    adjoint[OF_Y] = adjoint[ADJOINTS * n + OF_Y] = joint_y
+    solve_adjoints(film, zone, work)
+    x, y = gradient(film, zone, work, OF_X), gradient(film, zone, work, OF_Y)
     return pairs_of(x.by_D, x.by_S, y.by_D, y.by_S)
