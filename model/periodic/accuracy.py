@@ -45,13 +45,19 @@ def _with(
     """With so many times the harmonics; raises `Lost`."""
     H = min(accuracy.most, math.ceil(more * problem.H) + problem.turns)
     other = problem.like(H, at=point.value)
-    before = np.append(problem.moved(point.tangent, other), point.by_value)
+    before = _moved(problem, point.direction, other)
     before /= np.linalg.norm(before)
     plane = np.append(np.zeros(len(before) - 1), 1.0) if is_held else before
     result = arclength.correct(
         other, problem.moved(point.x, other), point.value, plane, other.parameter.scale, before
     )
-    return other, result._replace(corrections=point.corrections)
+    bend = _moved(problem, point.bend, other)
+    return other, result._replace(corrections=point.corrections, bend=bend)
+
+
+def _moved(problem: Problem, way: np.ndarray, other: Problem) -> np.ndarray:
+    """A direction of a curve, or nothing, by other harmonics."""
+    return np.append(problem.moved(way[:-1], other), way[-1]) if len(way) else way
 
 
 def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem, Point]:
@@ -60,8 +66,8 @@ def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
     if H < problem.H and problem.last_share(point.x) < 1e-3 * accuracy.share:
         other = problem.like(H, at=point.value)
         if other.last_share(problem.moved(point.x, other)) < 0.1 * accuracy.share:
-            plane = np.append(problem.moved(point.tangent, other), point.by_value)
-            before = plane / np.linalg.norm(plane)
+            before = _moved(problem, point.direction, other)
+            before /= np.linalg.norm(before)
             try:
                 result = arclength.correct(
                     other,
@@ -73,5 +79,6 @@ def thinned(problem: Problem, point: Point, accuracy: Accuracy) -> tuple[Problem
                 )
             except Lost:
                 return problem, point
-            return other, result._replace(corrections=point.corrections)
+            bend = _moved(problem, point.bend, other)
+            return other, result._replace(corrections=point.corrections, bend=bend)
     return problem, point

@@ -1,21 +1,22 @@
 """Continuation of a curve of solutions R(x, lambda) = 0 by its arclength (Keller 1977).
 
 The length of a step is measured in (x, (lambda - lambda_0) / scale). The predictor goes along the
-tangent, or along that beyond where it jumps (a corner of a force law); Newton's method corrects at
-right angles to it.
+tangent, bent as the curve was in the last step, or along the tangent beyond where it jumps (a
+corner of a force law); Newton's method corrects at right angles to it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from ..quantities import QuantityError
 
-TOLERANCE = 1e-9  # of Newton's last correction, in the units of x
+TOLERANCE = 1e-9  # of Newton's last correction, where equations are as exact as that
 _SLOW = 0.3  # of the last correction: beyond, a correction is damped
 _ITERATIONS, _AIM = 12, 4
 _LEAST_SHARE, _ROUNDING = 1e-3, 1e-9  # of a damped correction; residuals that are rounding
@@ -28,9 +29,10 @@ _FARTHEST = 2.0  # of a step: how far the next point of a curve may be
 
 
 class Equations(Protocol):
-    """What is continued; damped_beyond: corrections of what size are damped if they do not
-    shrink."""
+    """What is continued; tolerance: of the last correction, in the units of x; damped_beyond:
+    corrections of what size are damped if they do not shrink."""
 
+    tolerance: float
     damped_beyond: float
 
     def residual(self, x: np.ndarray, value: float) -> np.ndarray:
@@ -54,14 +56,21 @@ class Steps:
 
 
 class Point(NamedTuple):
-    """A point of a curve: unknowns, lambda, the unit tangent by x and by lambda over its scale, and
-    Newton's corrections on the way to it."""
+    """A point of a curve: unknowns, lambda, the unit tangent by x and by lambda over its scale,
+    Newton's corrections on the way to it, and by how much the tangent turned per length on that
+    way, shape (n + 1,), or (0,) where it is not known."""
 
     x: np.ndarray
     value: float
     tangent: np.ndarray
     by_value: float
     corrections: tuple[float, ...] = ()
+    bend: np.ndarray = np.zeros(0)
+
+    @property
+    def direction(self) -> np.ndarray:
+        """The tangent by the unknowns and by lambda over its scale."""
+        return np.append(self.tangent, self.by_value)
 
 
 class Lost(RuntimeError):
@@ -86,7 +95,7 @@ def solve(equations: Equations, x: np.ndarray, value: float, iterations: int = 4
         relax = _relaxed(equations, residual, x, value, step, 0.0, most)
         corrections.append(relax * size)
         x += relax * step
-        if size <= TOLERANCE * (1.0 + np.linalg.norm(x)):
+        if size <= equations.tolerance * (1.0 + np.linalg.norm(x)):
             return x
     raise Lost(corrections)
 
@@ -127,11 +136,12 @@ def _solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
 def _next(corrections: list[float]) -> float:
     """How large the next correction would be, if the last ones converge quadratically, with a
     margin; the last one itself if they do not."""
-    if len(corrections) < 3 or corrections[-1] > _SMALL:
+    if len(corrections) < 2 or corrections[-1] > _SMALL:
         return corrections[-1]
-    a, b, c = corrections[-3:]
-    rate = max(b / (a * a), c / (b * b)) if b > 0 else 0.0
-    return min(c, _MARGIN * rate * c * c) if c < b < a else c
+    last = corrections[-3:]
+    rate = max(after / (before * before) for before, after in pairwise(last) if before > 0)
+    is_shrinking = all(after < before for before, after in pairwise(last))
+    return min(last[-1], _MARGIN * rate * last[-1] ** 2) if is_shrinking else last[-1]
 
 
 def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
@@ -194,7 +204,7 @@ def _corrected(
         x += relax * step[:n]
         value += scale * relax * step[n]
         of_x = 1.0 + float(np.linalg.norm(x))
-        if relax == 1.0 and _next(corrections) <= TOLERANCE * of_x:
+        if relax == 1.0 and _next(corrections) <= equations.tolerance * of_x:
             tangent = tangent / np.linalg.norm(tangent)
             if tangent @ before < 0:
                 tangent = -tangent
@@ -204,11 +214,13 @@ def _corrected(
 
 def onward(equations: Equations, point: Point, length: float, scale: float) -> Point:
     """The point a step along the tangent away; raises `Lost`."""
-    plane = np.append(point.tangent, point.by_value)
+    plane = way = point.direction
+    if len(point.bend):
+        way = plane + 0.5 * length * point.bend
     return correct(
         equations,
-        point.x + length * point.tangent,
-        point.value + length * scale * point.by_value,
+        point.x + length * way[:-1],
+        point.value + length * scale * way[-1],
         plane,
         scale,
         plane,
@@ -240,10 +252,13 @@ def trace(
             if not low <= result.value <= high:
                 raise Lost(list(result.corrections))
             moved = np.append(result.x - point.x, (result.value - point.value) / scale)
-            if np.linalg.norm(moved) > _FARTHEST * length:  # another branch
+            way = float(np.linalg.norm(moved))
+            if way > _FARTHEST * length:  # another branch
                 raise Lost(list(result.corrections))
             if turned < _TURN and length > 64 * steps.least:
                 raise Lost(list(result.corrections))
+            if turned >= _TURN and way > 0:
+                result = result._replace(bend=(result.direction - point.direction) / way)
         except Lost as error:
             length *= _SHRINK
             if length >= steps.least:
@@ -254,7 +269,7 @@ def trace(
             result, length = corner, 16 * steps.least
         of_x = 1.0 + float(np.linalg.norm(result.x))
         # one that was foretold counts
-        iterations = len(result.corrections) + (result.corrections[-1] > TOLERANCE * of_x)
+        iterations = len(result.corrections) + (result.corrections[-1] > equations.tolerance * of_x)
         if iterations < _AIM:
             length *= _GROW
         elif iterations > _AIM + 1:
@@ -269,7 +284,7 @@ def trace(
 def _around_corner(equations: Equations, point: Point, steps: Steps, scale: float) -> Point | None:
     """A point beyond a corner of the curve, where its tangent jumps: in the tangent's direction a
     little way on, where the forces are others; None where there is none."""
-    plane = np.append(point.tangent, point.by_value)
+    plane = point.direction
     for length in (4 * steps.least, 64 * steps.least, 1e3 * steps.least):
         x = point.x + length * point.tangent
         value = point.value + length * scale * point.by_value
@@ -297,6 +312,6 @@ def _around_corner(equations: Equations, point: Point, steps: Steps, scale: floa
 def _at_end(equations: Equations, point: Point, length: float, value: float) -> Point:
     """The point at an end, about so long a step away; raises `Lost`."""
     x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
-    if np.linalg.norm(x - point.x) > 3.0 * length + TOLERANCE:
+    if np.linalg.norm(x - point.x) > 3.0 * length + equations.tolerance:
         raise Lost([])
     return point._replace(x=x, value=value)

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..quantities import QuantityError
+from .arclength import TOLERANCE
 from .condensed import Condensed, Harmonics
 from .corners import Samples
 from .fourier import (
@@ -71,7 +72,7 @@ class Problem:
     the interfaces' [m].
     """
 
-    damped_beyond = 0.0
+    tolerance, damped_beyond = TOLERANCE, 0.0
 
     def __init__(
         self,

@@ -218,13 +218,20 @@ def _real_modes(M: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of steps of Radau IIA of lengths h [s], shape (l,): what they make of each mode at their
-    points, shape (l, 3, modes); weights of the forces at the points, shape (l, 3, 3, modes) [s]."""
+    points, shape (l, 3, modes); weights of the forces at the points, shape (l, 3, 3, modes) [s].
+
+    Both come of (1 - z a)^-1, z = h root, by its adjugate 1 - z (tr a - a) + z^2 adj a."""
     powers = np.array([_C**p for p in range(3)])
     integrals = np.array([_C ** (p + 1) / (p + 1) for p in range(3)])
     a = integrals.T @ np.linalg.inv(powers).T
-    inverse = np.linalg.inv(np.eye(3) - (h[:, None] * roots)[..., None, None] * a)
-    weight = inverse @ a * h[:, None, None, None]
-    return inverse.sum(axis=3).transpose(0, 2, 1), weight.transpose(0, 2, 3, 1)
+    trace, det, one = np.trace(a), np.linalg.det(a), np.eye(3)
+    adjugate = det * np.linalg.inv(a)
+    z = h[:, None] * roots
+    per = 1.0 / (1.0 - z * (trace - z * (np.trace(adjugate) - z * det)))
+    powers = np.stack([per, z * per, z * z * per], axis=1)  # shape (l, 3, modes)
+    grown = np.array([one, a - trace * one, adjugate]).sum(axis=2).T @ powers
+    weight = np.array([a, a @ a - trace * a, det * one]).reshape(3, 9).T @ powers
+    return grown, (h[:, None, None] * weight).reshape(len(h), 3, 3, len(roots))
 
 
 class Lengths(NamedTuple):
@@ -250,20 +257,28 @@ def lengths(modes: Modes, h: np.ndarray) -> Lengths:
     each, which = np.unique(np.round(h / h.max(), 12), return_inverse=True)
     count, is_first = len(each), modes.roots.imag > 0
     is_second = np.roll(is_first, 1)
-    grown, weight = _collocation(modes.roots, each * h.max())
+    of = np.flatnonzero(~is_second)  # one of each pair, whose other is its conjugate
+    grown, weight = _collocation(modes.roots[of], each * h.max())
+    V, W = modes.V[:, of], modes.W[of]
+    twice = np.where(is_first[of], 2.0, 1.0)
     last = weight[:, 2].transpose(0, 2, 1)
-    forced = (last[..., None] * modes.W[:, None]).reshape(count, n, 3 * c)
-    seen = (modes.V * grown[:, :, None, :]).reshape(count, 3 * outputs, n)
-    among = (modes.V * weight[:, :, :, None, :]).reshape(-1, n) @ modes.W
-    among = among.real.reshape(count, 3, 3, outputs, c)
+    forced = (last[..., None] * W[:, None]).reshape(count, len(of), 3 * c)
+    seen = (twice * V * grown[:, :, None, :]).reshape(count, 3 * outputs, len(of))
+    of_force = (twice[:, None, None] * V.T[:, :, None] * W[:, None, :]).reshape(len(of), -1)
+    weight = weight.reshape(-1, len(of))
+    among = weight.real @ of_force.real - weight.imag @ of_force.imag
+    among = among.reshape(count, 3, 3, outputs, c)
     among[:, np.arange(3), np.arange(3)] += modes.R
+    place = np.cumsum(~is_second) - 1
+    alone, forced = grown[:, 2].take(place, 1), forced.take(place, 1)
+    seen = seen.take(place, 2)
     return Lengths(
         which,
-        # g (a + i b): -Im g b in the row of a, Im g a in that of b, whose own g is conj g
-        grown[:, 2].real.copy(),
-        -grown[:, 2].imag,
-        np.where(is_second[:, None], -forced.imag, forced.real),
-        np.where(is_first, 2 * seen.real, np.where(is_second, 2 * seen.imag, seen.real)),
+        # g (a + i b): -Im g b in the row of a, Im g a in that of b
+        alone.real.copy(),
+        np.where(is_second, alone.imag, -alone.imag),
+        np.where(is_second[:, None], forced.imag, forced.real),
+        np.where(is_second, -seen.imag, seen.real),
         among.transpose(0, 1, 3, 2, 4).reshape(count, 3 * outputs, 3 * c),
         np.arange(n) + is_first - is_second,
     )
@@ -287,8 +302,11 @@ def through(steps: Lengths, change: np.ndarray) -> np.ndarray:
     forces = np.linalg.inv(left) @ (change @ seen).reshape(count, 3 * c, n)
     state = np.eye(n)
     for i, k in enumerate(steps.which):
-        alone = steps.along[k][:, None] * state + steps.across[k][:, None] * state[steps.other]
-        state = alone + steps.forced[k] @ (forces[i] @ state)
+        after = steps.forced[k] @ (forces[i] @ state)
+        after += steps.along[k][:, None] * state
+        state = state.take(steps.other, 0)
+        state *= steps.across[k][:, None]
+        state += after
     return state
 
 

@@ -34,7 +34,7 @@ class FoldCurve(NamedTuple):
 class _Folds:
     """R = 0, g = 0 in X = (x, lambda over its scale), over the second parameter."""
 
-    damped_beyond = 0.0
+    tolerance, damped_beyond = arclength.TOLERANCE, 0.0
 
     def __init__(self, problem_at: Callable[[float], Problem], scale: float) -> None:
         self._at, self._scale = problem_at, scale

@@ -16,7 +16,7 @@ from .corners import crossings
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
 _COARSEST, _FINEST = 6, 13  # halvings of the period
-_IMPULSE = 1e-6  # that a parabola may miss in a step, as a share of the period's
+_IMPULSE = 3e-6  # that a parabola may miss in a step, as a share of the period's
 _FINER, _COARSER = 3, 1  # halvings at once
 _SEEN = 2048  # instants at which corners are looked for
 _APART = 1e-6  # of the period: how near the end of another step a corner is none
@@ -55,6 +55,12 @@ def interpolated(values: np.ndarray, ends: np.ndarray, at: np.ndarray) -> np.nda
         for j in np.delete(np.arange(4), i):
             share[:, i] *= (x - nodes[j]) / (nodes[i] - nodes[j])
     return np.einsum("ni,nim->nm", share, known)
+
+
+def at_points(values: np.ndarray, ends: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Of a period by its values at the points of steps: at those of other steps."""
+    at = points(others)
+    return interpolated(values, ends, at.ravel()).reshape(*at.shape, -1)
 
 
 def fitted(machine: Condensed, y: np.ndarray, force: np.ndarray, ends: np.ndarray) -> np.ndarray:

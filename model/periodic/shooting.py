@@ -63,18 +63,25 @@ class Linear(NamedTuple):
     constant: np.ndarray
     turning: tuple[np.ndarray, np.ndarray]
 
-    def by_loads(self, turns: int, shares: np.ndarray) -> np.ndarray:
-        """Complex amplitudes of the modes by the loads alone, at shares of the period."""
+    @property
+    def at_begin(self) -> np.ndarray:
+        """Complex amplitudes of the modes by the loads alone, at the begin of the period."""
+        return self.constant + self.turning[0] + self.turning[1]
+
+    def seen_by_loads(self, turns: int, shares: np.ndarray) -> np.ndarray:
+        """What is seen by the loads alone at shares of the period."""
         turn = np.exp(2j * np.pi * turns * shares)[..., None]
-        forward, backward = self.turning
-        return self.constant + turn * forward + turn.conj() * backward
+        V, (forward, backward) = self.modes.V, self.turning
+        return (V @ self.constant).real + (turn * (V @ forward + (V @ backward).conj())).real
 
 
 class Flight(NamedTuple):
-    """A period from a state on, by steps with these ends: displacements and velocities y of the
-    interfaces at their points, shape (steps, 3, 2 b), the state at its end less that at its begin,
-    and which steps were not solved, being too long."""
+    """A period from a state x at a value of the parameter, by steps with these ends: displacements
+    and velocities y of the interfaces at their points, shape (steps, 3, 2 b), the state at its end
+    less that at its begin, and which steps were not solved, being too long."""
 
+    x: np.ndarray
+    value: float
     ends: np.ndarray
     y: np.ndarray
     lack: np.ndarray
@@ -89,6 +96,7 @@ class Shooting:
     """
 
     is_autonomous = False
+    tolerance = 1e-7  # below what its steps miss
     damped_beyond = 1e-3  # steps that are chosen anew change the equations a little
 
     def __init__(self, problem: Problem, orbit: Orbit) -> None:
@@ -110,6 +118,8 @@ class Shooting:
         self._ends = ends
         h = np.diff(self._ends)
         self._mean = np.einsum("t,i,tiao->ao", h, weights(), tangent)
+        none = np.zeros(0)
+        self._flight = Flight(none, self.at, self._ends, self._y, none, none)
         self._renewals = _RENEWALS
         self._known: list[tuple[tuple[Lengths, np.ndarray], float, np.ndarray]] = []
         self._last: tuple[np.ndarray, float, np.ndarray] | None = None
@@ -166,7 +176,7 @@ class Shooting:
             if of_value == value and of_ends is ends:
                 return known
         linear = self.linear(value)
-        seen = (linear.by_loads(self.turns, mesh.points(ends)) @ linear.modes.V.T).real
+        seen = linear.seen_by_loads(self.turns, mesh.points(ends))
         made = lengths(linear.modes, np.diff(ends) * 2 * math.pi / linear.omega), seen
         self._known = [(made, value, ends), *self._known[:3]]
         return made
@@ -175,21 +185,31 @@ class Shooting:
         """A period from a state on; raises `Lost` where it ends nowhere."""
         linear, machine = self.linear(value), self.machine_at(value)
         _, inverse = real_amplitudes(linear.modes.roots)
-        loads = (inverse @ linear.by_loads(self.turns, np.zeros(1))[0]).real
+        loads = (inverse @ linear.at_begin).real
         begin = linear.amplitudes @ (x / self._weights) - loads
         steps, seen = self._steps(value, ends)
-        y, end, unsolved = run(machine, linear.speed, linear.mean, steps, seen, begin)
+        near = self._near(ends)
+        y, end, unsolved = run(machine, linear.speed, linear.mean, steps, seen, begin, near)
         if not np.isfinite(end).all():
             raise Lost([])
-        return Flight(ends, y, self._weights * (linear.state @ (end - begin)), unsolved)
+        lack = self._weights * (linear.state @ (end - begin))
+        return Flight(x.copy(), value, ends, y, lack, unsolved)
+
+    def _near(self, ends: np.ndarray) -> np.ndarray:
+        """What the interfaces do on the last motion, at the points of steps."""
+        of, y = self._flight.ends, self._flight.y
+        return y if of is ends else mesh.at_points(y, of, ends)
 
     def _flown(self, x: np.ndarray, value: float) -> Flight:
         """A period from a state on, in shorter steps where it has to; raises `Lost` where that does
         not help."""
-        ends = self._ends
+        ends, last = self._ends, self._flight
+        if last.ends is ends and last.value == value and np.array_equal(last.x, x):
+            return last
         for _ in range(_SHORTENED):
             flight = self._tried(x, value, ends)
             if not flight.unsolved.any():
+                self._flight = flight
                 return flight
             ends = mesh.shortened(ends, flight.unsolved)
         raise Lost([])
@@ -198,25 +218,21 @@ class Shooting:
         """A period from a state on, by steps that suit it from now on."""
         flight = self._kept(self._flown(x, value))
         b = self.series.b
-        for _ in range(_RENEWALS):
-            far = float(np.abs(flight.y - self._y)[..., :b].max()) / self.series.lengths
-            if far > _FAR:
-                self._renewals = _RENEWALS
-            if far < _MOVED or self._renewals == 0:
-                break
+        far = float(np.abs(flight.y - self._y)[..., :b].max()) / self.series.lengths
+        if far > _FAR:
+            self._renewals = _RENEWALS
+        if far > _MOVED and self._renewals:
             self._renewals -= 1
             force, _ = self._laws(value, flight.ends, flight.y)
             self._ends = mesh.fitted(self.machine_at(value), flight.y, force, flight.ends)
-            at = mesh.points(self._ends)
-            self._y = mesh.interpolated(flight.y, flight.ends, at.ravel()).reshape(*at.shape, -1)
+            self._y = self._near(self._ends)
             flight = self._kept(self._flown(x, value))
         return flight
 
     def _kept(self, flight: Flight) -> Flight:
         """A period, whose steps are those at hand from now on."""
         if flight.ends is not self._ends:
-            at = mesh.points(flight.ends)
-            self._y = mesh.interpolated(self._y, self._ends, at.ravel()).reshape(*at.shape, -1)
+            self._y = mesh.at_points(self._y, self._ends, flight.ends)
             self._ends = flight.ends
         return flight
 

@@ -87,8 +87,8 @@ def _linearize(laws, interfaces, B, mean, speed, y, work):
 
 @jit
 def _run(laws, interfaces, B, mean, speed, steps, by_loads, state, y, unsolved, work):
-    """Fill y at the points of all steps, the state at their end from that at their begin, and which
-    steps were not solved."""
+    """Fill y at the points of all steps, where a motion nearby is at first, the state at their end
+    from that at their begin, and which steps were not solved."""
     b = B.shape[1]
     n, c = len(state), 3 * b
     phi, free, here, after = work.phi, work.free, work.here, work.after
@@ -101,21 +101,26 @@ def _run(laws, interfaces, B, mean, speed, steps, by_loads, state, y, unsolved, 
             for j in range(n):
                 total += seen[k, p, j] * state[j]
             free[p] = total
-        for p in range(c):
-            phi[p] = phi[2 * b + p % b]
         is_solved, share, before = False, 1.0, math.inf
-        for _ in range(_ITERATIONS):
+        for p in range(c):
+            phi[p] = 0.0
+        for iteration in range(_ITERATIONS):
+            is_first = iteration == 0  # along the motion nearby, where there are no forces yet
             for p in range(6 * b):
-                total = free[p]
+                total = y[i, p // (2 * b), p % (2 * b)] if is_first else free[p]
                 for j in range(c):
                     total += among[k, p, j] * phi[j]
                 here[p // (2 * b), p % (2 * b)] = total
             _linearize(laws, interfaces, B, mean, speed, here, work)
+            for p in range(c if is_first else 0):
+                for o in range(2 * b):
+                    moved = free[p // b * 2 * b + o] - here[p // b, o]
+                    work.lack[p] += work.tangent[p // b, p % b, o] * moved
             lack = 0.0
             for p in range(c):
                 lack = max(lack, abs(work.lack[p]))
                 largest = max(largest, abs(phi[p]))
-            if lack <= _TOLERANCE * largest:
+            if not is_first and lack <= _TOLERANCE * largest:
                 is_solved = True
                 break
             if lack >= before and share > _LEAST_SHARE:  # half the way back
@@ -123,7 +128,7 @@ def _run(laws, interfaces, B, mean, speed, steps, by_loads, state, y, unsolved, 
                 for p in range(c):
                     phi[p] -= share * work.change[p]
                 continue
-            share, before = 1.0, lack
+            share, before = 1.0, math.inf if is_first else lack
             for p in range(c):
                 for j in range(c):
                     total = 1.0 if p == j else 0.0
@@ -155,9 +160,11 @@ def run(
     steps: Lengths,
     by_loads: np.ndarray,
     begin: np.ndarray,
+    near: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """What is seen at the points of all steps, shape (steps, 3, 2 b), from real amplitudes at the
-    begin on, those at the end, and which steps were not solved, shape (steps,)."""
+    begin on, those at the end, and which steps were not solved, shape (steps,); near: what is seen
+    of a motion nearby."""
     b, m = machine.b, machine.laws.count
     laws, interfaces = machine.laws.records
     of_points, of_forces = np.zeros((4, m, 3), complex), np.zeros((3, 3 * b))
@@ -179,7 +186,7 @@ def run(
         here=np.zeros((3, 2 * b)),
         after=np.zeros(len(begin)),
     )
-    y, state = np.zeros((len(steps.which), 3, 2 * b)), np.array(begin, float)
+    y, state = np.array(near, float), np.array(begin, float)
     kernel = _run if machine.laws.is_fast else interpreted(_run)
     B = np.ascontiguousarray(machine.B)
     unsolved = np.zeros(len(y), bool)
