@@ -85,6 +85,11 @@ def folds_over(
         raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
     if fold.kind != FOLD:
         raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
+    if task.is_shot(fold.orbit):
+        raise PeriodicError(
+            f"fold at {fold.value:g}: its motion has more than {task.accuracy.most} harmonics, of "
+            f"which no curve of folds is made; a study of responses over {name} finds each"
+        )
     for end in (low, high):
         rotor.with_value(name, end)
     first = result.machines()

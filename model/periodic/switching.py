@@ -18,9 +18,12 @@ from .balance import Orbit, Problem
 from .branch import BRANCHING, DOUBLING, Bifurcation, Branch
 from .continuation import Search, follow, is_known, start_along
 from .fourier import repeated
+from .handover import Motions
 from .journal import Start, Started
+from .shooting import Shooting
+from .task import Task
 
-_AWAY = (0.05, 0.02, 0.1, 0.2)  # in lengths of the interfaces: how far the first motion is
+_AWAY = (0.05, 0.02, 0.1, 0.2, 0.005)  # in lengths of the interfaces: how far the first motion is
 _MOST_BRANCHES = 24
 
 
@@ -61,7 +64,7 @@ def _new(search: Search, branch: Branch, bifurcation: Bifurcation) -> Iterator[S
     if is_doubling:
         both = repeated(orbit.b, 2), repeated(orbit.own, 2)
         orbit = Orbit(*both, 0.5 * orbit.omega, 2 * orbit.turns, orbit.speed, orbit.parameter)
-    problem = task.problem(search.machines, value, orbit.H, turns=orbit.turns)
+    problem = _equations(search, orbit, value)
     x = problem.join(orbit)
     across = np.append(_null_vector(problem, x, value, is_doubling), 0.0)
     if not is_doubling:
@@ -74,40 +77,49 @@ def _new(search: Search, branch: Branch, bifurcation: Bifurcation) -> Iterator[S
         across -= (across @ along) * along
         across /= np.linalg.norm(across)
     for sign in (1.0,) if is_doubling else (1.0, -1.0):
-        point = _beside(problem, x, value, sign * across)
-        if point is None or not task.low <= point.value <= task.high:
+        point = _beside(task, problem, x, value, sign * across)
+        if point is None:
             continue
         if not is_known(search.result.branches, problem.split(point.x, point.value), point.value):
             way = np.append(point.tangent, point.by_value)
             yield start_along(problem, point.x, point.value, [way])
 
 
-def _beside(problem: Problem, x: np.ndarray, value: float, across: np.ndarray) -> Point | None:
-    """A motion a little away, its tangent further away."""
+def _equations(search: Search, orbit: Orbit, value: float) -> Motions:
+    """Those by which an orbit was found, with its period."""
+    task = search.result.task
+    H = orbit.H
+    if is_shot := task.is_shot(orbit):
+        H = task.accuracy.most * orbit.turns // task.turns
+    series = task.problem(search.machines, value, H, turns=orbit.turns)
+    return Shooting(series, orbit) if is_shot else series
+
+
+def _beside(
+    task: Task, problem: Motions, x: np.ndarray, value: float, across: np.ndarray
+) -> Point | None:
+    """A motion a little away, within the range, its tangent further away."""
     scale = problem.parameter.scale
     for away in _AWAY:
+        far = value + away * scale * across[-1]
         try:
-            return arclength.correct(
-                problem,
-                x + away * across[:-1],
-                value + away * scale * across[-1],
-                across,
-                scale,
-                across,
-            )
+            point = arclength.correct(problem, x + away * across[:-1], far, across, scale, across)
         except Lost:
             continue
+        if task.low <= point.value <= task.high:
+            return point
     return None
 
 
-def _null_vector(problem: Problem, x: np.ndarray, value: float, alternates: bool) -> np.ndarray:
-    """The unit vector that the Jacobian takes to 0; alternates: of odd harmonics alone."""
+def _null_vector(problem: Motions, x: np.ndarray, value: float, alternates: bool) -> np.ndarray:
+    """The unit vector that the Jacobian takes to 0; alternates: of odd harmonics alone, as by
+    itself it is of a state at the begin of a doubled period."""
     _, jacobian = problem.linearized(x, value)
-    which = np.ones(problem.size, bool)
-    if alternates:
+    which = np.ones(len(x), bool)
+    if alternates and isinstance(problem, Problem):
         k = (np.arange(2 * problem.H + 1) + 1) // 2
         which = np.concatenate([np.repeat(k % 2 == 1, n) for n in (problem.b, problem.s)])
     _, _, right = np.linalg.svd(jacobian[np.ix_(which, which)])
-    vector = np.zeros(problem.size)
+    vector = np.zeros(len(x))
     vector[which] = right[-1]
     return vector

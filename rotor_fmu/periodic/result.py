@@ -212,6 +212,8 @@ class ResponseResult:
         check_names(self._found.rotor, {name: 0.0})
         try:
             return folds_over(self._found, folds[i], name, low, high)
+        except QuantityError as error:
+            raise InputError(str(error)) from error
         except Lost as error:
             raise InputError(f"{name}: no curve of folds begins there: {error}") from error
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rotor_fmu as rf
+from rotor_fmu.errors import InputError
 
 from .machines import CLEARANCE, OMEGA, RADIUS, growth, jeffcott, rolling, rub
 
@@ -88,6 +89,11 @@ def test_friction_beyond_hopfs_point_makes_a_torus(curve):
         assert point.is_stable == is_stable
         assert (abs(point.multipliers[0].imag) > 0.1) or is_stable
         assert result.check(point, 100).stays == is_stable
+
+
+def test_a_curve_of_folds_that_leaves_the_machine_out_is_refused_in_one_line(curve):
+    with pytest.raises(InputError, match=r"^contact\[1\]\.mu = 0\.1:0\.2: must hold .*0\.05$"):
+        curve.fold_curve("contact[1].mu", 0.1, 0.2)
 
 
 def test_jumps_over_friction_lie_where_the_closed_form_folds(curve):

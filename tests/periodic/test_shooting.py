@@ -5,9 +5,15 @@ import numpy as np
 import pytest
 import scipy.integrate
 from rotor_fmu.model.periodic import mesh
+from rotor_fmu.model.periodic.accuracy import Accuracy
 from rotor_fmu.model.periodic.arclength import solve
+from rotor_fmu.model.periodic.continuation import Search, follow, start_at
+from rotor_fmu.model.periodic.evaluation import at, folds_over
+from rotor_fmu.model.periodic.fourier import shifted
+from rotor_fmu.model.periodic.journal import Journal
 from rotor_fmu.model.periodic.shooting import Shooting
-from rotor_fmu.model.periodic.task import Task, machines_of
+from rotor_fmu.model.periodic.switching import follow_switched
+from rotor_fmu.model.periodic.task import PeriodicError, Response, Task, machines_of
 
 import rotor_fmu as rf
 
@@ -124,3 +130,48 @@ def test_a_range_in_which_a_journal_lifts_off_throughout_begins_with_a_run_in_ti
     (branch,) = result.branches
     assert branch.ends == ("start", "end of the range")
     assert all(p.is_stable and p.orbit.H > 60 for p in branch.points)
+
+
+@pytest.fixture(scope="module")
+def by_shooting():
+    """A branch with what begins on it, all followed by shooting, and the same by its harmonics."""
+    balanced = rf.response(sagging(), speed=(244.0, 254.0), branches=True, harmonics=40, share=1e-6)
+    (point,) = balanced.at(244.5)
+    task = Task(244.0, 254.0, accuracy=Accuracy(share=1e-12, most=12), has_branches=True)
+    machines = machines_of(sagging().rotor, task)
+    search = Search(Response(sagging().rotor, task), machines, Journal(), lambda *_: None)
+    equations = Shooting(task.problem(machines, 244.5, 12), point.orbit)
+    x = solve(equations, equations.join(point.orbit), 244.5)
+    follow(search, start_at(equations, x, 244.5, 1.0))
+    follow_switched(search)
+    return search.result, balanced
+
+
+def test_a_doubled_period_that_begins_on_a_branch_by_shooting_is_that_of_its_harmonics(by_shooting):
+    result, balanced = by_shooting
+    first, second = result.branches
+    assert {(p.orbit.H > 12, p.orbit.turns) for p in first.points} == {(True, 1)}
+    assert {(p.orbit.H > 12, p.orbit.turns) for p in second.points} == {(True, 2)}
+    (doubling,), (other,) = first.bifurcations, balanced.branches[0].bifurcations
+    assert doubling.kind == other.kind == "period doubling"
+    assert doubling.value == pytest.approx(other.value, rel=2e-4)
+    for speed in (250.0, 252.0):
+        for one, same in zip(at(result, speed), balanced.at(speed), strict=True):
+            rows = 2 * same.orbit.H + 1
+            size = np.abs(same.orbit.b).max()
+            assert one.orbit.turns == same.orbit.turns
+            turns_later = (shifted(one.orbit.b, 2 * np.pi * i / same.orbit.turns) for i in (0, 1))
+            apart = min(np.abs(b[:rows] - same.orbit.b).max() for b in turns_later)
+            assert apart < 1e-6 * size
+            assert abs(one.multipliers[0]) == pytest.approx(abs(same.multipliers[0]), rel=1e-3)
+
+
+def test_a_fold_found_by_shooting_has_no_curve_of_folds_and_says_what_to_do(by_shooting):
+    result, _ = by_shooting
+    (doubling,) = result.branches[0].bifurcations
+    fold = doubling._replace(kind="fold")
+    with pytest.raises(
+        PeriodicError, match=r"^fold at 248\.891: .* 12 harmonics, .* study"
+    ) as error:
+        folds_over(result, fold, "contact[1].clearance", 0.5 * CLEARANCE, 2 * CLEARANCE)
+    assert "\n" not in str(error.value)
