@@ -3,6 +3,8 @@ second parameter."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from . import arclength
 from .arclength import Lost, Point
 from .balance import Problem, cached
@@ -14,6 +16,7 @@ from .shooting import Shooting
 from .task import SPEED, Machines, PeriodicError, Response, machines_of
 
 _ROUNDING = 1e-9  # of the range
+_STEPS = 1, 4, 16  # from a point to a value beside it, until Newton's method converges
 
 
 def at(result: Response, value: float) -> list[Solution]:
@@ -56,10 +59,33 @@ def _between(result: Response, a: Solution, b: Solution, value: float) -> Soluti
             problem = Shooting(series.like(task.accuracy.most), near)
         first, second = problem.join(a.orbit), problem.join(b.orbit)
         problem.fix_phase(first)
-        x = arclength.solve(problem, first + share * (second - first), value)
     except Lost:
         return None
-    return solution(problem, Point(x, value, x, 1.0), task.accuracy)
+    for steps in _STEPS:
+        try:
+            x = _in_steps(problem, (first, a.value), (second, b.value), value, steps)
+        except Lost:
+            continue
+        return solution(problem, Point(x, value, x, 1.0), task.accuracy)
+    return None
+
+
+def _in_steps(
+    problem: Motions,
+    first: tuple[np.ndarray, float],
+    second: tuple[np.ndarray, float],
+    value: float,
+    steps: int,
+) -> np.ndarray:
+    """The unknowns at a value, from the nearer of two points on, each with its value, in so many
+    steps along what lies between them; raises `Lost`."""
+    if abs(value - first[1]) > abs(value - second[1]):
+        first, second = second, first
+    (x, start), (end, last) = first, second
+    step = (end - x) * (value - start) / ((last - start) * steps)
+    for at_value in np.linspace(start, value, steps + 1)[1:]:
+        x = arclength.solve(problem, x + step, float(at_value))
+    return x
 
 
 def stays(result: Response, point: Solution, turns: int) -> Stay:
