@@ -34,6 +34,7 @@ BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (
 CLOSED = "the branch is closed"
 _UNIT = 1e-6  # of a multiplier beyond the unit circle
 _VERTICAL = 0.05  # of the curve's direction along the parameter: a fold is near
+_DOUBLE = 1e-2  # how far from 1 two multipliers there are, which rounding parts
 _LOCATED = 40  # evaluations of a test function at most
 _CLOSED = 0.5  # of a step: how near a branch has come to its start
 _PATIENCE = 4  # so many short steps with too few harmonics, and a whirl is not followed further
@@ -112,6 +113,11 @@ def crossing(problem: Motions, point: Point, orbit: Orbit) -> np.ndarray:
     return values
 
 
+def _is_one(multiplier: complex) -> bool:
+    """Whether a multiplier is 1, as far as two of them there can be told."""
+    return abs(multiplier - 1.0) < _DOUBLE
+
+
 class Place(NamedTuple):
     """Where on a branch a tracer is, with all that it takes to go on from there: the value about
     which the equations are scaled, harmonics, 0 of a motion in time, which is gone on with from
@@ -156,7 +162,8 @@ class Tracer:
         problem = self.problem
         problem.fix_phase(point.x)
         if isinstance(problem, Problem):
-            problem, point = refined(problem, point, self.accuracy)
+            is_end = point.value in (self.low, self.high)
+            problem, point = refined(problem, point, self.accuracy, is_end)
         last = solution(problem, point, self.accuracy)
         H = problem.H if isinstance(problem, Problem) else 0
         place = Place(problem.at, H, point, self.steps.first)
@@ -236,7 +243,10 @@ class Tracer:
         for k in range(few + 1, many + 1):
             crossed, is_smooth = self._crossing(problem, before, after, k)
             # where the curve turns in a corner multipliers jump
-            is_of_turn = turns and (not is_smooth or (crossed and crossed.kind == BRANCHING))
+            is_at_one = crossed and (
+                crossed.kind == BRANCHING or (problem.is_autonomous and _is_one(crossed.multiplier))
+            )
+            is_of_turn = turns and (not is_smooth or is_at_one)
             is_new = crossed is not None and not is_of_turn
             if crossed is not None and is_new and not any(crossed.is_pair_of(b) for b in result):
                 result.append(crossed)

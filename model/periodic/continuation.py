@@ -15,7 +15,7 @@ from .accuracy import Accuracy
 from .arclength import Lost, Point
 from .balance import Orbit
 from .branch import CLOSED, Branch, Passed, Solution, Tracer, with_motion
-from .fourier import basis, repeated, resized, shifted
+from .fourier import amplitudes, basis, repeated, resized, shifted
 from .handover import Motions
 from .journal import Ended, Journal, Start
 from .shooting import Shooting
@@ -23,6 +23,7 @@ from .task import SPEED, Machines, Response
 
 LOST = "lost: "
 JOINED = "joins a branch of a shorter period"
+RESTING = "the whirl begins there, at rest"
 _SAME = 0.02  # distance of two orbits that are one, as a share of their size
 
 Tell = Callable[[str, Solution], None]
@@ -90,9 +91,9 @@ def follow(search: Search, start: Start) -> Branch:
             branch.points.append(passed.solution)
             behind = len(branch.points) - 2
             branch.bifurcations += [b._replace(behind=behind) for b in passed.bifurcations]
-            if start.turns > task.turns and _is_joining(branch):
-                tracer.end = JOINED
-                # where it turns is that branch's period doubling
+            if (task.is_whirl or start.turns > task.turns) and _is_joining(branch, task.is_whirl):
+                tracer.end = RESTING if task.is_whirl else JOINED
+                # where it turns is that branch's period doubling, or where rest loses its stability
                 branch.bifurcations = [b for b in branch.bifurcations if b.behind != behind]
                 break
         ended = search.journal.recall(Ended)
@@ -151,15 +152,16 @@ def _passed(search: Search, tracer: Tracer, point: Point) -> Iterator[Passed]:
         tracer.end = ""
 
 
-def _is_joining(branch: Branch) -> bool:
-    """Whether a branch whose period is longer has just passed a motion of the shorter one: what the
-    longer period adds turns into its opposite there."""
+def _is_joining(branch: Branch, is_whirl: bool) -> bool:
+    """Whether a branch whose period is longer has just passed a motion of the shorter one, or a
+    whirl the machine at rest: what the longer period adds, or all that moves, turns into its
+    opposite there."""
     if len(branch.points) < 2:
         return False
     turns = branch.points[-1].orbit.turns
     first, second = (resized(p.orbit.b, 2 * turns) for p in branch.points[-2:])
     k = np.arange(1, 2 * turns + 1)
-    odd = np.repeat(k % turns != 0, 2)
+    odd = np.repeat((k % turns != 0) | is_whirl, 2)
     return float(np.sum(first[1:][odd] * second[1:][odd])) < 0
 
 
@@ -191,8 +193,11 @@ def _why_lost(tracer: Tracer, branch: Branch, accuracy: Accuracy) -> str:
     return "Newton's method does not converge with the shortest step"
 
 
-def is_known(branches: Sequence[Branch], orbit: Orbit, value: float) -> bool:
-    """Whether a branch passes through an orbit, at the same time or whole turns later."""
+def is_known(
+    branches: Sequence[Branch], orbit: Orbit, value: float, is_whirl: bool = False
+) -> bool:
+    """Whether a branch passes through an orbit, at the same time, whole turns later, or, of a whirl
+    by itself, at any time."""
     for branch in branches:
         for a, b in zip(branch.points, branch.points[1:], strict=False):
             if not min(a.value, b.value) <= value <= max(a.value, b.value) or a.value == b.value:
@@ -204,8 +209,12 @@ def is_known(branches: Sequence[Branch], orbit: Orbit, value: float) -> bool:
                 resized(repeated(o.b, turns // o.turns), H) for o in (a.orbit, b.orbit, orbit)
             )
             middle, near = first + share * (second - first), 0.5 * np.linalg.norm(second - first)
-            for turn in range(turns):
-                gap = np.linalg.norm(middle - shifted(own, 2 * math.pi * turn / turns))
+            angles = [2 * math.pi * turn / turns for turn in range(turns)]
+            if is_whirl:  # whose phase is free
+                once = amplitudes(middle)[1].conj() @ amplitudes(own)[1]
+                angles = [-float(np.angle(once))]
+            for angle in angles:
+                gap = np.linalg.norm(middle - shifted(own, angle))
                 if gap <= _SAME * np.linalg.norm(own) + near:
                     return True
     return False

@@ -22,7 +22,7 @@ from .seeds import guesses
 from .shooting import Shooting
 from .switching import follow_switched
 from .task import SPEED, Machines, PeriodicError, Response, Task, check, machines_of
-from .whirl import rolling
+from .whirl import growing, rolling
 
 _LINEAR_POINTS = 401  # of a machine without nonlinear parts
 _BEYOND, _MOST_STARTS = 0.02, 12  # of the range: where a lost branch is taken up again
@@ -125,10 +125,14 @@ def _from_orbit(search: Search, begin: Orbit) -> None:
 
 
 def _whirl(search: Search) -> None:
-    """Whirls that roll along a wall at the ends of the range, in its middle, and at the seeds."""
+    """Whirls that roll along a wall or grow from rest, at the ends of the range, in its middle,
+    and at the seeds."""
     _follow_all(search, _new_whirls(search))
     if not search.result.branches:
-        said = "no whirl was found that rolls along a wall: friction or speed may be too small"
+        said = (
+            "no whirl was found that rolls along a wall or grows from rest: friction or speed may "
+            "be too small"
+        )
         search.result.notes.append(Message(said, "no-motion"))
 
 
@@ -137,7 +141,7 @@ def _new_whirls(search: Search) -> Generator[Start, None, Notes]:
     for value in (*task.seeds, 0.5 * (task.low + task.high), task.high, task.low):
         speed = task.speed_at(value)
         of_scale = task.problem(machines, value, 3, is_autonomous=True, omega=speed)
-        for guess in rolling(of_scale, value):
+        for guess in (*rolling(of_scale, value), *growing(of_scale, value)):
             problem = task.problem(
                 machines,
                 value,
@@ -153,7 +157,8 @@ def _new_whirls(search: Search) -> Generator[Start, None, Notes]:
             except Lost:
                 continue
             orbit = problem.split(x, value)
-            if _moves(problem, orbit) and not is_known(search.result.branches, orbit, value):
+            known = search.result.branches
+            if _moves(problem, orbit) and not is_known(known, orbit, value, is_whirl=True):
                 yield start_at(problem, x, value, 0.0)
     return []
 

@@ -75,7 +75,7 @@ def response(
     whirl: Annotated[
         bool,
         typer.Option(
-            "--whirl", help="Follow the backward whirl that needs no unbalance (dry whip)."
+            "--whirl", help="Follow the whirl that needs no unbalance: dry whip, oil whirl."
         ),
     ] = False,
     branches: Annotated[

@@ -65,7 +65,7 @@ def answer(
     highest may be of the motion; stability: whether Floquet multipliers are computed; step: the
     longest along the curve, in clearances and shares of the range; seeds: values of the parameter
     where runs in time look for further branches; whirl: of the machine without its unbalance, the
-    backward whirl by itself (dry whirl), whose frequency is unknown; start: a motion, of `at` or
+    whirl by itself (dry whirl, oil whirl), whose frequency is unknown; start: a motion, of `at` or
     `points`, from which alone branches are followed; branches: whether those that begin at period
     doublings and branch points are followed too; tell: hears of every point; journal: of what an
     earlier call came to, and of what this one does. Raises `InputError` for what cannot be.

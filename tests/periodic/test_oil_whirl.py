@@ -1,0 +1,51 @@
+"""The whirl of a rotor in oil films as a branch with its frequency unknown, against CVODE."""
+
+import numpy as np
+import pytest
+from rotor_fmu.model.linear import bearing_curves
+from rotor_fmu.model.structure.assembly import assemble
+
+import rotor_fmu as rf
+
+from ..parts.test_limit_cycle import _C, _reference, _rotor
+
+LOW, HIGH = 0.95, 1.35  # of the threshold
+
+
+@pytest.fixture(scope="module")
+def threshold():
+    return bearing_curves(_rotor(), np.linspace(400.0, 1200.0, 5)).threshold
+
+
+@pytest.fixture(scope="module")
+def whirl(threshold):
+    return rf.response(_rotor(), speed=(LOW * threshold, HIGH * threshold), whirl=True)
+
+
+@pytest.mark.parametrize("beyond", [1.05, 1.1, 1.2, 1.35])
+def test_the_branch_is_the_limit_cycle_in_size_and_frequency(whirl, threshold, beyond):
+    speed = beyond * threshold
+    expected = _reference(speed, float(assemble(_rotor()).mass_sum[::2].sum()))
+    (point,) = whirl.at(speed)
+    assert point.is_stable
+    x, y = whirl.series(point, "body[1]", 2000)
+    z = (x + 1j * y) / _C
+    r = np.abs(z - z.mean())
+    assert (r.max(), r.min()) == pytest.approx((expected.largest, expected.least), rel=1e-3)
+    assert point.orbit.omega / speed == pytest.approx(expected.ratio, rel=1e-4)
+
+
+def test_the_branch_begins_where_rest_loses_its_stability(whirl, threshold):
+    (branch,) = whirl.branches
+    assert branch.ends == ("the whirl begins there, at rest", "end of the range")
+    assert branch.points[0].value == pytest.approx(threshold, rel=2e-3)
+    # it leaves towards higher speeds, turns back, and goes on as the large whirl from below
+    assert [b.kind for b in whirl.bifurcations] == ["fold", "fold"]
+    upper, lower = (b.value / threshold for b in whirl.bifurcations)
+    assert lower < 1.0 < upper
+
+
+def test_below_the_threshold_no_whirl_is_found_and_that_is_said(threshold):
+    result = rf.response(_rotor(), speed=(0.5 * threshold, 0.9 * threshold), whirl=True)
+    assert not result.branches
+    assert any("rolls along a wall or grows from rest" in note for note in result.notes)
