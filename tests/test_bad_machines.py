@@ -275,7 +275,7 @@ def table(**changed):
         ("[[port]]\nname = 'a'\n", "port[1].node is missing"),
         ("[[port]]\nnode = 4\n", "port[1].node = 4: must be an integer from 1 to 3"),
         ("[[port]]\nz = 0.4\n", "port[1].z = 0.4 m: must lie on the shaft, from 0 to 0.2 m"),
-        (2 * "[[port]]\nnode = 1\nname = 'p'\n", "p: the name 'p' is there already"),
+        (2 * "[[port]]\nnode = 1\nname = 'p'\n", "port[2].name = p: port[1] has this name already"),
     ],
 )
 def test_a_wrong_table_or_port_is_refused_by_name(part, message):

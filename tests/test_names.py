@@ -36,10 +36,10 @@ def test_every_part_may_have_a_name_which_its_variables_have():
 @pytest.mark.parametrize(
     ("names", "expected"),
     [
-        (("fan", "fan"), "fan: the name 'fan' is there already"),
+        (("fan", "fan"), "disc[5].name = fan: disc[4] has this name already"),
         (("two words",), "disc.name = 'two words': must be a word of letters, digits and _"),
         (("solver",), "disc.name = 'solver': must be a word of letters, digits and _, and none of"),
-        (("bearing",), "bearing: the name 'bearing' is there already"),
+        (("bearing",), "disc[4].name = bearing: is the name of a kind of part"),
     ],
 )
 def test_a_name_that_cannot_be_is_one_line(names, expected):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
@@ -134,20 +135,21 @@ class Rotor:
                 f"identifier = {self.identifier!r}: must be a word of letters, digits and _ that "
                 "does not begin with a digit"
             )
-        housings: set[str] = {GROUND}
+        self._check_singles()
+        self._check_labels()
+        housings = {GROUND: "the ground"}
         for where, part in self.named_parts():
             part.check(where)
             for element in part.elements(where, self.material.density):
                 if isinstance(element, Mount):
                     if element.name in housings:
-                        raise QuantityError(f"{where}: a housing {element.name!r} is there already")
-                    housings.add(element.name)
+                        whose = housings[element.name]
+                        raise QuantityError(f"{where}: {whose} has the name {element.name} already")
+                    housings[element.name] = where
                 elif not isinstance(element, Release) and not _is_base(element):
                     self._check_node(where, element.node)
                     self._check_bow(where, element)
-        self._check_singles()
-        self._check_labels()
-        self._check_housings(housings)
+        self._check_housings(set(housings))
         self._check_base()
         for name, heading in OWN.items():
             shown = str(Name(heading, 0, name))
@@ -191,9 +193,11 @@ class Rotor:
 
     def _check_labels(self) -> None:
         kinds = {part.KIND for part in self.parts}
-        seen: set[str] = set()
-        for where, part in self.named_parts():
+        counts: Counter[str] = Counter()
+        seen: dict[str, str] = {}
+        for part in self.parts:
             label = part.label
+            counts[part.KIND] += 1
             if not label:
                 continue
             if not isinstance(label, str) or not label.isidentifier() or label in _TAKEN:
@@ -201,9 +205,12 @@ class Rotor:
                     f"{part.KIND}.name = {label!r}: must be a word of letters, digits and _, and "
                     f"none of {', '.join(_TAKEN)}"
                 )
-            if label in seen | kinds:
-                raise QuantityError(f"{where}: the name {label!r} is there already")
-            seen.add(label)
+            where = spelled(part.KIND, counts[part.KIND])
+            if label in kinds:
+                raise QuantityError(f"{where}.name = {label}: is the name of a kind of part")
+            if label in seen:
+                raise QuantityError(f"{where}.name = {label}: {seen[label]} has this name already")
+            seen[label] = where
 
     def _check_housings(self, housings: set[str]) -> None:
         interfaces = [(w, e) for w, e in self._named_elements() if isinstance(e, Interface)]

@@ -132,7 +132,9 @@ def test_a_port_is_called_by_its_name_once():
     port = '[[port]]\nnode = 2\nname = "amb"\n'
     text = rigid(parts=bearings(1e4, 10.0) + port)
     assert {"amb.x", "amb.vy"} <= set(Simulation(parse_rotor(text)).names)
-    with pytest.raises(QuantityError, match="the name 'amb' is there already"):
+    with pytest.raises(
+        QuantityError, match=r"port\[2\]\.name = amb: port\[1\] has this name already"
+    ):
         parse_rotor(text + port)
     with pytest.raises(QuantityError, match=r"port.name = 'a.b': must be a word"):
         parse_rotor(text.replace('"amb"', '"a.b"'))
