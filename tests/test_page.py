@@ -252,12 +252,12 @@ def test_four_lines_differ_in_colour_and_dash_and_a_tooltip_names_the_line_and_i
     page = Page(silent, pages / "one.html")
     lines = page.run(
         "const value = (given) => String(given.value ?? given);"
-        "return over.hovered.slice(0, 4).map(({ name, glyph }) =>"
+        "return over.bode.hovered.slice(0, 4).map(({ name, glyph }) =>"
         "[name, value(glyph.line_color), value(glyph.line_dash)])"
     )
     assert [name for name, *_ in lines] == ["1x of x", "1x of y", "2x", "0.5x"]
     assert len({color for _, color, _ in lines}) == len({dash for *_, dash in lines}) == 4
-    assert page.run("return over.hover.tooltips.map((row) => row.join(' '))") == [
+    assert page.run("return over.bode.hover.tooltips.map((row) => row.join(' '))") == [
         "line $name", "amplitude @y{0.00} µm 0-p", "speed @x{custom} Hz",
     ]  # fmt: skip
 
@@ -270,7 +270,7 @@ def test_speeds_are_shown_in_rpm(silent, pages):
         assert page.run(f"return {axis}.axis_label") == "Speed [rpm]"
         ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
         assert ticks == ["1200", "1830"]
-    assert page.run("return over.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
+    assert page.run("return over.bode.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
     across = "over.spectrum.plot.below[0]"
     assert page.run(f"return {across}.axis_label") == "Whirl frequency [cpm], backward < 0"
     assert page.run(f"return {across}.formatter.doFormat([50], {{}})") == ["3000"]

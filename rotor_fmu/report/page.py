@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..model.machine.rotor import Rotor
 
 _ALWAYS = ("unpack.js", "chart.js")
-_OF_RUNS = ("signals.js", "curves.js", "cascade.js", "over_speed.js", "run.js")
+_OF_RUNS = ("signals.js", "curves.js", "cascade.js", "bode.js", "over_speed.js", "run.js")
 
 
 def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -> None:

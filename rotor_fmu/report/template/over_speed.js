@@ -6,9 +6,6 @@ const UNITS = [
   { text: "µm 0-p", of: "µm", size: 1, times: 1 }, { text: "µm peak-to-peak", of: "µm", size: 1, times: 2 },
   { text: "mil 0-p", of: "mil", size: 25.4, times: 1 }, { text: "mil peak-to-peak", of: "mil", size: 25.4, times: 2 },
 ];
-// The lines of the Bode plot, and where their data lie.
-const LINES = [["1x of x", "bodeX"], ["1x of y", "bodeY"], ["2x", "twice"], ["0.5x", "half"]];
-const SECOND = 4; // colour and dash of a second place
 
 class OverSpeed {
   constructor(runs) {
@@ -27,31 +24,10 @@ class OverSpeed {
     const to = highest <= 0 && highest > 0.4 * lowest ? 0 : highest + margin;
     this.shared = (id, y, options = {}) =>
       new Chart(id, { x: label, y, xRange: fixedRange(from, to), ...options });
-    this.bode = this.shared("bode", " ", { height: 320 });
+    // the linear critical speeds of the machine of the first run
+    const criticals = this.across === "hz" ? runs[0].criticals?.hz ?? [] : [];
+    this.bode = new Bode(this.parts, { label, xRange: fixedRange(from, to), criticals });
     this.turns = 1; // what is shown of a hertz: 1, or 60 revolutions a minute
-    this.hovered = [];
-    this.parts.forEach((part, r) => this.bodeLines(part, r));
-    this.hover = new Bokeh.HoverTool({ mode: "vline", renderers: this.hovered });
-    this.bode.plot.add_tools(this.hover);
-    this.lineCriticals();
-  }
-
-  bodeLines(part, r) {
-    LINES.forEach(([name, key], i) => {
-      part[key] = this.bode.source(["x", "y"]);
-      this.hovered.push(this.bodeLine(part[key], name, this.lone ? i : r, i, i > 1 ? 1.5 : 2));
-    });
-    part.second = this.bode.source(["x", "y"]);
-    this.hovered.push(this.bodeLine(part.second, "second place, 1x of x", SECOND, SECOND, 2));
-  }
-
-  bodeLine(source, name, paint, dash, width) {
-    const renderer = this.bode.plot.line({ field: "x" }, { field: "y" }, {
-      source, line_width: width, line_dash: DASHES[dash % DASHES.length],
-    });
-    renderer.name = name;
-    this.bode.keep(renderer, { line_color: `c${paint}` });
-    return renderer;
   }
 
   // What one µm of amplitude, and of displacement, is in the unit that is shown.
@@ -67,28 +43,16 @@ class OverSpeed {
     return this.runs.length === 1;
   }
 
-  // The linear critical speeds of the machine of the first run.
-  lineCriticals() {
-    if (this.across === "t") return;
-    for (const hz of this.runs[0].criticals?.hz ?? []) {
-      const span = new Bokeh.Span({
-        dimension: "height", location: hz, line_width: 1, line_dash: [2, 4],
-      });
-      this.bode.plot.add_layout(span);
-      this.bode.painted.push([span, { line_color: "soft" }]);
-    }
-  }
-
   // What tooltips and axes say of speeds: hertz, or revolutions a minute.
   scaleSpeed(turns) {
     this.turns = turns;
     const unit = turns === 1 ? "Hz" : "rpm";
     const digits = turns === 1 ? 2 : 0;
     const isSpeed = this.across === "hz";
-    this.hover.formatters = {
+    this.bode.hover.formatters = {
       "@x": new Bokeh.CustomJSHover({ code: `return (${isSpeed ? turns : 1} * value).toFixed(${digits})` }),
     };
-    this.hover.tooltips = [
+    this.bode.hover.tooltips = [
       ["line", "$name"], ["amplitude", `@y{0.00} ${this.chosenUnit.text}`],
       isSpeed ? ["speed", `@x{custom} ${unit}`] : ["time", "@x{0.00} s"],
     ];
@@ -208,25 +172,14 @@ class OverSpeed {
     );
     this.bode.plot.left[0].axis_label = `1x amplitude [${this.chosenUnit.text}]`;
     const other = this.others[0];
-    const criticals = this.across === "hz" ? this.runs[0].criticals?.hz ?? [] : [];
     this.bode.name([
       ...this.each(LINES.map(([name], i) => [name, i, i])),
       ...(other ? [[`${other.label}, 1x of x`, `c${SECOND}`, SECOND]] : []),
-      ...(criticals.length ? [["linear critical speeds", "soft", 2]] : []),
+      ...(this.bode.criticals.length ? [["linear critical speeds", "soft", 2]] : []),
     ]);
     this.runs.forEach((run, r) => {
-      const part = this.parts[r];
-      const place = this.places[r];
-      if (!place) return;
-      const { xRe, xIm, yRe, yIm, twice, half } = place.curves;
-      const x = run.track[this.across];
-      const long = (re, im) => re.map((value, i) => this.factor * Math.hypot(value, im[i]));
-      part.bodeX.data = parted(x, long(xRe, xIm));
-      part.bodeY.data = parted(x, long(yRe, yIm));
-      part.twice.data = parted(x, twice.map((v) => this.factor * v));
-      part.half.data = parted(x, half.map((v) => this.factor * v));
-      const second = this.others[r]?.curves;
-      part.second.data = second ? parted(x, long(second.xRe, second.xIm)) : { x: [], y: [] };
+      const [place, x] = [this.places[r], run.track[this.across]];
+      if (place) this.bode.fill(this.parts[r], x, place, this.others[r], this.factor);
     });
   }
 
