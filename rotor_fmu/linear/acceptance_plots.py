@@ -132,8 +132,8 @@ def unbalance_check_figure(result: UnbalanceCheck) -> Figure:
             axes.plot([at[0], to], [at[1], at[1]], color=color, lw=1.4)
     axes.set_xlabel(current().speed_label)
     axes.set_title(
-        _named(result, "Critical speeds (circles x, squares y), each with the separation that it ")
-        + "needs;\norange: too near to the operating range, which is shaded",
+        _named(result, "Critical speeds with the separations that they need\n")
+        + "circles x, squares y; orange: too near to the operating range, which is shaded",
         loc="left",
         fontsize=9,
     )

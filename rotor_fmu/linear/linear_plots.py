@@ -289,6 +289,7 @@ def static_figure(result: Static, name: str = "", shear: Sequence[float] = ()) -
             va="center",
             fontsize=8,
             arrowprops={"arrowstyle": "->", "color": "black", "lw": 0.9},
+            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
         )
     axes.margins(x=0.08, y=0.3)
     axes.set_xlabel(f"Along the shaft z [{current().length_unit}]")
