@@ -8,11 +8,24 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import NamedTuple
 
 from .errors import InputError
 
 INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
 OUNCE = POUND / 16
+
+
+class Shown(NamedTuple):
+    """Factor from an SI unit to the unit that is shown, and that unit."""
+
+    factor: float
+    unit: str
+
+    @property
+    def word(self) -> str:
+        """The unit in letters that every terminal has."""
+        return self.unit.replace("µ", "u")
 
 
 @dataclass(frozen=True)
@@ -67,6 +80,23 @@ class Display:
     def speed_label(self) -> str:
         """Label of an axis of speeds."""
         return f"Rotational speed n [{self.speed_unit}]"
+
+    def of_si(self, unit: str) -> Shown:
+        """How a quantity in an SI unit is shown, metres as displacements; what has no other unit is
+        shown as it is."""
+        shown = {
+            "rad/s": (self.speed, self.speed_unit),
+            "rad/s2": (self.speed, f"{self.speed_unit}/s"),
+            "m": (self.small, self.small_unit),
+            "kg": (self.mass, self.mass_unit),
+            "N": (self.force, self.force_unit),
+            "N/m": (self.stiffness, self.stiffness_unit),
+            "N.s/m": (self.damping, self.damping_unit),
+            "N.m": (self.torque, self.torque_unit),
+            "Pa": (self.pressure, self.pressure_unit),
+            "kg.m": (self.unbalance, self.unbalance_unit),
+        }
+        return Shown(*shown.get(unit, (1.0, unit)))
 
     @property
     def frequency_unit(self) -> str:

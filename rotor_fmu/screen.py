@@ -10,6 +10,7 @@ from rich import box
 from rich.console import Console
 from rich.progress import Progress, TextColumn
 from rich.table import Table
+from rich.text import Text
 
 _FIRST = 20  # characters that the first column has at least on a narrow screen
 _LINE_EVERY, _BAR_EVERY = 10.0, 0.1  # seconds, without and with a terminal
@@ -22,7 +23,7 @@ def text_table(
     title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], folds: Sequence[str] = ()
 ) -> Table:
     """Return a table whose first column, of names, may fold, and those whose heads `folds` lists;
-    the others are flush right."""
+    the others are flush right. Heads and cells are shown as they are: "[mil]" is no markup."""
     table = Table(
         title=title or None,
         title_justify="left",
@@ -33,11 +34,11 @@ def text_table(
     )
     for k, head in enumerate(heads):
         if k == 0 or head in folds:
-            table.add_column(head, overflow="fold", min_width=_FIRST)
+            table.add_column(Text(head), overflow="fold", min_width=_FIRST)
         else:
-            table.add_column(head, justify="right", no_wrap=True)
+            table.add_column(Text(head), justify="right", no_wrap=True)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*map(Text, row))
     return table
 
 

@@ -15,10 +15,12 @@ from rotor_fmu.model.structure.beam import shaft_element
 from rotor_fmu.acceptance.balancing import Balancing, CorrectionPlane, Vibration
 from rotor_fmu.display import choose, current, display_of, restored, shown_speed
 from rotor_fmu.errors import InputError
+from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.linear import acceptance, answers
 from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
+from rotor_fmu.live.page import page_data
 from rotor_fmu.report import signal_plots
 from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.page import runs_page
@@ -27,7 +29,7 @@ from rotor_fmu.report.view import View
 from rotor_fmu.runs import run_plots
 from rotor_fmu.runs.job import load_rotor
 
-from .recordings import recorded
+from .recordings import recorded, write_study
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -257,6 +259,71 @@ def test_a_page_begins_in_the_units_that_were_chosen():
     assert '<option value="2" selected>mil 0-p' in page
     assert "<h1>closed form</h1>" in page
     assert "selected" not in runs_page(runs, [{}]).split("<script")[0]
+
+
+def test_the_page_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path):
+    """Of a machine that asks for none they are Hz and µm; its file may ask for others, and
+    `--units` for others again."""
+    write_study(tmp_path / "study")
+    pages = [_page_of_study(command, tmp_path, *given) for given in ((), ("--units", "us"))]
+    about = json.loads((tmp_path / "study" / "study.json").read_text())
+    (tmp_path / "study" / "study.json").write_text(json.dumps(about | {"units": "rpm,mil"}))
+    pages.append(_page_of_study(command, tmp_path))
+    units = [[c["unit"] for c in data["columns"]] for data in pages]
+    assert units == [["-", "µm", "µm"], ["-", "mil", "mil"], ["-", "mil", "mil"]]
+    curves = [data["curves"][0] for data in pages]
+    assert [c["coordinate_unit"] for c in curves] == ["Hz", "rpm", "rpm"]
+    assert [c["unit"] for c in curves] == ["µm", "mil", "mil"]
+    hz, rpm = (np.array(c["coordinate"]) for c in curves[:2])
+    assert rpm == pytest.approx(60 * hz)
+
+
+def _page_of_study(command, folder, *given):
+    command("report", str(folder / "study"), *given)
+    text = (folder / "out").read_text(encoding="utf-8")
+    return json.loads(re.search(r'id="data">(.*?)</script>', text, re.S).group(1))
+
+
+def test_the_table_of_a_study_is_in_the_units_that_were_chosen(command, tmp_path):
+    (tmp_path / "rig.toml").write_text(f'units = "rpm, mil"\n{rig_toml()}')
+    (tmp_path / "study.toml").write_text(
+        'machine = "rig.toml"\n[run]\nkind = "constant"\nspeed = 100.0\nsettle = 0.05\n'
+        'turns = 2\n[vary]\n"bearing[1].clearance" = { values = [4e-5, 6e-5] }\n'
+        '[keep]\npeak = { peak = "disc[1].r" }\n[limits]\npeak = 1.0\n'
+    )
+    given = ("study", str(tmp_path / "study.toml"), "--jobs", "1", "--analyse")
+    mil, um = command(*given), command(*given, "--units", "si")
+    assert "bearing[1].clearance [mil]" in mil
+    assert "peak > 39370.1 mil" in mil
+    assert "peak > 1e+06 um" in um
+    small, large = ([float(v) for v in re.findall(r"(\d+\.\d+) ok", text)] for text in (mil, um))
+    assert small == pytest.approx([um / 25.4 for um in large], rel=1e-3)
+    assert len(small) == 2
+
+
+def test_the_page_on_which_a_machine_runs_is_in_the_units_that_were_chosen():
+    machine = machine_of(rig_toml(), False, 0)
+    with restored():
+        choose("us, pp")
+        us = page_data(machine)
+    si = page_data(machine)
+    units = {name: each["unit"] for name, each in us["units"].items()}
+    assert units == {"speed": "rpm", "displacement": "mil", "amplitude": "mil pp"}
+    assert us["units"]["amplitude"]["factor"] == pytest.approx(2e6 / 25.4)
+    shown = [c["unit"] for group in (us["course"], *us["groups"]) for c in group["controls"]]
+    shown += [c["unit"] for c in us["recorded"]]
+    assert {"rpm", "rpm/s", "mil", "lbf", "lbf/in", "lbf.s/in", "lb", "lbf.in"} <= set(shown)
+    assert not {"Hz", "µm", "um", "N", "N/m", "N.s/m", "kg", "N.m", "rad/s", "m"} & set(shown)
+    assert [c["unit"] for c in si["course"]["controls"]] == ["Hz", "Hz", "Hz/s", "s", ""]
+    # what runs and what an address says stays in SI units
+    starts = [[c["start"] for c in data["course"]["controls"]] for data in (us, si)]
+    assert starts[0] == starts[1]
+
+
+@pytest.mark.native
+def test_the_command_page_takes_units(command, tmp_path):
+    command("page", "--units", "us")
+    assert '"speed":{"unit":"rpm"' in (tmp_path / "out").read_text(encoding="utf-8")
 
 
 def test_a_shape_is_drawn_with_the_elements_own_cubic():

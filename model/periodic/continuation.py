@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..spelling import Message
 from . import arclength
 from .accuracy import Accuracy
 from .arclength import Lost, Point
@@ -19,7 +18,7 @@ from .fourier import amplitudes, basis, repeated, resized, shifted
 from .handover import Motions
 from .journal import Ended, Journal, Start
 from .shooting import Shooting
-from .task import SPEED, Machines, Response
+from .task import Machines, Note, Response
 
 LOST = "lost: "
 JOINED = "joins a branch of a shorter period"
@@ -102,10 +101,8 @@ def follow(search: Search, start: Start) -> Branch:
             ended = search.journal.add(Ended(why))
         ends[1] = ended.why
         if ended.why.startswith(LOST):
-            unit = " rad/s" if task.name == SPEED else ""
-            at = f"{task.name} = {_last(branch, start.value):g}{unit}"
-            said = f"{label} ends at {at}: {ended.why}"
-            result.notes.append(Message(said, "branch-lost"))
+            at = f"{label} ends at {task.name} = ", _last(branch, start.value)
+            result.notes.append(Note("branch-lost", result.unit, *at, f": {ended.why}"))
         if len(start.ways) > 1 and side == 0:
             _turn_round(branch)
             ends = [ends[1], ""]
@@ -119,11 +116,9 @@ def follow(search: Search, start: Start) -> Branch:
         if p.last_share > accuracy.share and accuracy.most >= p.orbit.H
     ]
     if coarse:
-        said = (
-            f"{label} has more than {accuracy.most} harmonics from {task.name} = "
-            f"{min(coarse):g} to {max(coarse):g}: amplitudes are less exact there"
-        )
-        result.notes.append(Message(said, "few-harmonics"))
+        many = f"{label} has more than {accuracy.most} harmonics from {task.name} = "
+        said = (many, min(coarse), " to ", max(coarse), ": amplitudes are less exact there")
+        result.notes.append(Note("few-harmonics", result.unit, *said))
     return branch
 
 

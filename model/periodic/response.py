@@ -21,7 +21,7 @@ from .journal import Journal, Start, Started
 from .seeds import guesses
 from .shooting import Shooting
 from .switching import follow_switched
-from .task import SPEED, Machines, PeriodicError, Response, Task, check, machines_of
+from .task import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
 from .whirl import growing, rolling
 
 _LINEAR_POINTS = 401  # of a machine without nonlinear parts
@@ -211,12 +211,10 @@ def _new_at(
         if not is_seed:
             break
     if not is_found:
-        said = (
-            f"no periodic motion was found at {task.name} = {value:g}: neither from rest, nor "
-            "from a run in time, which may be no periodic one"
-        )
-        notes.append(Message(said, "no-motion"))
+        how = ": neither from rest, nor from a run in time, which may be no periodic one"
+        said = (f"no periodic motion was found at {task.name} = ", value, how)
+        notes.append(Note("no-motion", result.unit, *said))
     elif is_seed and not is_new:
-        said = f"no further motion was found at the seed {task.name} = {value:g}"
-        notes.append(Message(said, "no-motion"))
+        said = (f"no further motion was found at the seed {task.name} = ", value)
+        notes.append(Note("no-motion", result.unit, *said))
     return notes

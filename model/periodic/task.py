@@ -73,6 +73,33 @@ class Task:
         return Problem(machines, self.parameter, at, H, speed=self.speed, **options)
 
 
+class Note(Message):
+    """A message about values of what is varied; as text it has them in SI units."""
+
+    __slots__ = ("parts", "unit")
+    parts: tuple[str | float, ...]
+    unit: str
+
+    def __new__(cls, code: str, unit: str, *parts: str | float) -> Note:
+        """Return a message of texts and values; unit: of the values."""
+        note = super().__new__(cls, _joined(parts, 1.0, unit), code)
+        note.parts, note.unit = parts, unit
+        return note
+
+    def __getnewargs__(self) -> tuple[Any, ...]:
+        """Return the arguments of a copy."""
+        return self.code, self.unit, *self.parts
+
+    def shown(self, factor: float, unit: str) -> Message:
+        """Return it with its values in another unit; factor: to that."""
+        return Message(_joined(self.parts, factor, unit), self.code)
+
+
+def _joined(parts: tuple[str | float, ...], factor: float, unit: str) -> str:
+    behind = "" if unit in ("", "1") else f" {unit}"
+    return "".join(p if isinstance(p, str) else f"{factor * p:.5g}{behind}" for p in parts)
+
+
 @dataclass
 class Response:
     """Branches of a task, and what is to be said of them, a line each; is_stopped: whether
@@ -83,6 +110,13 @@ class Response:
     branches: list[Branch] = field(default_factory=list)
     notes: list[Message] = field(default_factory=list)
     is_stopped: bool = False
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of what is varied."""
+        if self.task.name == SPEED:
+            return "rad/s"
+        return {str(n): of.unit for n, of, _ in self.rotor.parameters()}[self.task.name]
 
     def machines(self) -> Machines:
         """The machine over the parameter."""

@@ -7,14 +7,16 @@ from typing import Any
 
 import typer
 
+from ..display import choose
 from ..files import write_text
 from ..output_options import with_output_options
-from .shared import Page, RotorFile, check_page
+from .shared import Page, RotorFile, Units, check_page
 
 
 @with_output_options
 def page(
     rotor: RotorFile = None,
+    units: Units = None,
     out: Page = Path("page.html"),
 ) -> dict[str, Any]:
     """Write a page on which the machine runs: its solver, sliders and pictures in one file, which
@@ -26,6 +28,7 @@ def page(
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)
+    choose(units, machine.units, rotor or "")
     check_page(out)
     warnings = machine_warnings(machine)
     for warning in warnings:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
-from ..display import choose
+from ..display import Shown, choose, current
 from ..errors import InputError, writable_folder
 from ..output_options import with_output_options
 from ..runs.job import load_rotor, write_json
@@ -66,10 +66,10 @@ def response(
         typer.Option(help="Longest step along the curve, in clearances and shares of the range."),
     ] = 0.1,
     seed: Annotated[
-        list[float] | None,
+        list[str] | None,
         typer.Option(
-            help="Value of what is varied, in SI units, at which a run in time looks for a further "
-            "branch; repeatable."
+            help="Value of what is varied, with or without unit, at which a run in time looks for "
+            "a further branch; repeatable."
         ),
     ] = None,
     whirl: Annotated[
@@ -109,6 +109,7 @@ def response(
     choose(units, machine.units, rotor or "")
     of = {str(name): described.unit for name, described, _ in machine.parameters()}
     at, varied = _varied(speed or _usual(machine, over), over, of)
+    unit = "rad/s" if varied is None else of.get(varied[0], "1")
     asked: dict[str, Any] = {
         "speed": at,
         "over": varied,
@@ -118,7 +119,7 @@ def response(
         "harmonics": harmonics,
         "share": share,
         "step": step,
-        "seeds": tuple(seed or ()),
+        "seeds": tuple(in_si("--seed", text, unit) for text in seed or ()),
         "whirl": whirl,
         "branches": branches,
     }
@@ -129,7 +130,8 @@ def response(
     from ..periodic.saved_events import saved_journal
 
     length = task.task.high - task.task.low
-    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before) as tell:
+    axis = current().of_si(unit)
+    with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as tell:
         result = found(task, tell, saved.journal)
     summary = dict(result.summary)
     if not result.is_stopped:
@@ -177,9 +179,9 @@ def _write_page(result: ResponseResult, name: str, path: Path) -> None:
 
 
 @contextmanager
-def _progress(length: float, before: int) -> Iterator[Callable[[str, Solution], None]]:
+def _progress(length: float, before: int, axis: Shown) -> Iterator[Callable[[str, Solution], None]]:
     """Show how much of the range, so long, is covered, and where the curve is; before: points of an
-    earlier call."""
+    earlier call; axis: how its values are shown."""
     count, low, high = 0, math.inf, -math.inf
     with progress_of("response", length, _errors, first=2.0) as update:
 
@@ -188,7 +190,8 @@ def _progress(length: float, before: int) -> Iterator[Callable[[str, Solution], 
             nonlocal count, low, high
             count, low, high = count + 1, min(low, point.value), max(high, point.value)
             if count > before:
-                text = f"{label}: {count} points, at {point.value:.5g}, {point.orbit.H} harmonics"
+                value = f"{axis.factor * point.value:.5g} {axis.word}"
+                text = f"{label}: {count} points, at {value}, {point.orbit.H} harmonics"
                 update(high - low, lambda: text, False)
 
         yield tell
@@ -241,7 +244,7 @@ def _checked(result: ResponseResult) -> list[dict[str, Any]]:
             }
         )
         what = "stable" if point.is_stable else "unstable"
-        value = f"{point.value * axis.scale:.5g} {axis.unit}"
+        value = f"{point.value * axis.factor:.5g} {axis.word}"
         typer.echo(
             f"{value}, {what}: {'stays' if seen.stays else 'leaves'}, "
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"

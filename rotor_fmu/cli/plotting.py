@@ -180,9 +180,9 @@ def _report_of_runs(
     is_study = _check_runs(paths, is_live)
     check_page(out)
     if is_live:
-        page = _live_page(paths[0])
+        page = _live_page(paths[0], units)
     else:
-        page = _study_page(paths[0], out.parent) if is_study else _runs_page(paths, units)
+        page = (_study_page if is_study else _runs_page)(paths, units, out.parent)
     write_text(page, out)
     typer.echo(out)
     return {"out": out}
@@ -207,27 +207,30 @@ def _check_runs(paths: list[Path], is_live: bool) -> bool:
     return bool(studies)
 
 
-def _live_page(path: Path) -> str:
+def _live_page(path: Path, units: str | None) -> str:
     from ..live.page import solver_page
     from ..live.recorded_run import machine_of_run, settings_of_run
     from ..plotting.reading import read_run
 
     run = read_run(path)
     recorded = machine_of_run(run)
+    choose(units, recorded.rotor.units)
     return solver_page(recorded, settings_of_run(run, recorded))
 
 
-def _study_page(path: Path, beside: Path) -> str:
+def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
     from ..plotting.reading import read_study, rows_of_quantiles
     from ..plotting.selected import pages_of_runs
     from ..report.study import study_page
 
-    about, rows = read_study(path)
+    about, rows = read_study(paths[0])
+    choose(units, about.get("units", ""))
     drawn = rows_of_quantiles(about, rows)
-    return study_page(about, rows, pages_of_runs(path, beside), drawn)
+    return study_page(about, rows, pages_of_runs(paths[0], beside), drawn)
 
 
-def _runs_page(paths: list[Path], units: str | None) -> str:
+def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
+    """Return the page of one or two runs, which lie wherever they lie."""
     from ..plotting.reading import read_run, read_summary, told_apart
     from ..report.page import runs_page
 

@@ -16,6 +16,7 @@ import typer
 from rich.console import Console
 
 from ..cells import cell
+from ..display import choose, current
 from ..errors import InputError, optional, writable_folder
 from ..output_options import with_output_options
 from ..screen import progress_of, text_table
@@ -26,6 +27,7 @@ from ..studies.machine.runs import MachineRuns
 from ..studies.reading import read_study
 from ..studies.runner import Progress, run_study
 from ..studies.study import Study
+from .shared import Units
 
 _errors = Console(stderr=True)
 
@@ -66,6 +68,7 @@ def study(
     select: Annotated[
         str, typer.Option(help="Repeat the run of this id or number and record all its signals.")
     ] = "",
+    units: Units = None,
 ) -> dict[str, Any]:
     """Make many runs of a machine, store one row for each, and evaluate them.
 
@@ -74,6 +77,7 @@ def study(
     """
     _need_extra()
     definition = read_study(file, is_quick=is_quick)
+    choose(units, definition.units)
     where = _where(jobs, scheduler, cluster)
     if is_drawn:
         _check_diagram(definition)
@@ -88,7 +92,7 @@ def study(
             raise
     figures = _say_result(definition, out, progress)
     if is_analysed:
-        figures["analysis"] = _analyse(out)
+        figures["analysis"] = _analyse(definition, out)
     if is_drawn:
         figures["diagrams"] = _draw(definition, out)
     return figures
@@ -178,12 +182,29 @@ def _say_result(definition: Study, out: Path, progress: Progress) -> dict[str, A
     ranked = [c for c in definition.model.columns if not c.dimension]
     if ranked:
         named = next((c for c in ranked if c.name in definition.limits), ranked[0])
-        typer.echo(f"the largest of {named.name} [{named.unit}], what failed first:")
+        unit = current().of_si(named.unit).word
+        typer.echo(f"the largest of {named.name} [{unit}], what failed first:")
         figures["worst_of"] = named.name
         figures["worst"] = worst(data, named.name)
-        _print_table(figures["worst"])
+        _print_table([_in_units(definition, row) for row in figures["worst"]])
     typer.echo(f"written to {out}")
     return figures
+
+
+def _in_units(definition: Study, row: dict[str, Any]) -> dict[str, Any]:
+    """Return a row with what is varied and what is kept in the units that are shown."""
+    units = {axis.name: axis.unit for axis in definition.design.axes}
+    units |= {column.name: column.unit for column in definition.model.columns}
+    result = {}
+    for name, value in row.items():
+        shown = current().of_si(units.get(name, ""))
+        result[_named(name, shown.word)] = value if shown.factor == 1.0 else shown.factor * value
+    return result
+
+
+def _named(text: str, unit: str, form: str = " [{}]") -> str:
+    """Return a text with the unit behind it, if there is one."""
+    return text if unit in ("", "1") else text + form.format(unit)
 
 
 def _print_table(rows: list[dict[str, Any]]) -> None:
@@ -194,28 +215,37 @@ def _print_table(rows: list[dict[str, Any]]) -> None:
     Console(width=max(Console().width, 120), highlight=False).print(table)
 
 
-def _analyse(out: Path) -> dict[str, Any]:
+def _analyse(definition: Study, out: Path) -> dict[str, Any]:
     from ..runs.job import write_json
     from ..studies.analysis import analyse
 
     report = analyse(out)
     write_json(report, out / "analysis.json")
+    shown = {c.name: current().of_si(c.unit) for c in definition.model.columns}
     rows = []
     for name, result in report["columns"].items():
         if result["count"]:
-            row = {"column": name, **result}
-            rows.append(row | row.pop("quantiles", {}))
+            factor, unit = shown[name].factor, shown[name].word
+            values = result | result.get("quantiles", {})
+            lengths = {k: factor * v for k, v in values.items() if k not in ("count", "quantiles")}
+            rows.append({"column": _named(name, unit), "count": result["count"], **lengths})
     typer.echo("columns:")
     _print_table(rows)
     for name, result in report["limits"].items():
         if result["count"]:
-            typer.echo(f"{name} > {result['limit']:g}: {_counted(result)}")
+            factor, unit = shown[name].factor, shown[name].word
+            limit = _named(f"{factor * result['limit']:.6g}", unit, " {}")
+            typer.echo(f"{name} > {limit}: {_counted(result)}")
     for sentence in report["says"]:
         typer.echo(sentence)
     for name, result in report.get("sensitivity", {}).items():
         if result:
             typer.echo(f"{name}, indices from {result['blocks']} of {result['of']} blocks:")
-            _print_table([{"parameter": axis, **row} for axis, row in result["indices"].items()])
+            # Sobol's indices are shares, those of Morris in the unit of the column
+            factor = shown[name].factor if definition.design.kind == "morris" else 1.0
+            indices = result["indices"].items()
+            table = [{"parameter": a} | {k: factor * v for k, v in r.items()} for a, r in indices]
+            _print_table(table)
         else:
             typer.echo(f"{name}: no indices: fewer than two whole blocks, or it does not vary")
     typer.echo(f"written to {out / 'analysis.json'}")

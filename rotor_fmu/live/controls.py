@@ -7,9 +7,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..display import current
 from ..fmi.packing.machine_files import Machine
 from ..fmi.solver_parameters import PREFIX, REDUCTION
-from ..fmi.variables import Variable, unit
+from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.quantities import ANY, Rule
 from ..model.structure.assembly import assemble
@@ -22,8 +23,7 @@ NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
 _USUAL = ("clearance", "mu", "e", "eta_v", "preset", "tolerance", "gravity")
 _RECORDED = ("x", "y", "r_amp", "fn", "ft", "psi", "w", "tau", "phi")
 _OF_SOLVER = ("solver.steps", "solver.h_last", "solver.error")
-_SHOWN_UNITS = {"um": "µm", "deg": "°"}
-_RPM = 30.0 / math.pi
+_DEGREE = math.pi / 180.0
 _SAMPLES_A_TURN = 16
 _DECADE, _FEW = 10.0, 4.0  # how far a slider goes from the value in the machine file
 
@@ -34,11 +34,11 @@ def course(rotor: Rotor) -> dict[str, Any]:
     speed, rate = _linear(0.0, 3 * usual.trip), usual.run_down_rate
     rates = {"low": rate / _DECADE, "high": _DECADE * rate, "log": True}
     rows = (
-        ("from", "speed at the start", "rpm", _RPM, usual.trip, speed),
-        ("to", "speed at the end", "rpm", _RPM, 0.0, speed),
-        ("rate", "rate of the speed", "rpm/s", _RPM, rate, rates),
-        ("hold", "time at the last speed", "s", 1.0, 0.0, None),
-        ("samples", "samples a turn, at the highest speed", "", 1.0, float(_SAMPLES_A_TURN), None),
+        ("from", "speed at the start", "rad/s", usual.trip, speed),
+        ("to", "speed at the end", "rad/s", 0.0, speed),
+        ("rate", "rate of the speed", "rad/s2", rate, rates),
+        ("hold", "time at the last speed", "s", 0.0, None),
+        ("samples", "samples a turn, at the highest speed", "1", float(_SAMPLES_A_TURN), None),
     )
     return {
         "title": "speed",
@@ -49,15 +49,14 @@ def course(rotor: Rotor) -> dict[str, Any]:
                 "kind": "Real",
                 "text": text,
                 "about": text,
-                "unit": shown,
-                "factor": factor,
+                **shown_in(unit),
                 "start": start,
                 "unset": False,
                 "choices": [],
                 "slider": slider,
                 "usual": True,
             }
-            for name, text, shown, factor, start, slider in rows
+            for name, text, unit, start, slider in rows
         ],
     }
 
@@ -111,7 +110,6 @@ def _weight(machine: Machine) -> float:
 
 def _control(v: Variable, reference: int) -> dict[str, Any]:
     part, _, _ = v.name.rpartition(".")
-    shown = unit(v.unit).display if v.kind == "Real" else None
     text = v.text.partition(";")[0].removeprefix(f"{spoken(part)}: ")
     return {
         "name": v.name,
@@ -120,18 +118,18 @@ def _control(v: Variable, reference: int) -> dict[str, Any]:
         "text": text.partition(": 0 ")[0],
         "label": spoken(v.name),
         "about": v.text,
-        "unit": _unit_text(v, shown),
-        "factor": shown[1] if shown else 1.0,
+        **shown_in(v.unit if v.kind == "Real" else "1"),
         "start": None if v.start is None else float(v.start),
         "unset": v.is_unset_at_start,
         "choices": list(v.choices),
     }
 
 
-def _unit_text(v: Variable, shown: tuple[str, float] | None) -> str:
-    if v.kind != "Real" or v.unit == "1":
-        return ""
-    return _SHOWN_UNITS.get(shown[0], shown[0]) if shown else v.unit
+def shown_in(unit: str) -> dict[str, Any]:
+    """Return the unit in which a quantity in an SI unit is shown, and the factor to it; angles are
+    shown in degrees, numbers without unit."""
+    factor, shown = (1.0 / _DEGREE, "°") if unit == "rad" else current().of_si(unit)
+    return {"unit": "" if shown == "1" else shown, "factor": factor}
 
 
 def _slider(v: Variable, rule: Rule | None, largest: float) -> dict[str, Any] | None:

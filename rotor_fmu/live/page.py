@@ -9,12 +9,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..about import __version__
+from ..display import current
 from ..fmi.machine_table import FmuInterface, table_bytes
 from ..fmi.packing.machine_files import Machine
 from ..library.build import core_digest, library
 from ..library.platforms import WASM
 from ..report.page import head, json_in_script, machine_html, template
-from .controls import course, groups, places, recorded
+from .controls import course, groups, places, recorded, shown_in
 
 _PACKAGE = __package__
 _SCRIPTS = ("plan.js", "chart.js", "panel.js", "pictures.js", "page.js")
@@ -49,7 +50,7 @@ def solver_table(machine: Machine) -> bytes:
 
 def page_data(machine: Machine) -> dict[str, Any]:
     """Return what the page's scripts know of a machine: controls, what is recorded, places, and the
-    course of the speed, SI units."""
+    course of the speed, SI units; and the units in which it is shown."""
     index = {variable.name: i for i, variable in enumerate(machine.table)}
     return {
         "name": machine.rotor.name,
@@ -59,6 +60,11 @@ def page_data(machine: Machine) -> dict[str, Any]:
         "speed": index["speed"],
         "speed_rate": index["speed_rate"],
         "course": course(machine.rotor),
+        "units": {
+            "speed": shown_in("rad/s"),
+            "displacement": shown_in("m"),
+            "amplitude": {"unit": current().amplitude_unit, "factor": current().amplitude},
+        },
     }
 
 

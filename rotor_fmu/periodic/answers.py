@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..display import current
 from ..errors import InputError
 from ..fmi.interface import ports
 from ..linear.answers import rotor_of
@@ -135,9 +136,18 @@ def question(
     if not isinstance(ends, tuple) or len(ends) != 2:
         raise InputError(f"speed = {speed}: must be FROM and TO")
     low, high = (float(end) for end in ends)
+    known = {str(n): of.unit for n, of, _ in rotor.parameters()} | {SPEED: "rad/s"}
+    factor, unit = current().of_si(known[name])
+
+    def shown(value: float) -> str:
+        """A value of what is varied, in the unit that is shown."""
+        return f"{factor * value:.5g}"
+
     for seed in seeds:
         if not low <= seed <= high:
-            raise InputError(f"seed = {seed:g}: must be from {low:g} to {high:g}")
+            raise InputError(
+                f"seed = {shown(seed)}: must be from {shown(low)} to {shown(high)} {unit}"
+            )
     task = Task(
         low,
         high,

@@ -35,7 +35,7 @@ def response_page(result: ResponseResult, name: str) -> str:
         "parameter": result.parameter,
         "unit": axis.unit,
         "small": current().small_unit,
-        "value": packed(np.array([p.value for p in points]) * axis.scale),
+        "value": packed(np.array([p.value for p in points]) * axis.factor),
         "branch": branch,
         "stable": [int(p.is_stable) for p in points],
         "multiplier": packed(np.array(sizes)),
@@ -46,7 +46,7 @@ def response_page(result: ResponseResult, name: str) -> str:
         "quantities": {q: _shown(unit)[1] for q, unit in UNITS.items()},
         "places": [_place(result, place, samples) for place in places],
         "bifurcations": [
-            {"kind": b.kind, "value": b.value * axis.scale, "point": _before(result, i, b.behind)}
+            {"kind": b.kind, "value": b.value * axis.factor, "point": _before(result, i, b.behind)}
             for i, each in enumerate(result.branches)
             for b in each.bifurcations
         ],

@@ -34,7 +34,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         curve = result.curve(name)
         for i in range(1, len(result.branches) + 1):
             mine = curve.branch == i
-            at, value = curve.parameter[mine] * axis.scale, curve.value[mine] * small
+            at, value = curve.parameter[mine] * axis.factor, curve.value[mine] * small
             for piece, is_stable in pieces(curve.stable[mine].tolist()):
                 style, width = ("-", 1.8) if is_stable else ((0, (4, 2)), 1.2)
                 axes.plot(at[piece], value[piece], color=color, ls=style, lw=width)
@@ -42,7 +42,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
             for b in branch.bifurcations:
                 near = branch.points[max(0, b.behind)]
                 y = result.amplitude(near, name) * small
-                axes.plot(b.value * axis.scale, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
+                axes.plot(b.value * axis.factor, y, _MARKS[b.kind], color=color, mfc="white", ms=6)
         handles.append(Line2D([], [], color=color, lw=1.8, label=name))
     handles.append(Line2D([], [], color=GREY, lw=1.8, label="stable"))
     handles.append(Line2D([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="unstable"))
@@ -52,7 +52,7 @@ def response_figure(result: ResponseResult, names: Sequence[str] | None = None) 
         )
     axes.legend(handles=handles, frameon=False, fontsize=8)
     axes.set_ylim(bottom=0)
-    values = np.array([p.value for p in result.points]) * axis.scale
+    values = np.array([p.value for p in result.points]) * axis.factor
     if len(values):
         axes.set_xlim(values.min(), values.max())
     axes.set_xlabel(f"{result.parameter} [{axis.unit}]")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..display import current
+from ..display import Shown, current
 from ..errors import InputError
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
@@ -22,8 +22,9 @@ from ..model.periodic.branch import FOLD, Bifurcation, Solution
 from ..model.periodic.evaluation import at, folds_over, stays
 from ..model.periodic.folds import FoldCurve
 from ..model.periodic.seeds import Stay
-from ..model.periodic.task import SPEED, Response
+from ..model.periodic.task import Note, Response
 from ..model.quantities import QuantityError
+from ..model.spelling import Message
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -71,24 +72,16 @@ class SectionLine(NamedTuple):
     is_stable: bool
 
 
-class Axis(NamedTuple):
-    """Factor from the SI unit of a parameter to the unit that is shown, and that unit."""
-
-    scale: float
-    unit: str
-
-
 class ResponseResult:
     """Periodic motions of a machine over a parameter; a notebook shows the picture.
 
-    parameter: its name, unit: of its values; branches: see `model.periodic.branch`; notes: what is
-    to be said of them.
+    parameter: its name, unit: of its values; branches: see `model.periodic.branch`.
     """
 
     def __init__(self, result: Response) -> None:
         self._found = result
         self.parameter = result.task.name
-        self.branches, self.notes = result.branches, tuple(result.notes)
+        self.branches = result.branches
         self.probes = probes(result.rotor)
 
     def __repr__(self) -> str:
@@ -111,17 +104,19 @@ class ResponseResult:
     @property
     def unit(self) -> str:
         """Of the parameter."""
-        if self.parameter == SPEED:
-            return "rad/s"
-        known = {str(name): described.unit for name, described, _ in self._found.rotor.parameters()}
-        return known[self.parameter]
+        return self._found.unit
 
     @property
-    def axis(self) -> Axis:
-        """How the parameter is shown: a speed in the unit of speeds, all else in SI units."""
-        if self.parameter == SPEED:
-            return Axis(current().speed, current().speed_unit)
-        return Axis(1.0, self.unit)
+    def axis(self) -> Shown:
+        """How the parameter is shown."""
+        return current().of_si(self.unit)
+
+    @property
+    def notes(self) -> tuple[Message, ...]:
+        """What is to be said of the branches, in the units that are shown."""
+        shown = self.axis.factor, self.axis.word
+        notes = self._found.notes
+        return tuple(n.shown(*shown) if isinstance(n, Note) else n for n in notes)
 
     @property
     def points(self) -> list[Solution]:
@@ -249,9 +244,9 @@ class ResponseResult:
         axis, rows = self.axis, list[tuple[object, ...]]()
         for i, branch in enumerate(self.branches, 1):
             for b in branch.bifurcations:
-                value = float(b.value) * axis.scale
+                value = float(b.value) * axis.factor
                 rows.append((i, b.kind, value, float(abs(b.multiplier)), b.orbit.H))
-        over = f"{self.parameter} [{axis.unit}]"
+        over = f"{self.parameter} [{axis.word}]"
         heads = ("branch", "bifurcation", over, "largest multiplier", "harmonics")
         counts = ", ".join(
             f"{i}: {len(b.points)} points, {sum(p.is_stable for p in b.points)} stable, "

@@ -21,6 +21,7 @@ from ..model.periodic.arclength import Point
 from ..model.periodic.balance import Orbit
 from ..model.periodic.branch import Bifurcation, Passed, Place, Solution
 from ..model.periodic.journal import Ended, Event, Journal, Start, Started
+from ..model.periodic.task import Note
 from ..model.spelling import Message
 
 FILE, LOCK = "points.jsonl", "points.lock"
@@ -74,6 +75,8 @@ def _journal(path: Path, toml: str, options: Mapping[str, Any]) -> Iterator[Save
 
 
 def _encoded(thing: Any) -> Any:
+    if isinstance(thing, Note):
+        return {"note": thing.__getnewargs__()}
     if isinstance(thing, Message):
         return {"message": [str(thing), thing.code]}
     if isinstance(thing, Solution):  # the motion of all dofs follows from the orbit
@@ -96,6 +99,8 @@ def _decoded(thing: Any) -> Any:
     if not isinstance(thing, dict):
         return thing
     ((kind, value),) = thing.items()
+    if kind == "note":
+        return Note(*value)
     if kind == "message":
         return Message(*value)
     if kind == "array":

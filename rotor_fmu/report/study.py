@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..display import Shown, current
 from .packed import COARSE, packed
 from .page import page, template
 from .report_tables import table
@@ -71,10 +72,9 @@ def study_page(
     )
 
 
-def _shown_in(unit: str) -> tuple[float, str]:
-    """Return the factor by which a number in a unit is shown, and the unit shown."""
-    shown = {"m": (1e6, "µm"), "rad/s": (0.5 / np.pi, "Hz"), "1": (1.0, "-")}
-    return shown.get(unit, (1.0, unit))
+def _shown_in(unit: str) -> Shown:
+    """Return how a number in a unit is shown."""
+    return Shown(1.0, "-") if unit == "1" else current().of_si(unit)
 
 
 def _head(column: Mapping[str, Any]) -> dict[str, str]:

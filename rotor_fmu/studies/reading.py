@@ -12,7 +12,7 @@ from ..errors import InputError, read_text
 from ..model.quantities import QuantityError
 from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
 from .machine.reading import check_values, read_machine, with_keeps
-from .machine.runs import MachineRuns
+from .machine.runs import MachineRuns, machine_of
 from .study import Column, Model, Study
 from .study_tables import Tables, known_name, nearest, table_of
 
@@ -57,7 +57,8 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
             limits[name] = number(f"limits {name}", value, unit)
     except (InputError, QuantityError) as error:
         raise InputError(f"{path}: {error}") from error
-    return Study(str(tables.get("name", path.stem)), model, design, limits, text)
+    shown = machine_of(model.toml, False).rotor.units if isinstance(model, MachineRuns) else ""
+    return Study(str(tables.get("name", path.stem)), model, design, limits, text, shown)
 
 
 def _merged(base: Tables, over: Tables) -> dict[str, Any]:

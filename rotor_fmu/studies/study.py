@@ -65,7 +65,8 @@ class Model(Protocol):
 class Study:
     """A study that was checked and can begin.
 
-    limits: by column, what it should not pass; text: the file it was read from.
+    limits: by column, what it should not pass; text: the file it was read from; units: that the
+    machine's file asks to be shown.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Study:
     design: Design
     limits: Mapping[str, float] = field(default_factory=dict)
     text: str = ""
+    units: str = ""
 
     @property
     def identity(self) -> str:
@@ -97,6 +99,7 @@ class Study:
             "columns": [vars(column) for column in self.model.columns],
             "limits": dict(self.limits),
             "text": self.text,
+            "units": self.units,
         }
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import rotor_fmu as rf
+from rotor_fmu.display import choose, restored
 
 from ..parts.machines import bearings, rigid
 from .machines import BETA, CLEARANCE, OMEGA, ZETA, jeffcott
@@ -80,7 +81,11 @@ def test_the_isolated_branch_is_closed_and_folds_where_the_closed_form_begins_an
 def test_a_seed_where_nothing_else_is_says_so():
     result = rf.response(ISOLA, speed=(60.0, 100.0), seeds=(80.0,))
     assert len(result.branches) == 1
-    assert "no further motion was found at the seed speed = 80" in result.notes
+    said = "no further motion was found at the seed speed = "
+    assert f"{said}12.732 Hz" in result.notes
+    with restored():
+        choose("rpm")
+        assert f"{said}763.94 rpm" in result.notes
 
 
 @pytest.fixture(scope="module")

@@ -49,9 +49,16 @@ def test_the_command_writes_curve_and_picture(tmp_path):
         (("--period", "0"), "period = 0: must be"),
         (("--share", "2"), "share = 2: must be"),
         (("--load", "disc=3"), "is no force on a port"),
-        (("--speed", "50:400", "--seed", "1000"), "seed = 1000: must be from 50 to 400"),
+        (
+            ("--speed", "50:400", "--seed", "1000"),
+            "seed = 159.15: must be from 7.9577 to 63.662 Hz",
+        ),
+        (("--seed", "3 mm"), "--seed 3 mm: must be a speed of rotation, in rad/s"),
         # of 1 % of paper A's machine: from an eighth of twice its lowest natural frequency
-        (("--seed", "1000"), "seed = 1000: must be from 25 to 200"),
+        (
+            ("--seed", "9000rpm", "--units", "rpm"),
+            "seed = 9000: must be from 238.73 to 1909.9 rpm",
+        ),
     ],
 )
 def test_what_cannot_be_is_one_line_with_status_2(tmp_path, arguments, words):

@@ -1,7 +1,7 @@
 // The pictures of the run, and of the one before.
 
 const charts = {
-  amplitude: new Chart("amplitude", (hz) => pickWhere(abscissa(now), hz)),
+  amplitude: new Chart("amplitude", (speed) => pickWhere(abscissa(now), speed)),
   orbit: new Chart("orbit"),
   time: new Chart("time", (t) => pickWhere(now.t.subarray(0, now.n), t)),
   near: new Chart("near", (t) => pickWhere(now.t.subarray(0, now.n), t)),
@@ -14,15 +14,19 @@ const shownRuns = () => (field("compare").checked && before ? [before, now] : [n
 const styleOf = (run) => (run === now ? "now" : "before");
 const wordOf = (run) => (run === now ? "this run" : "the run before");
 const scaled = (list, factor) => list.map((value) => value * factor);
+const { speed: SPEED, displacement: SMALL, amplitude: AMPLITUDE } = data.units;
+// A distance from the centre is no amplitude, which may be shown peak-to-peak.
+const sizeOf = (place) => (place.amplitude ? AMPLITUDE : SMALL);
 
 function abscissa(run) {
-  return isSteady(run) ? run.t.subarray(0, run.n) : scaled(column(run, "w"), 1 / TURN);
+  return isSteady(run) ? run.t.subarray(0, run.n) : scaled(column(run, "w"), SPEED.factor);
 }
 
 function amplitude(run, place) {
-  if (place.amplitude) return scaled(column(run, place.amplitude), 1e6);
+  const { factor } = sizeOf(place);
+  if (place.amplitude) return scaled(column(run, place.amplitude), factor);
   const [x, y] = [column(run, place.x), column(run, place.y)];
-  return x.map((value, i) => 1e6 * Math.hypot(value, y[i]));
+  return x.map((value, i) => factor * Math.hypot(value, y[i]));
 }
 
 // Index of the last row at or before a time.
@@ -65,13 +69,14 @@ function peakRow(run, place) {
 
 function peakOf(run, place) {
   const row = peakRow(run, place);
-  return `${digits(amplitude(run, place)[row], 4)} µm at ${digits(hertz(run, row), 4)} Hz`;
+  const peak = `${digits(amplitude(run, place)[row], 4)} ${sizeOf(place).unit}`;
+  return `${peak} at ${digits(speedAt(run, row), 4)} ${SPEED.unit}`;
 }
 
 // Zero where round-off alone is left of the speed.
-function hertz(run, row) {
+function speedAt(run, row) {
   const w = column(run, "w")[row];
-  return Math.abs(w) < 1e-9 * Math.max(...run.plan.speeds.map(Math.abs)) ? 0 : w / TURN;
+  return Math.abs(w) < 1e-9 * Math.max(...run.plan.speeds.map(Math.abs)) ? 0 : w * SPEED.factor;
 }
 
 // The time picked; without one the last, and the peak's of a run that has ended.
@@ -113,29 +118,30 @@ function redraw() {
   const runs = shownRuns().filter((run) => run.n);
   const series = (of) => runs.map((run) => ({ ...of(run), kind: styleOf(run), label: wordOf(run) }));
   const columns = Math.max(200, charts.time.figure.clientWidth);
-  const speeds = runs.flatMap((run) => run.plan.speeds).map((each) => each / TURN);
+  const speeds = runs.flatMap((run) => run.plan.speeds).map((each) => each * SPEED.factor);
   const steady = isSteady(now);
   if (place) {
     charts.amplitude.draw({
       series: series((run) => thinned(abscissa(run), amplitude(run, place), columns)),
-      xLabel: steady ? "Time [s]" : "Speed [Hz]",
-      yLabel: `${place.amplitude ? "Amplitude" : "Distance from the centre"}, ${place.title} [µm]`,
-      cursor: steady ? t : hertz(now, row),
+      xLabel: steady ? "Time [s]" : `Speed [${SPEED.unit}]`,
+      yLabel: `${place.amplitude ? "Amplitude" : "Distance from the centre"}, ${place.title} [${sizeOf(place).unit}]`,
+      cursor: steady ? t : speedAt(now, row),
       from: 0,
       xRange: steady ? null : [Math.min(...speeds), Math.max(...speeds)],
     });
     const orbits = series((run) => {
       const span = turnsUpTo(run, rowAt(run, t), 2);
-      const of = (name) => scaled(column(run, name).slice(...span), 1e6);
+      const of = (name) => scaled(column(run, name).slice(...span), SMALL.factor);
       return { x: of(place.x), y: of(place.y) };
     });
     if (place.clearance) {
-      const radius = 1e6 * (now.given[place.clearance] ?? byName.get(place.clearance).start);
+      const radius = SMALL.factor * (now.given[place.clearance] ?? byName.get(place.clearance).start);
       const angles = Array.from({ length: 121 }, (_, i) => (i * TURN) / 120);
       const ring = (of) => angles.map((angle) => radius * of(angle));
       orbits.push({ x: ring(Math.cos), y: ring(Math.sin), kind: "ring" });
     }
-    charts.orbit.draw({ series: orbits, xLabel: "x [µm]", yLabel: `y, ${place.title} [µm]`, equal: true });
+    const [xLabel, yLabel] = ["x", `y, ${place.title}`].map((text) => `${text} [${SMALL.unit}]`);
+    charts.orbit.draw({ series: orbits, xLabel, yLabel, equal: true });
   }
   const yLabel = `${signal.label}${signal.unit ? ` [${signal.unit}]` : ""}`;
   const over = (run, first, last) => ({
@@ -166,10 +172,13 @@ function redraw() {
       xRange: span,
     });
   }
-  const hz = hertz(now, row);
+  const speed = `${digits(speedAt(now, row), 4)} ${SPEED.unit}`;
   const value = column(now, signal.name)[row] * signal.factor;
-  const parts = [`t = ${digits(now.t[row], 6)} s, ${digits(hz, 4)} Hz (${Math.round(60 * hz)} rpm)`];
-  if (place) parts.push(`amplitude of ${place.title} ${digits(amplitude(now, place)[row], 4)} µm`);
+  const parts = [`t = ${digits(now.t[row], 6)} s, ${speed}`];
+  if (place) {
+    const size = `${digits(amplitude(now, place)[row], 4)} ${sizeOf(place).unit}`;
+    parts.push(`${place.amplitude ? "amplitude" : "distance from the centre"} of ${place.title} ${size}`);
+  }
   parts.push(`${signal.label} ${digits(value)} ${signal.unit}`);
   field("reading").textContent = parts.join("; ");
   if (picked === null) field("cursor").value = Math.round((1000 * now.t[row]) / now.plan.duration);

@@ -7,11 +7,12 @@ it is unstable, or there is none.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ...display import current, shown_speed, speed_with_unit
 from ...errors import InputError
 from ..design import Axis
 from ..study import Study
@@ -33,12 +34,12 @@ Say = Callable[[str], object]
 
 class Panel(NamedTuple):
     """A diagram: points over the parameter, of rising and of falling values where a run goes both
-    ways; the values of what else is varied; the motions, or None."""
+    ways; the values of what else is varied, as they are shown; the motions, or None."""
 
     parameter: np.ndarray
     section: np.ndarray
     falls: np.ndarray
-    others: Mapping[str, float]
+    others: Sequence[str]
     response: ResponseResult | None
 
 
@@ -98,7 +99,8 @@ def _panels(
             )
             if response is None:
                 response = _response(runs, axis, settings, over, say)
-            panel = Panel(over, section, falls, others, response)
+            texts = [_text(a, others[a.name]) for a in rest]
+            panel = Panel(over, section, falls, texts, response)
             result.setdefault(metric.name, []).append(panel)
     return result
 
@@ -135,12 +137,14 @@ def _response(
     n = runs.how.numbers
     try:
         if axis is None or axis.targets == (_SPEED,):
-            say(f"periodic motions from {low:g} to {high:g} rad/s")
+            say(f"periodic motions from {shown_speed(low)} to {speed_with_unit(high)}")
             return answer(rotor, speed=(low, high), parameters=given, branches=True)
         if len(axis.targets) > 1 or axis.targets[0] not in names:
             raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
         speed = settings.get(_SPEED, n["speed"])
-        say(f"periodic motions over {axis.name} from {low:g} to {high:g} at {speed:g} rad/s")
+        of = current().of_si(axis.unit)
+        ends = f"{of.factor * low:.6g} to {of.factor * high:.6g} {of.word}"
+        say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
         asked = (axis.targets[0], low, high)
         return answer(rotor, speed=speed, over=asked, parameters=given, branches=True)
     except InputError as error:
@@ -148,20 +152,28 @@ def _response(
         return None
 
 
+def _text(axis: Axis, value: float) -> str:
+    factor, unit = current().of_si(axis.unit)
+    return f"{axis.name} = {factor * value:.6g}{'' if unit in ('', '1') else f' {unit}'}"
+
+
 def _figure(metric: Metric, runs: MachineRuns, axis: Axis | None, panels: list[Panel]) -> Figure:
     from ...figure_style import new_panels
 
     figure, axes = new_panels(7.2, 0.8 + 3.2 * len(panels), len(panels), 1, share_x=True)
     for panel, ax in zip(panels, axes, strict=True):
-        _draw(metric, panel, ax)
-    unit = "rad/s" if axis is None else axis.unit
+        _draw(metric, "rad/s" if axis is None else axis.unit, panel, ax)
+    unit = current().of_si("rad/s" if axis is None else axis.unit).unit
     name = "speed" if axis is None else axis.name.removeprefix(RUN)
     axes[-1].set_xlabel(f"{name} [{unit}]")
     return figure
 
 
-def _draw(metric: Metric, panel: Panel, ax: Axes) -> None:
+def _draw(metric: Metric, unit: str, panel: Panel, ax: Axes) -> None:
+    """Draw a panel; unit: the SI unit of its parameter."""
     from ...figure_style import BLUE, GREY, ORANGE
+
+    across, small = current().of_si(unit).factor, current().small
 
     place, _, side = metric.of.rpartition(".")
     response = panel.response
@@ -169,14 +181,14 @@ def _draw(metric: Metric, panel: Panel, ax: Axes) -> None:
         for over, value, stable in response.section(place, side):
             dashes = "-" if stable else (0, (4, 2))
             width = 2.2 if stable else 1.2
-            ax.plot(over, value * 1e6, color=GREY, ls=dashes, lw=width, zorder=1)
+            ax.plot(over * across, value * small, color=GREY, ls=dashes, lw=width, zorder=1)
     for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):
         mine = panel.falls == falls
         if mine.any():
             label = text if panel.falls.any() else "once a turn"
             ax.plot(
-                panel.parameter[mine],
-                panel.section[mine] * 1e6,
+                panel.parameter[mine] * across,
+                panel.section[mine] * small,
                 "x" if falls else ".",
                 color=color,
                 ms=3,
@@ -188,5 +200,5 @@ def _draw(metric: Metric, panel: Panel, ax: Axes) -> None:
         ax.plot([], [], color=GREY, lw=2.2, label="periodic, stable")
         ax.plot([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="periodic, unstable")
     ax.legend(frameon=False, fontsize=8)
-    ax.set_title(", ".join(f"{n} = {v:g}" for n, v in panel.others.items()), fontsize=9)
-    ax.set_ylabel(f"{metric.of} at the mark [µm]")
+    ax.set_title(", ".join(panel.others), fontsize=9)
+    ax.set_ylabel(f"{metric.of} at the mark [{current().small_unit}]")
