@@ -179,6 +179,13 @@ def test_pictures_of_contacts_and_spectra_are_in_the_units_chosen_under_the_mach
     assert lines.get_xlim()[1] < 3.5 * 3000
 
 
+def test_a_run_far_from_standstill_fills_its_picture():
+    """From 300 to 180 rad/s, 47.7 to 28.6 Hz; one near standstill is drawn down to it."""
+    far, near = (run_plots.contact_angle(recorded(rate=rate), "") for rate in (-20.0, -40.0))
+    assert far.axes[0].get_xlim() == (20.0, 50.0)
+    assert near.axes[0].get_xlim() == (0.0, 50.0)
+
+
 def test_mode_shapes_in_space_are_whole_and_in_the_units_chosen():
     """Of a mode that is normalized by its largest displacement in x and y together."""
     result = answers.modes(rig(), 100.0)

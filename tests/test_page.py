@@ -1,6 +1,7 @@
 """The page in a browser: silent, linked, right under the cursor, at every width and in the dark."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -271,6 +272,7 @@ def test_speeds_are_shown_in_rpm(silent, pages):
         ticks = page.run(f"return {axis}.formatter.doFormat([20, 30.5], {{}})")
         assert ticks == ["1200", "1830"]
     assert page.run("return over.bode.hover.tooltips[2].join(' ')") == "speed @x{custom} rpm"
+    assert re.search(r" at \d+ rpm \([\d.]+ Hz\), t = ", page.text("reading"))
     across = "over.spectrum.plot.below[0]"
     assert page.run(f"return {across}.axis_label") == "Whirl frequency [cpm], backward < 0"
     assert page.run(f"return {across}.formatter.doFormat([50], {{}})") == ["3000"]

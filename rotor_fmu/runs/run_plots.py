@@ -47,12 +47,19 @@ def _titled(axes: Axes, caption: str) -> None:
     axes.set_title(caption, loc="left", fontsize=10)
 
 
+_NEAR = 0.4  # of the highest speed
+
+
 def _speed_axis(axes: Axes, hz: np.ndarray) -> None:
     axes.set_xlabel(current().speed_label)
     # rounding leaves something of a shaft that stands
     tens = np.round(hz / 10, 9) if len(hz) else np.array([6.0])
-    low = 10 * math.floor(tens.min(initial=0.0))
-    axes.set_xlim(low, 10 * math.ceil(tens.max(initial=0.0)) or (low == 0) * 10)
+    ends = float(tens.min()), float(tens.max())
+    # to standstill, unless the run stays far from it
+    if min(ends) < _NEAR * max(ends) or ends[0] == ends[1]:
+        ends = min(ends[0], 0.0), max(ends[1], 0.0)
+    low = 10 * math.floor(ends[0])
+    axes.set_xlim(low, 10 * math.ceil(ends[1]) or (low == 0) * 10)
 
 
 def amplitude(
@@ -84,7 +91,7 @@ def amplitude(
         start = f"start-up, the first {PEAKS_AFTER:g} s" if shown is run else None
         axes.plot(n[early], values[early], color=GREY, lw=0.6, label=start)
         axes.plot(n[late], values[late], color=color, lw=width, label=text)
-    axes.legend(frameon=False, loc="upper right", fontsize=8)
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=len(curves) + 1)
     _speed_axis(axes, run.columns["w"] * d.speed)
     axes.set_ylim(bottom=0)
     direction = "Horizontal" if axis == "x" else "Vertical"

@@ -8,10 +8,16 @@ function whirling(sense) {
   return sense < 0 ? "; whirls backward" : "; whirls forward";
 }
 
+// In both units, the one that is shown first.
+function speedOf(hz) {
+  const both = [`${shown(hz)} Hz`, `${Math.round(60 * hz)} rpm`];
+  if (over.turns !== 1) both.reverse();
+  return `${both[0]} (${both[1]})`;
+}
+
 function sentence(found, run, several) {
   return (
-    `${several ? `${run.name}, ` : ""}${found.label} at ${shown(found.hz)} Hz ` +
-    `(${Math.round(60 * found.hz)} rpm), t = ${shown(found.t)} s: ` +
+    `${several ? `${run.name}, ` : ""}${found.label} at ${speedOf(found.hz)}, t = ${shown(found.t)} s: ` +
     `1x of x ${shown(found.x)} ${over.chosenUnit.text} at ${Math.round(found.phaseX)}°, ` +
     `of y ${shown(found.y)} at ${Math.round(found.phaseY)}°; ` +
     `largest line ${shown(run.orders[found.peak])}x${whirling(found.sense)}`
@@ -28,7 +34,7 @@ function pick(station) {
   const words = found.map((each, r) => (each ? sentence(each, over.runs[r], several) : ""));
   const text = words.filter(Boolean).join(". ");
   field("reading").textContent = text;
-  field("station").setAttribute("aria-valuetext", `${shown(found[0].hz)} Hz`);
+  field("station").setAttribute("aria-valuetext", speedOf(found[0].hz));
   for (const chart of [over.bode, over.phase, over.orbit, over.base, over.spectrum, over.polar]) {
     chart.tell(text);
   }
