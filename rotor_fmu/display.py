@@ -27,6 +27,11 @@ class Shown(NamedTuple):
         """The unit in letters that every terminal has."""
         return self.unit.replace("µ", "u")
 
+    def text(self, value: float) -> str:
+        """Return a value in the SI unit as it is shown, with the unit if there is one."""
+        behind = "" if self.unit in ("", "1") else f" {self.word}"
+        return f"{self.factor * value:.5g}{behind}"
+
 
 @dataclass(frozen=True)
 class Display:
@@ -162,6 +167,13 @@ def shown_speed(omega: float) -> str:
 def speed_with_unit(omega: float) -> str:
     """Return a speed [rad/s] in the unit that is shown, to five digits, with the unit."""
     return f"{float(omega) * current().speed:.5g} {current().speed_unit}"
+
+
+def range_with_unit(low: float, high: float) -> str:
+    """Return a range of speeds [rad/s], which may be one speed, in words: `at 8000 rpm`."""
+    if low == high:
+        return f"at {speed_with_unit(high)}"
+    return f"between {low * current().speed:.5g} and {speed_with_unit(high)}"
 
 
 def frequency_unit() -> str:

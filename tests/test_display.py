@@ -13,7 +13,14 @@ from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
 from rotor_fmu.acceptance.balancing import Balancing, CorrectionPlane, Vibration
-from rotor_fmu.display import choose, current, display_of, restored, shown_speed
+from rotor_fmu.display import (
+    choose,
+    current,
+    display_of,
+    range_with_unit,
+    restored,
+    shown_speed,
+)
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.linear import acceptance, answers
@@ -248,6 +255,23 @@ def test_every_picture_of_a_machine_has_its_name_and_a_static_one_what_bears_it(
         assert any(title.startswith("zigulic2003: ") for title in titles), titles
     named = [text.get_text() for text in at_rest.texts]
     assert [text.partition("\n")[0] for text in named] == ["bearing[1]", "bearing[2]"]
+
+
+def test_a_value_is_shown_with_its_unit_if_it_has_one():
+    shown = display_of("--units", "us").of_si
+    assert shown("m").text(25.4e-6) == "1 mil"
+    assert display_of("--units", "si").of_si("m").text(1e-6) == "1 um"
+    assert shown("1").text(0.25) == "0.25"
+
+
+def test_a_range_of_one_speed_is_said_as_one_speed():
+    speed = 8000 * math.pi / 30
+    with restored():
+        choose("rpm")
+        assert range_with_unit(speed, speed) == "at 8000 rpm"
+        assert range_with_unit(speed, 1.25 * speed) == "between 8000 and 10000 rpm"
+        table = acceptance.unbalance_check(rig(), 0.1 * speed, 0.1 * speed, [4]).table()
+    assert table.title.startswith("API 617 at 800 rpm, ")
 
 
 def test_the_unbalance_picture_says_that_amplitudes_are_0_p():

@@ -215,6 +215,6 @@ def _new_at(
         said = (f"no periodic motion was found at {task.name} = ", value, how)
         notes.append(Note("no-motion", result.unit, *said))
     elif is_seed and not is_new:
-        said = (f"no further motion was found at the seed {task.name} = ", value)
-        notes.append(Note("no-motion", result.unit, *said))
+        text = f"no further motion was found at the seed {task.name} = "
+        notes.append(Note("no-motion", result.unit, text, value))
     return notes

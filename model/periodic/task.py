@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -82,7 +82,7 @@ class Note(Message):
 
     def __new__(cls, code: str, unit: str, *parts: str | float) -> Note:
         """Return a message of texts and values; unit: of the values."""
-        note = super().__new__(cls, _joined(parts, 1.0, unit), code)
+        note = cast(Note, super().__new__(cls, _joined(parts, 1.0, unit), code))
         note.parts, note.unit = parts, unit
         return note
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..display import current, shown_speed, speed_with_unit
+from ..display import current, range_with_unit, shown_speed
 from ..linear import acceptance, answers
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
@@ -115,9 +115,8 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     html = page(
         title=rotor.name,
         about=(
-            f"Rotor dynamics by API 617 and 684 between {low * current().speed:.5g} and "
-            f"{speed_with_unit(high)}, "
-            "carried on into contact"
+            f"Rotor dynamics by API 617 and 684 {range_with_unit(low, high)}, carried on into "
+            "contact"
         ),
         body=template("machine.html").substitute(
             notices="\n".join(f'<p class="notice">{escape(text)}</p>' for text in conclusions),

@@ -190,7 +190,7 @@ def _progress(length: float, before: int, axis: Shown) -> Iterator[Callable[[str
             nonlocal count, low, high
             count, low, high = count + 1, min(low, point.value), max(high, point.value)
             if count > before:
-                value = f"{axis.factor * point.value:.5g} {axis.word}"
+                value = axis.text(point.value)
                 text = f"{label}: {count} points, at {value}, {point.orbit.H} harmonics"
                 update(high - low, lambda: text, False)
 
@@ -244,7 +244,7 @@ def _checked(result: ResponseResult) -> list[dict[str, Any]]:
             }
         )
         what = "stable" if point.is_stable else "unstable"
-        value = f"{point.value * axis.factor:.5g} {axis.word}"
+        value = axis.text(point.value)
         typer.echo(
             f"{value}, {what}: {'stays' if seen.stays else 'leaves'}, "
             f"{seen.distance:.2g} of the orbit away after {seen.turns} turns"

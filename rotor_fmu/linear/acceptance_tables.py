@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from ..display import current, speed_with_unit
+from ..display import current, range_with_unit, speed_with_unit
 from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import CriticalMap
 from ..model.linear.stability_levels import (
@@ -72,7 +72,7 @@ def unbalance_check_table(result: UnbalanceCheck) -> Table:
         *("required [%]", "actual [%]", "met"),
     )
     title = (
-        f"API 617 between {result.low * d.speed:.5g} and {speed_with_unit(result.high)}, contacts "
+        f"API 617 {range_with_unit(result.low, result.high)}, contacts "
         f"{result.contacts}: critical speeds ({d.amplitude_words}) with separation margins, probes "
         f"({small} p-p) against {result.limit * d.small:.4g} {small}, clearances "
         f"({small} 0-p{_scaled(result)}) against 75 %"
