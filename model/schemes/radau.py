@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from ..kernels.functions import inverse, modulus
+from ..kernels.functions import inverse, modulus, scaled
 from ..kernels.jit import jit
 
 STAGES = 3
@@ -75,9 +75,25 @@ A_SQUARED = np.array(
 A_INVERSE = np.array(
     [[entry.real for entry in row] for row in _inverse([[complex(x) for x in row] for row in A])]
 )
-# T[i, s] T^-1[s, j]: the share of system s in what stage j does to stage i.
+
+
+def _parts(first: complex, second: complex) -> list[float]:
+    """Return the weights of the three `parts` of the systems' values, of which the first and the
+    second have these weights, and the third has the second's conjugate."""
+    return [first.real, second.real, second.imag]
+
+
+# The first system is real, the third has the weights of the second conjugated. With a, b, c of the
+# systems as parts a, b + c, i (b - c), all weights are real: TO_STAGES[i] those by which a stage is
+# the parts, OF_STAGES[:, k] those by which a stage enters the first and, real and imaginary, the
+# others, SHARES[i, k] those of the parts in what stage k does to stage i.
+TO_STAGES = np.array([_parts(_T[i][0], _T[i][1]) for i in range(3)])
+OF_STAGES = np.array([_parts(_T_INVERSE[0][k], _T_INVERSE[1][k]) for k in range(3)]).T.copy()
 SHARES = np.array(
-    [[[_T[i][s] * _T_INVERSE[s][j] for j in range(3)] for i in range(3)] for s in range(3)]
+    [
+        [_parts(_T[i][0] * _T_INVERSE[0][k], _T[i][1] * _T_INVERSE[1][k]) for k in range(3)]
+        for i in range(3)
+    ]
 )
 
 
@@ -119,6 +135,19 @@ def _integrals() -> np.ndarray:
 INTEGRALS = _integrals()
 # Of the third difference of a step's accelerations times h^2, what counts as its local error.
 ERROR_CONSTANT = 0.02
+
+
+@jit
+def of_parts(weights, p, s, t):
+    """Return the sum of parts with these weights."""
+    return scaled(weights[0], p) + scaled(weights[1], s) + scaled(weights[2], t)
+
+
+@jit
+def parts_times(factor, s, t):
+    """Return the parts b + c, i (b - c) where b is multiplied by a factor, c by its conjugate."""
+    real, imaginary = factor.real, factor.imag
+    return scaled(real, s) + scaled(imaginary, t), scaled(real, t) - scaled(imaginary, s)
 
 
 @jit

@@ -85,6 +85,12 @@ def relative(interface, z):
 
 
 @jit
+def sides(interface):
+    """Return the two places between which an interface acts, and how its force does there [1]."""
+    return (interface.end, -1.0), (interface.dof, 1.0)
+
+
+@jit
 def side_of(interface, place):
     """Return how an interface's force acts on the housing at a place: 1.0 as on a node, -1.0 the
     other way, 0.0 not at all."""

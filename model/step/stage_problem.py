@@ -136,26 +136,27 @@ def _improve(structure, h, accuracy, relax, old, stages, forces, count):
                 at = forces + i * size + first + s
                 solution[at] = _known(structure, old, stages, i, j, 2 + s)
     solve_dense(stages.jacobian, stages.pivots, count, solution)
+    moved_d, moved_v = stages.moved_d, stages.moved_v
+    for row in range(len(moved_d)):
+        moved_d[row] = moved_v[row] = 0.0
+    for k in range(forces):
+        force, by_d, by_v = solution[k], stages.by_d[unknowns[k, 0]], stages.by_v[unknowns[k, 0]]
+        for row in range(len(moved_d)):
+            moved_d[row] += by_d[row] * force
+            moved_v[row] += by_v[row] * force
     largest = 0.0
     for i in range(STAGES):
         for j in range(m):
             interface = structure.interfaces[j]
             row = 2 * (i * m + j)
-            d_x = d_y = v_x = v_y = 0.0
-            for k in range(forces):
-                u, force = unknowns[k, 0], solution[k]
-                d_x += stages.by_d[row, u] * force
-                d_y += stages.by_d[row + 1, u] * force
-                v_x += stages.by_v[row, u] * force
-                v_y += stages.by_v[row + 1, u] * force
-            d = stages.d_free[i, j] + complex(d_x, d_y)
+            d = stages.d_free[i, j] + complex(moved_d[row], moved_d[row + 1])
             change = modulus(d - stages.d[i, j])
             is_open = stages.acts[i, j] == 0 and law_gap(structure.laws, interface, d) >= 0.0
             if not is_open:
                 largest = max(largest, change / (accuracy * interface.length))
             if not change < math.inf:
                 return math.inf
-            v = stages.v_free[i, j] + complex(v_x, v_y)
+            v = stages.v_free[i, j] + complex(moved_v[row], moved_v[row + 1])
             stages.d[i, j] += relax * (d - stages.d[i, j])
             stages.v_relative[i, j] += relax * (v - stages.v_relative[i, j])
             stages.force[i, j] = 0.0

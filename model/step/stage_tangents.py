@@ -128,12 +128,13 @@ def _fill_row(structure, h, stages, row, i, j, output, forces, count):
     """Fill in minus the derivatives of a force or a rate by all unknowns."""
     m, size = len(structure.interfaces), len(stages.law_rate[0])
     tangent, matrix_row, at = stages.tangent[i, j, output], stages.jacobian[row], 2 * (i * m + j)
-    d_x, d_y = stages.by_d[at], stages.by_d[at + 1]
-    v_x, v_y = stages.by_v[at], stages.by_v[at + 1]
     for k in range(forces):
-        u = stages.unknowns[k, 0]
+        d, v = stages.by_d[stages.unknowns[k, 0]], stages.by_v[stages.unknowns[k, 0]]
         matrix_row[k] = -(
-            tangent[0] * d_x[u] + tangent[1] * d_y[u] + tangent[2] * v_x[u] + tangent[3] * v_y[u]
+            tangent[0] * d[at]
+            + tangent[1] * d[at + 1]
+            + tangent[2] * v[at]
+            + tangent[3] * v[at + 1]
         )
     for k in range(forces, count):
         matrix_row[k] = 0.0

@@ -15,15 +15,15 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from ..kernels.band import add_product, solve
+from ..kernels.band import add_product
 from ..kernels.functions import scaled
 from ..kernels.jit import jit
 from ..parts.housing import masses
-from ..schemes.radau import A_SQUARED, END_SLOPE, STAGES, T_INVERSE, A, C, T
+from ..schemes.radau import A_SQUARED, END_SLOPE, OF_STAGES, STAGES, TO_STAGES, A, C, of_parts
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
-from .laws import first_broken, relative, side_of
-from .stage_matrices import condense, factorize_systems
+from .laws import first_broken, relative, sides
+from .stage_matrices import condense, factorize_systems, solve_systems
 from .stage_problem import solve_stages
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 from .step import add_internal, by_axis, is_sane
@@ -36,14 +36,15 @@ class Stages(NamedTuple):
     omega, alpha, theta, drive, torque, loads: rotation, torque on a free rotor, torque that the
     motion needs, and loads at the stages; ledger: at the end of the step. q, v, v_dot: motion at
     the stages; force: of the interfaces; internal_state, internal_rate: of the laws; powers: flows
-    of the ledger [W]. modal: accelerations of the three systems. d_free, v_free: relative motion of
-    the interfaces without their forces, d, v_relative: with them; by_d, by_v: what forces at all
-    stages do to these. acts: which interfaces do, law_force, law_state, law_rate: what the laws
-    say; tangent: of forces and rates by displacement, velocity, and states. jacobian, solution,
-    pivots: of Newton's method; unknowns: places of the unknowns, of a force with its stage,
-    interface and axis. housing: accelerations by forces on the housings, in x and
-    in y; housing_d, housing_v: displacements and velocities. scratch, trial_state, trial_rate:
-    scratch of single calls.
+    of the ledger [W]. modal: accelerations of the three systems, as parts once they are solved for
+    (`schemes.radau`), columns: those by a force at an interface. d_free, v_free: relative motion of
+    the interfaces without their forces, d, v_relative: with them; by_d, by_v: what forces at
+    all stages, a row each, do to these; moved_d, moved_v: what those that were found do. acts:
+    which interfaces do, law_force, law_state, law_rate: what the laws say; tangent: of forces
+    and rates by displacement, velocity, and states. jacobian, solution, pivots: of Newton's
+    method; unknowns: places of the unknowns, of a force with its stage, interface and axis.
+    housing: accelerations by forces on the housings, in x and in y; housing_d, housing_v:
+    displacements and velocities. scratch, trial_state, trial_rate: scratch of single calls.
     """
 
     key: Annotated[np.ndarray, float, "4"]
@@ -61,9 +62,9 @@ class Stages(NamedTuple):
     internal_state: Annotated[np.ndarray, float, "3", "internal_states"]
     internal_rate: Annotated[np.ndarray, float, "3", "internal_states"]
     powers: Annotated[np.ndarray, float, "3", "flows"]
-    factors: Annotated[np.ndarray, complex, "3", "n", "width"]
-    columns: Annotated[np.ndarray, complex, "3", "interfaces", "n"]
-    modal: Annotated[np.ndarray, complex, "3", "n"]
+    factors: Annotated[np.ndarray, complex, "n", "width", "3"]
+    columns: Annotated[np.ndarray, complex, "interfaces", "n", "3"]
+    modal: Annotated[np.ndarray, complex, "n", "3"]
     scratch: Annotated[np.ndarray, complex, "4", "n"]
     housing: Annotated[np.ndarray, float, "2", "housings", "3", "3"]
     housing_d: Annotated[np.ndarray, float, "2", "housings", "3", "3"]
@@ -74,6 +75,8 @@ class Stages(NamedTuple):
     v_relative: Annotated[np.ndarray, complex, "3", "interfaces"]
     by_d: Annotated[np.ndarray, float, "6 * interfaces", "6 * interfaces"]
     by_v: Annotated[np.ndarray, float, "6 * interfaces", "6 * interfaces"]
+    moved_d: Annotated[np.ndarray, float, "6 * interfaces"]
+    moved_v: Annotated[np.ndarray, float, "6 * interfaces"]
     acts: Annotated[np.ndarray, np.int64, "3", "interfaces"]
     law_force: Annotated[np.ndarray, complex, "3", "interfaces"]
     law_state: Annotated[np.ndarray, float, "3", "internal_states"]
@@ -130,10 +133,10 @@ def _free_response(structure, spin, h, old, stages):
         by_time[i] = 0.0
     add_internal(structure, spin, -1.0, 1.0, old.q, old.v, scratch, at_start)
     add_internal(structure, spin, -1.0, 0.0, old.v, old.v, scratch, by_time)
-    for s in range(STAGES):
-        for i in range(n):
-            stages.modal[s, i] = 0.0
-    right = stages.scratch[3]
+    right, modal = stages.scratch[3], stages.modal
+    for i in range(n):
+        for s in range(STAGES):
+            modal[i, s] = 0.0
     for k in range(STAGES):
         ahead = C[k] * h
         for i in range(n):
@@ -142,12 +145,14 @@ def _free_response(structure, spin, h, old, stages):
         add_applied(structure, at, stages.loads[k], right)
         add_bows(structure, at, ahead, old, right)
         _add_differences(structure, spin, at, ahead, old, scratch, right)
-        for s in range(STAGES):
-            share = T_INVERSE[s, k]
-            for i in range(n):
-                stages.modal[s, i] += share * right[i]
-    for s in range(STAGES):
-        solve(stages.factors[s], stages.modal[s])
+        for i in range(n):
+            for s in range(STAGES):
+                modal[i, s] += scaled(OF_STAGES[s, k], right[i])
+    for i in range(n):
+        even, odd = modal[i, 1], modal[i, 2]
+        modal[i, 1] = complex(even.real - odd.imag, even.imag + odd.real)
+        modal[i, 2] = complex(even.real + odd.imag, even.imag - odd.real)
+    solve_systems(stages.factors, modal)
     for i in range(STAGES):
         for j in range(len(structure.housings) + 1):
             stages.v_dot[i, n + j] = 0.0
@@ -180,22 +185,22 @@ def _fill_free(structure, h, old, stages):
         interface = structure.interfaces[j]
         d, v = relative(interface, old.q), relative(interface, old.v)
         for i in range(STAGES):
-            free_d = d + scaled(C[i] * h, v)
-            free_v = v
-            for k in range(STAGES):
-                w = 0.0j
-                if interface.dof < n:
-                    for s in range(STAGES):
-                        w += T[k, s] * stages.modal[s, interface.dof]
-                else:
-                    w += stages.v_dot[k, interface.dof]
-                if interface.end < n + len(structure.housings):
-                    w -= stages.v_dot[k, interface.end]
-                free_d += scaled(h * h * A_SQUARED[i, k], w)
-                free_v += scaled(h * A[i, k], w)
-            stages.d_free[i, j] = free_d
-            stages.v_free[i, j] = free_v
-            is_finite = is_finite and is_sane(free_d, 1e150)
+            stages.d_free[i, j] = d + scaled(C[i] * h, v)
+            stages.v_free[i, j] = v
+        for k in range(STAGES):
+            w = 0.0j
+            if interface.dof < n:
+                parts = stages.modal[interface.dof]
+                w += of_parts(TO_STAGES[k], parts[0], parts[1], parts[2])
+            else:
+                w += stages.v_dot[k, interface.dof]
+            if interface.end < n + len(structure.housings):
+                w -= stages.v_dot[k, interface.end]
+            for i in range(STAGES):
+                stages.d_free[i, j] += scaled(h * h * A_SQUARED[i, k], w)
+                stages.v_free[i, j] += scaled(h * A[i, k], w)
+        for i in range(STAGES):
+            is_finite = is_finite and is_sane(stages.d_free[i, j], 1e150)
     return is_finite
 
 
@@ -204,25 +209,27 @@ def _fill_motion(structure, h, old, stages):
     """Fill in the motion at the stages, of the forces that were found."""
     n = len(structure.weight)
     size = len(old.q)
+    modal = stages.modal
     for j in range(len(structure.interfaces)):
+        first = even = odd = 0.0j
         for k in range(STAGES):
             force = stages.force[k, j]
-            if force != 0.0:
-                for s in range(STAGES):
-                    share = T_INVERSE[s, k] * force
-                    for i in range(n):
-                        stages.modal[s, i] += share * stages.columns[s, j, i]
-                for place in range(len(structure.housings)):
-                    side = side_of(structure.interfaces[j], n + place)
-                    if side != 0.0:
-                        _push_housing(stages, n, place, k, scaled(side, force))
-    for k in range(STAGES):
-        for i in range(n):
-            stages.v_dot[k, i] = (
-                T[k, 0] * stages.modal[0, i]
-                + T[k, 1] * stages.modal[1, i]
-                + T[k, 2] * stages.modal[2, i]
-            )
+            first += scaled(OF_STAGES[0, k], force)
+            even += scaled(OF_STAGES[1, k], force)
+            odd += scaled(OF_STAGES[2, k], force)
+            for place, way in sides(structure.interfaces[j]):
+                if force != 0.0 and n <= place < n + len(structure.housings):
+                    _push_housing(stages, n, place - n, k, scaled(way, force))
+        if first != 0.0 or even != 0.0 or odd != 0.0:
+            columns = stages.columns[j]
+            for i in range(n):
+                p, s, t = columns[i, 0], columns[i, 1], columns[i, 2]
+                modal[i, 0] += first * p
+                modal[i, 1] += even * s + odd * t
+                modal[i, 2] += even * t - odd * s
+    for i in range(n):
+        for k in range(STAGES):
+            stages.v_dot[k, i] = of_parts(TO_STAGES[k], modal[i, 0], modal[i, 1], modal[i, 2])
     for k in range(STAGES):
         for i in range(size):
             by_q = by_v = 0.0j

@@ -20,7 +20,7 @@ from ..parts.law import Weights
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
-from .laws import first_broken, kinematics, law_force, law_rates, relative, side_of
+from .laws import first_broken, kinematics, law_force, law_rates, relative, side_of, sides
 from .linear_step import balance, balance_back, correct, predict, weights
 from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 
@@ -70,9 +70,10 @@ def by_axis(x_factor, y_factor, z):
 def add_internal(structure, spin, factor, damping, q, v, scratch, out):
     """out += factor (damping (C - i Omega G) v + (K - i kappa K_shaft - i/2 Omega' G) q)."""
     n = len(out)
-    for i in range(n):
-        scratch[i] = scaled(factor * damping, v[i])
-    add_product(structure.C, scratch, out)
+    if damping != 0.0:
+        for i in range(n):
+            scratch[i] = scaled(factor * damping, v[i])
+        add_product(structure.C, scratch, out)
     for i in range(n):
         scratch[i] = scaled(factor, q[i])
     add_product(structure.K, scratch, out)
@@ -185,11 +186,11 @@ def _factor_step_matrix(structure, scheme, fit, spin, h, work, problem):
             flexibility[2 * i, 2 * j + 1] = -response.imag
             flexibility[2 * i + 1, 2 * j] = response.imag
             flexibility[2 * i + 1, 2 * j + 1] = response.real
-            for k in range(len(structure.housings)):
-                side = side_of(interfaces[i], n + k) * side_of(interfaces[j], n + k)
-                if side != 0.0:
-                    flexibility[2 * i, 2 * j] += side * work.housing[k, 0]
-                    flexibility[2 * i + 1, 2 * j + 1] += side * work.housing[k, 1]
+            for place, way in sides(interfaces[j]):
+                side = way * side_of(interfaces[i], place)
+                if side != 0.0 and n <= place < n + len(structure.housings):
+                    flexibility[2 * i, 2 * j] += side * work.housing[place - n, 0]
+                    flexibility[2 * i + 1, 2 * j + 1] += side * work.housing[place - n, 1]
     work.key[0] = h
     work.key[1] = spin.omega
     work.key[2] = spin.alpha
@@ -268,10 +269,10 @@ def add_interface_force(structure, work, j, force, a):
     n = structure.M.shape[0]
     for i in range(n):
         a[i] += work.columns[j, i] * force
-    for k in range(len(structure.housings)):
-        side = side_of(structure.interfaces[j], n + k)
-        if side != 0.0:
-            a[n + k] += by_axis(side * work.housing[k, 0], side * work.housing[k, 1], force)
+    for place, way in sides(structure.interfaces[j]):
+        if n <= place < n + len(structure.housings):
+            x, y = work.housing[place - n, 0], work.housing[place - n, 1]
+            a[place] += by_axis(way * x, way * y, force)
 
 
 @jit
