@@ -14,6 +14,7 @@ from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.quantities import QuantityError
 
 from ..toml_text import table
+from .films import THRESHOLDS
 from .machines import shaft
 
 _PI = math.pi
@@ -45,14 +46,7 @@ def test_short_bearing_of_friswell_et_al_5_5_1():
     np.testing.assert_allclose(C, [[232.897e3, -81.924e3], [-81.924e3, 294.912e3]], rtol=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("e", "threshold", "whirl"),
-    [
-        *((0.1, 2.7413, 0.5029), (0.2, 2.6814, 0.5106), (0.3, 2.6058, 0.5194)),
-        *((0.4, 2.5446, 0.5238), (0.5, 2.5417, 0.5146), (0.6, 2.7010, 0.4740)),
-        *((0.7, 3.6278, 0.3446), (0.75, 9.744, 0.1267), (1e-3, 2.7640, 0.5)),
-    ],
-)
+@pytest.mark.parametrize(("e", "threshold", "whirl"), THRESHOLDS)
 def test_threshold_of_a_rigid_rotor(e, threshold, whirl):
     c, speed = 1e-4, 200.0
     film = BearingAlone(_bearing(short=True), speed)
