@@ -145,6 +145,7 @@ def test_the_command_shows_how_far_it_is(tmp_path):
 
     from rotor_fmu import screen
     from rotor_fmu.cli import periodic
+    from rotor_fmu.display import Display
 
     said = []
 
@@ -159,11 +160,11 @@ def test_the_command_shows_how_far_it_is(tmp_path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(screen, "time", Clock)
         patch.setattr(periodic, "_errors", Console(file=Lines(said), width=200))
-        with periodic._progress(180.0, before=3) as tell:
+        with periodic._progress(180.0, before=3, axis=Display().of_si("rad/s")) as tell:
             rf.response(jeffcott(), speed=(60.0, 240.0), tell=tell)
     assert len(said) > 3
     for line in said:
-        assert re.fullmatch(r"response: .*branch 1: \d+ points, at [\d.]+, \d+ harmonics", line)
+        assert re.fullmatch(r"response: .*branch 1: \d+ points, at [\d.]+ Hz, \d+ harmonics", line)
     counts = [int(re.search(r"(\d+) points", line)[1]) for line in said]
     assert counts == sorted(counts)
     assert counts[0] > 3
