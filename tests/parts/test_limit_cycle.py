@@ -93,6 +93,6 @@ def test_the_limit_cycle_past_the_threshold_is_that_of_cvode(beyond):
     mass = float(assemble(rotor).mass_sum[::2].sum())
     speed = beyond * bearing_curves(rotor, np.linspace(400.0, 1200.0, 5)).threshold
     expected, tolerance = _reference(speed, mass), 1e-3
-    assert 0.3 < expected.largest < 0.95
+    assert 0.3 < expected.largest < 0.99  # a whirl, and off the wall
     assert expected.ratio < 0.5
     assert _seen(rotor, speed, tolerance) == pytest.approx(expected, rel=3 * tolerance)

@@ -247,12 +247,12 @@ from concurrent.futures import Executor, Future
 from functools import partial
 from pathlib import Path
 from rotor_fmu.studies.runner import run_study
-from rotor_fmu.studies.executors import Where, engine
+from rotor_fmu.studies.executors import ExecutorConfig, engine
 from tests.studies.functions import Ishigami, ishigami_study
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
     study = ishigami_study(folder, Ishigami(pause=0.05))
-    run_study(study, folder / "out", partial(engine, Where(jobs=2)), lambda p: print(p, flush=True))
+    run_study(study, folder / "out", partial(engine, ExecutorConfig(jobs=2)), lambda p: print(p, flush=True))
 """
 
 
