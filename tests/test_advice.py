@@ -40,10 +40,12 @@ MENDED = {
 def test_a_run_that_takes_too_much_work_gets_on_with_the_advice_for_its_trouble(advice):
     trouble, bearing, settings = MENDED[advice]
     before = SLOW[trouble]
-    output = outcome(rubbing(**before[0]), choose(**before[1]), 0.01)
+    output = outcome(rubbing(**before[0]), choose(**before[1]), 0.01, interval=0.01)
     assert advice in output[-1]
     assert "stopped after 10000000 iterations" in output[-1]
-    output = outcome(rubbing(**before[0] | bearing), choose(**before[1] | settings), 0.01)
+    output = outcome(
+        rubbing(**before[0] | bearing), choose(**before[1] | settings), 0.01, interval=0.01
+    )
     assert not [message for message in output if "iterations" in message]
 
 

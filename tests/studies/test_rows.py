@@ -252,7 +252,8 @@ from tests.studies.functions import Ishigami, ishigami_study
 if __name__ == "__main__":
     folder = Path(sys.argv[1])
     study = ishigami_study(folder, Ishigami(pause=0.05))
-    run_study(study, folder / "out", partial(engine, ExecutorConfig(jobs=2)), lambda p: print(p, flush=True))
+    shared = partial(engine, ExecutorConfig(jobs=2))
+    run_study(study, folder / "out", shared, lambda p: print(p, flush=True))
 """
 
 
