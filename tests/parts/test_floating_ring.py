@@ -409,6 +409,10 @@ def test_films_that_do_not_carry_are_said():
     heavy = f"gravity = 1e5\n{_rigid()}"
     with pytest.raises(EquilibriumError, match="no static equilibrium under gravity"):
         _run(heavy)
+
+
+@pytest.mark.slow
+def test_a_film_that_is_loaded_ever_harder_ends_the_run():
     with pytest.raises(StepFailure, match=r"oil film at node . is thinner than its roughness"):
         _overload(_run(_rigid()))
 
