@@ -29,8 +29,8 @@ _FARTHEST = 2.0  # of a step: how far the next point of a curve may be
 
 
 class Equations(Protocol):
-    """What is continued; tolerance: of the last correction, in the units of x; damped_beyond:
-    corrections of what size are damped if they do not shrink."""
+    """What is solved at a value of lambda; tolerance: of the last correction, in the units of x;
+    damped_beyond: corrections of what size are damped if they do not shrink."""
 
     tolerance: float
     damped_beyond: float
@@ -40,6 +40,10 @@ class Equations(Protocol):
 
     def linearized(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray]:
         """Residual and its derivative by x."""
+
+
+class Continued(Equations, Protocol):
+    """What is continued in lambda."""
 
     def evaluate(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Residual, its derivative by x, and by lambda over its scale."""
@@ -144,7 +148,7 @@ def _next(corrections: list[float]) -> float:
     return min(last[-1], _MARGIN * rate * last[-1] ** 2) if is_shrinking else last[-1]
 
 
-def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -> Point:
+def begin(equations: Continued, x: np.ndarray, value: float, direction: float) -> Point:
     """The point at unknowns that solve the equations, its tangent towards larger (1) or smaller
     (-1) lambda."""
     _, jacobian, by = equations.evaluate(x, value)
@@ -154,7 +158,7 @@ def begin(equations: Equations, x: np.ndarray, value: float, direction: float) -
 
 
 def correct(
-    equations: Equations,
+    equations: Continued,
     x: np.ndarray,
     value: float,
     plane: np.ndarray,
@@ -171,7 +175,7 @@ def correct(
 
 
 def _corrected(
-    equations: Equations,
+    equations: Continued,
     x: np.ndarray,
     value: float,
     plane: np.ndarray,
@@ -212,7 +216,7 @@ def _corrected(
     raise Lost(corrections)
 
 
-def onward(equations: Equations, point: Point, length: float, scale: float) -> Point:
+def onward(equations: Continued, point: Point, length: float, scale: float) -> Point:
     """The point a step along the tangent away; raises `Lost`."""
     plane = way = point.direction
     if len(point.bend):
@@ -228,8 +232,8 @@ def onward(equations: Equations, point: Point, length: float, scale: float) -> P
 
 
 def trace(
-    equations: Equations, start: Point, scale: float, low: float, high: float, steps: Steps
-) -> Generator[tuple[Point, float], tuple[Equations, Point] | None, None]:
+    equations: Continued, start: Point, scale: float, low: float, high: float, steps: Steps
+) -> Generator[tuple[Point, float], tuple[Continued, Point] | None, None]:
     """Points of the curve from `start` on, each with the length of the next step, until lambda
     leaves [low, high]: the last point is at that end. Raises `Lost` where no step is short enough.
 
@@ -281,7 +285,7 @@ def trace(
             equations, point = taken
 
 
-def _around_corner(equations: Equations, point: Point, steps: Steps, scale: float) -> Point | None:
+def _around_corner(equations: Continued, point: Point, steps: Steps, scale: float) -> Point | None:
     """A point beyond a corner of the curve, where its tangent jumps: in the tangent's direction a
     little way on, where the forces are others; None where there is none."""
     plane = point.direction
@@ -309,7 +313,7 @@ def _around_corner(equations: Equations, point: Point, steps: Steps, scale: floa
     return None
 
 
-def _at_end(equations: Equations, point: Point, length: float, value: float) -> Point:
+def _at_end(equations: Continued, point: Point, length: float, value: float) -> Point:
     """The point at an end, about so long a step away; raises `Lost`."""
     x = solve(equations, point.x + length * point.tangent, value, _ITERATIONS)
     if np.linalg.norm(x - point.x) > 3.0 * length + equations.tolerance:

@@ -49,18 +49,25 @@ class Modes(NamedTuple):
     shapes: np.ndarray
 
 
-class Path(NamedTuple):
-    """A motion that the machine is linearized along, at a speed [rad/s].
+class Paces(NamedTuple):
+    """Of a motion: speed of the rotor, frequency, and the highest frequency that it holds
+    [rad/s]."""
 
-    at: of times [s], shape (n,), the displacements [m] and velocities [m/s] of the m nonlinear
-    interfaces, x and y in turn, shape (n, 2 m) each, and the own states, shape (n, s), which are of
-    the size `own_scale`; pace: the motion's frequency, fastest: the highest that it holds [rad/s].
-    """
-
-    at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
     speed: float
     pace: float
     fastest: float
+
+
+class Path(NamedTuple):
+    """A motion that the machine is linearized along.
+
+    at: of times [s], shape (n,), the displacements [m] and velocities [m/s] of the m nonlinear
+    interfaces, x and y in turn, shape (n, 2 m) each, and the own states, shape (n, s), which are of
+    the size `own_scale`.
+    """
+
+    at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
+    paces: Paces
     own_scale: np.ndarray
 
 
@@ -74,16 +81,16 @@ def path_of(machine: Condensed, orbit: Orbit) -> Path:
         return value @ d, orbit.omega * slope @ d, value @ orbit.own
 
     own_scale = np.maximum(np.abs(orbit.own).max(axis=0, initial=0.0), 1e-9)
-    return Path(at, orbit.speed, pace, pace * max(orbit.H, orbit.turns), own_scale)
+    return Path(at, Paces(orbit.speed, pace, pace * max(orbit.H, orbit.turns)), own_scale)
 
 
 def multipliers(machine: Condensed, orbit: Orbit, steps: int = 0) -> Multipliers:
     """Of an orbit; steps: a period, 0: as many as its harmonics need."""
     path = path_of(machine, orbit)
-    period = 2 * math.pi / path.pace
+    period = 2 * math.pi / path.paces.pace
     steps = steps or min(_MOST, max(_LEAST * orbit.turns, 4 * orbit.H))
     if machine.b == 0:
-        modes = modes_of(machine, path, np.zeros((0, 0)))
+        modes = modes_of(machine, path.paces, np.zeros((0, 0)))
         return Multipliers(*_sorted(np.exp(modes.roots * period), modes.shapes))
     part = tangents_along(machine, path, np.linspace(0.0, period, steps + 1))
     modes, mean = modes_along(machine, path, [part])
@@ -113,8 +120,8 @@ def modes_along(machine: Condensed, path: Path, parts: Sequence[Part]) -> tuple[
     """The modes of the machine with the mean tangents of parts of a path, and these."""
     of_points, length = weights(), sum(float(part.h.sum()) for part in parts)
     each = [np.einsum("t,i,tiao->ao", part.h, of_points, part.tangent) for part in parts]
-    mean = held(machine, path, sum(each) / length)
-    return modes_of(machine, path, mean), mean
+    mean = held(machine, path.paces, sum(each) / length)
+    return modes_of(machine, path.paces, mean), mean
 
 
 def _sorted(values: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -147,7 +154,7 @@ def _tangents(machine: Condensed, path: Path, times: np.ndarray) -> np.ndarray:
     """By y, the displacements b, the velocities and the states: of the forces as b sees them, and
     of the rates of the states, shape (n, b + s, 2 b + s)."""
     d, v, own = path.at(times)
-    return by_y(machine, machine.laws.tangents(d, v, own, path.own_scale, path.speed))
+    return by_y(machine, machine.laws.tangents(d, v, own, path.own_scale, path.paces.speed))
 
 
 def by_y(machine: Condensed, along: Along) -> np.ndarray:
@@ -163,10 +170,10 @@ def by_y(machine: Condensed, along: Along) -> np.ndarray:
     return out
 
 
-def held(machine: Condensed, path: Path, mean: np.ndarray) -> np.ndarray:
+def held(machine: Condensed, paces: Paces, mean: np.ndarray) -> np.ndarray:
     """With springs where a contact is hardly ever closed: a machine that nothing holds has motions
     as one body, which are no modes."""
-    own = np.diag(machine.matrices(path.speed).M)[: machine.b] * path.pace**2
+    own = np.diag(machine.matrices(paces.speed).M)[: machine.b] * paces.pace**2
     diagonal = np.arange(machine.b)
     lacks = np.abs(mean[diagonal, diagonal]) < 0.1 * own
     held = mean.copy()
@@ -174,20 +181,20 @@ def held(machine: Condensed, path: Path, mean: np.ndarray) -> np.ndarray:
     return held
 
 
-def modes_of(machine: Condensed, path: Path, mean: np.ndarray) -> Modes:
+def modes_of(machine: Condensed, paces: Paces, mean: np.ndarray) -> Modes:
     """Of the machine with mean tangents: roots, what forces do to them, y of them, the rest's
     flexibility, displacements and velocities of all coordinates of them."""
-    M, D, K = machine.matrices(path.speed)
+    M, D, K = machine.matrices(paces.speed)
     N, b, s = machine.size, machine.b, machine.laws.states
     K, D = K.copy(), D.copy()
     if len(mean):
         K[:b, :b] -= mean[:b, :b]
         D[:b, :b] -= mean[:b, b : 2 * b]
     squares, shapes = _real_modes(M, K)
-    slow = squares < (_SLOW * path.fastest) ** 2
+    slow = squares < (_SLOW * paces.fastest) ** 2
     P, rest = shapes[:, slow], shapes[:, ~slow]
     n = P.shape[1]
-    pace = path.pace
+    pace = paces.pace
     A = np.zeros((2 * n + s, 2 * n + s))
     A[:n, n : 2 * n] = pace * np.eye(n)  # velocities over pace
     A[n : 2 * n, :n] = -(P.T @ K @ P) / pace

@@ -20,7 +20,7 @@ from ..one_thread import on_one_thread
 from ..simulation import Simulation
 from ..step.laws import relative
 from .condensed import Condensed
-from .floquet import Path, modes_along, passed, tangents_along
+from .floquet import Paces, Path, modes_along, passed, tangents_along
 from .task import check_parts
 
 LEAST_TURNS = 4
@@ -94,7 +94,7 @@ def _path(machine: Condensed, samples: InterfaceSamples, speed: float, per_turn:
 
     own_scale = np.maximum(np.abs(own).max(axis=0, initial=0.0), 1e-9)
     fastest = 2 * np.pi / (_RESOLVED * step)
-    return Path(at, speed, abs(speed), max(fastest, abs(speed)), own_scale)
+    return Path(at, Paces(speed, abs(speed), max(fastest, abs(speed))), own_scale)
 
 
 def _plane(z: np.ndarray) -> np.ndarray:

@@ -25,7 +25,7 @@ from .condensed import Condensed, Harmonics
 from .floquet import (
     Lengths,
     Modes,
-    Path,
+    Paces,
     by_y,
     held,
     lengths,
@@ -155,9 +155,9 @@ class Shooting:
     def _made(self, value: float) -> Linear:
         machine, speed = self.machine_at(value), self.series.speed_at(value)
         omega = self.series.omega_at(value)
-        path = Path(_nowhere, speed, omega, math.inf, np.zeros(0))
-        mean = held(machine, path, self._mean)
-        modes = modes_of(machine, path, mean)
+        paces = Paces(speed, omega, math.inf)
+        mean = held(machine, paces, self._mean)
+        modes = modes_of(machine, paces, mean)
         T, _ = real_amplitudes(modes.roots)
         state = (modes.shapes @ T).real
         of_state, N = np.linalg.inv(state), machine.size
@@ -287,7 +287,3 @@ class Shooting:
         b = series_of(np.fft.rfft(y, axis=0)[: self.H + 1] / n)
         own, speed = np.zeros((len(b), 0)), of.speed_at(value)
         return Orbit(b, own, of.omega_at(value), self.turns, speed, value)
-
-
-def _nowhere(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    raise NotImplementedError

@@ -16,7 +16,7 @@ import numpy as np
 from . import arclength
 from .arclength import Lost
 from .balance import Orbit, Problem
-from .floquet import Path, by_y, modes_of
+from .floquet import Paces, by_y, modes_of
 
 _RADII = 1.0 + np.geomspace(1e-3, 1e7, 150)  # in clearances
 _TRIED = 8
@@ -61,10 +61,6 @@ class _Rest:
         jacobian[:b, :b] += self.S
         return lack / self._sizes, jacobian * self.scale / self._sizes[:, None]
 
-    def evaluate(self, x: np.ndarray, value: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Not by the parameter: rest is looked for at one value."""
-        raise NotImplementedError
-
 
 def growing(problem: Problem, value: float) -> Iterator[Orbit]:
     """Guesses of whirls along the modes that grow from rest."""
@@ -83,8 +79,7 @@ def growing(problem: Problem, value: float) -> Iterator[Orbit]:
     else:
         return
     _, mean = rest.tangents(x)
-    path = Path(_nowhere, rest.speed, abs(rest.speed), np.inf, problem.own_scale)
-    modes = modes_of(machine, path, mean)
+    modes = modes_of(machine, Paces(rest.speed, abs(rest.speed), np.inf), mean)
     at_rest = x * rest.scale
     for i in np.flatnonzero((modes.roots.imag > 0) & (modes.roots.real > 0)):
         shape = np.append(modes.V[:b, i], modes.V[2 * b :, i])
@@ -96,10 +91,6 @@ def growing(problem: Problem, value: float) -> Iterator[Orbit]:
             series[1], series[2] = size * shape.real, -size * shape.imag
             omega = float(modes.roots[i].imag)
             yield Orbit(series[:, :b], series[:, b:], omega, 1, rest.speed, value)
-
-
-def _nowhere(times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    raise NotImplementedError
 
 
 def rolling(problem: Problem, value: float) -> Iterator[Orbit]:
