@@ -16,6 +16,11 @@ INCH, POUND, LBF = 0.0254, 0.45359237, 0.45359237 * 9.80665
 OUNCE = POUND / 16
 
 
+def _in_letters(unit: str) -> str:
+    """A unit in letters that every terminal has."""
+    return unit.replace("µ", "u")
+
+
 class Shown(NamedTuple):
     """Factor from an SI unit to the unit that is shown, and that unit."""
 
@@ -25,7 +30,7 @@ class Shown(NamedTuple):
     @property
     def word(self) -> str:
         """The unit in letters that every terminal has."""
-        return self.unit.replace("µ", "u")
+        return _in_letters(self.unit)
 
     def text(self, value: float) -> str:
         """Return a value in the SI unit as it is shown, with the unit if there is one."""
@@ -64,7 +69,7 @@ class Display:
     @property
     def small_word(self) -> str:
         """Unit of displacements in letters that every terminal has."""
-        return self.small_unit.replace("µ", "u")
+        return _in_letters(self.small_unit)
 
     @property
     def amplitude(self) -> float:
@@ -79,7 +84,7 @@ class Display:
     @property
     def amplitude_words(self) -> str:
         """Unit of amplitudes in letters that every terminal has."""
-        return self.amplitude_unit.replace("µ", "u")
+        return _in_letters(self.amplitude_unit)
 
     @property
     def speed_label(self) -> str:
