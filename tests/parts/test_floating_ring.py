@@ -11,7 +11,7 @@ import pytest
 from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
-from rotor_fmu.model.parts.law import Kinematics, Weights
+from rotor_fmu.model.parts.law import Weights
 from rotor_fmu.model.parts.law_alone import LawAlone
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
@@ -21,6 +21,7 @@ from sksundae.cvode import CVODE
 
 from ..toml_text import table
 from .machines import shaft
+from .stated_law import StatedLaw
 
 RING = {
     **{"journal_radius": 3.5e-3, "length": 5e-3, "clearance": 1.6e-5, "viscosity": 0.006},
@@ -42,35 +43,11 @@ def _ring(**more):
     return part
 
 
-class _Law:
-    """A bearing's law by itself, its states given; gravity to the right and downwards [m/s2]."""
-
-    def __init__(self, part, gravity=0j, speed=SPEED):
-        self.alone = LawAlone(part, speed, "floating_ring_bearing")
-        self.law, self.record, self.tables = (
-            self.alone._law,
-            self.alone._record,
-            self.alone._tables,
-        )
-        interpreted(self.law.weigh)(self.record, self.tables, gravity)
-        self.speed = speed
-
-    def _at(self, d, v):
-        return self.record, self.tables, Kinematics(d, v, self.speed, self.speed, 0.0)
-
-    def step(self, d, v, weights, free):
-        """Force, tangent and states at the end of a step."""
-        own = np.zeros(5)
-        force, p, q = interpreted(self.law.tangent)(*self._at(d, v), weights, free, own)
-        return force, np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]]), own
-
-    def force(self, d, v, own):
-        return interpreted(self.law.force)(*self._at(d, v), own)
-
-    def rates(self, d, v, own):
-        out = np.zeros(5)
-        interpreted(self.law.rates)(*self._at(d, v), own, out)
-        return out
+def _alone(part, gravity=0j):
+    """A bearing's law by itself; gravity to the right and downwards [m/s2]."""
+    law = StatedLaw(LawAlone(part, SPEED, "floating_ring_bearing"))
+    interpreted(law.law.weigh)(law.record, law.tables, gravity)
+    return law
 
 
 # --- at rest ---
@@ -190,66 +167,27 @@ def _states(seed, count):
 
 @pytest.mark.parametrize(("short", "count"), [(True, 20), (False, 2)])
 def test_a_step_follows_its_equations_and_its_tangent_is_the_derivative(short, count):
-    law = _Law(_ring(short=short, points=16), complex(3.0, -G))
+    law = _alone(_ring(short=short, points=16), complex(3.0, -G))
     c = RING["clearance"]
     scales = np.array([c, c, c * SPEED, c * SPEED, SPEED])
     for d, v, free, random in _states(1, count):
         b = 10 ** random.uniform(-6.5, -4)
         weights = Weights(0.5 * b * b, b, b)
-        force, tangent, own = law.step(d, v, weights, free)
+        force, _, own = law.step(d, v, weights, free)
         followed = free + b * law.rates(d, v, own)
         np.testing.assert_allclose(own / scales, followed / scales, atol=1e-11)
         assert force == pytest.approx(law.force(d, v, own), rel=1e-11)
-        errors = []
-        for h in (1e-3, 1e-4, 1e-5):
-            h *= c * SPEED / weights.velocity
-            columns = []
-            for z in (1.0, 1j):
-                ahead, behind = (
-                    law.step(
-                        d + s * h * weights.displacement * z,
-                        v + s * h * weights.velocity * z,
-                        weights,
-                        free,
-                    )[0]
-                    for s in (1, -1)
-                )
-                change = (ahead - behind) / (2 * h)
-                columns.append([change.real, change.imag])
-            errors.append(np.abs(np.transpose(columns) - tangent).max())
-        assert min(errors) < 1e-6 * np.abs(tangent).max()
-
-
-def _linear(law, rest, d, size):
-    """Derivatives of force and rates by displacement, velocity and states, by differences."""
-    columns = []
-    scales = [size] * 2 + [size * SPEED] * 2 + [size] * 2 + [size * SPEED] * 2
-    scales.append(SPEED * size / RING["clearance"])
-    for i, scale in enumerate(scales):
-        ends = []
-        for s in (1.0, -1.0):
-            moved, own = [d, 0j], rest.copy()
-            if i < 4:
-                moved[i // 2] += s * scale * (1.0, 1j)[i % 2]
-            else:
-                own[i - 4] += s * scale
-            force = law.force(*moved, own)
-            ends.append(np.array([force.real, force.imag, *law.rates(*moved, own)]))
-        columns.append((ends[0] - ends[1]) / (2 * scale))
-    both = np.array(columns).T
-    return both[:2], both[2:]
+        assert law.tangent_error(d, v, weights, free, c) < 1e-6
 
 
 @pytest.mark.parametrize("frequency", [0.2, 1.0, 3.0])
 def test_a_vibration_is_that_of_the_equations_linearized_by_differences(frequency):
-    law = _Law(_ring())
-    film = law.alone
-    d = 4e-6 - 7e-6j
-    w = frequency * SPEED
+    law = _alone(_ring())
+    film, d, w = law.alone, 4e-6 - 7e-6j, frequency * SPEED
     _, by_d, by_v = film.settle(d, w)
-    F, r = _linear(law, film._states, d, 1e-4 * RING["clearance"])
-    states = np.linalg.solve(1j * w * np.eye(5) - r[:, 4:], r[:, :2] + 1j * w * r[:, 2:4])
-    dynamic = F[:, :2] + 1j * w * F[:, 2:4] + F[:, 4:] @ states
+    size = 1e-4 * RING["clearance"]
+    scales = [size, size, size * SPEED, size * SPEED, size * SPEED / RING["clearance"]]
+    dynamic = law.vibration(d, film._states, w, size, scales)
     most = np.abs(dynamic).max()
     np.testing.assert_allclose(by_d, dynamic.real, atol=1e-5 * most)
     np.testing.assert_allclose(w * by_v, dynamic.imag, atol=1e-5 * most)

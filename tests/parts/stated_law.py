@@ -1,0 +1,71 @@
+"""A law with states of its own, called with states that are given, and differences of it."""
+
+import numpy as np
+from rotor_fmu.model.kernels.jit import interpreted
+
+
+class StatedLaw:
+    """The functions of a law that stands alone (`model.parts.law_alone`)."""
+
+    def __init__(self, alone):
+        self.alone, self.law, self.speed = alone, alone._law, alone.speed
+        self.record, self.tables = alone._record, alone._tables
+        self.count = len(alone._states)
+
+    def _called(self, function, d, v, *more):
+        moving = self.alone._moving(d, v)
+        return interpreted(function)(self.record, self.tables, moving, *more)
+
+    def step(self, d, v, weights, free):
+        """Force, tangent and states at the end of a step."""
+        own = np.zeros(self.count)
+        force, p, q = self._called(self.law.tangent, d, v, weights, free, own)
+        return force, np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]]), own
+
+    def force(self, d, v, own):
+        return self._called(self.law.force, d, v, own)
+
+    def rates(self, d, v, own):
+        out = np.zeros(self.count)
+        self._called(self.law.rates, d, v, own, out)
+        return out
+
+    def tangent_error(self, d, v, weights, free, length):
+        """How far a step's tangent is from differences of its force, the nearest of three lengths
+        of these, as a share of its largest entry."""
+        _, tangent, _ = self.step(d, v, weights, free)
+        errors = []
+        for h in (1e-3, 1e-4, 1e-5):
+            h *= length * self.speed / weights.velocity
+            columns = []
+            for z in (1.0, 1j):
+                by_d, by_v = h * weights.displacement * z, h * weights.velocity * z
+                ahead, behind = (
+                    self.step(d + s * by_d, v + s * by_v, weights, free)[0] for s in (1, -1)
+                )
+                change = (ahead - behind) / (2 * h)
+                columns.append([change.real, change.imag])
+            errors.append(np.abs(np.transpose(columns) - tangent).max())
+        return min(errors) / np.abs(tangent).max()
+
+    def vibration(self, d, rest, w, size, scales):
+        """By how much the force answers a vibration of small size with the frequency w [rad/s]
+        about a displacement, where the states rest; they follow by their own rates, linearized by
+        differences of these scales. Complex, shape (2, 2)."""
+        columns = []
+        for i, scale in enumerate([size, size, size * self.speed, size * self.speed, *scales]):
+            ends = []
+            for s in (1.0, -1.0):
+                moved, own = [d, 0j], rest.copy()
+                if i < 4:
+                    moved[i // 2] += s * scale * (1.0, 1j)[i % 2]
+                else:
+                    own[i - 4] += s * scale
+                force = self.force(*moved, own)
+                ends.append([force.real, force.imag, *self.rates(*moved, own)])
+            columns.append((np.array(ends[0]) - ends[1]) / (2 * scale))
+        both = np.array(columns).T
+        F, r = both[:2], both[2:]
+        left = 1j * w * np.eye(self.count) - r[:, 4:]
+        states = np.linalg.solve(left, r[:, :2] + 1j * w * r[:, 2:4])
+        return F[:, :2] + 1j * w * F[:, 2:4] + F[:, 4:] @ states
