@@ -134,30 +134,43 @@ def conductance(low, high):
     return mean * mean * mean
 
 
+@jit
+def _fill_node(film, of, i, way):
+    """Fill in what Reynolds' equation has at the node in a direction."""
+    at = floored(1.0 - (way.real * film.D.real + way.imag * film.D.imag), film.floor)
+    of.cosine[i] = way.real
+    of.sine[i] = way.imag
+    of.thickness[i] = at.thickness
+    of.slope[i] = at.slope
+    of.bend[i] = at.bend
+
+
 @jit_not_inlined
 def _fill_nodes(film, first, last, work):
     """Fill in what Reynolds' equation has at nodes between two angles, from both ends on."""
-    n, D, floor = film.n, film.D, film.floor
-    cosine, sine, thickness, slope, bend, _, _, _ = vectors(film, work)
+    n, of = film.n, vectors(film, work)
     turn = direction((last - first) / n)
     ahead, behind = direction(first), direction(last)
     back = turn.conjugate()
     for i in range(n // 2 + 1):
-        k = n - i
-        cosine[i] = ahead.real
-        sine[i] = ahead.imag
-        at = floored(1.0 - (ahead.real * D.real + ahead.imag * D.imag), floor)
-        thickness[i] = at.thickness
-        slope[i] = at.slope
-        bend[i] = at.bend
-        cosine[k] = behind.real
-        sine[k] = behind.imag
-        at = floored(1.0 - (behind.real * D.real + behind.imag * D.imag), floor)
-        thickness[k] = at.thickness
-        slope[k] = at.slope
-        bend[k] = at.bend
+        _fill_node(film, of, i, ahead)
+        _fill_node(film, of, n - i, behind)
         ahead = ahead * turn
         behind = behind * back
+
+
+@jit
+def _eliminate(film, of, weights, i, way, flow, passed):
+    """Eliminate the pressure at node i, behind which node i + way is; weights: of a difference, of
+    the flow that the pressure itself drives out, of the source; flow: conductance from the node
+    before, passed: what its pressure takes of this one's. Returns these two of the next node."""
+    per, mass, source = weights
+    onward = per * conductance(of.thickness[i], of.thickness[i + way])
+    cube = of.thickness[i] * of.thickness[i] * of.thickness[i]
+    of.inverse[i] = 1.0 / (flow + onward + mass * cube - flow * passed)
+    f = of.cosine[i] * film.S.real + of.sine[i] * film.S.imag
+    of.P[i] = (source * of.slope[i] * f + flow * of.P[i - way]) * of.inverse[i]
+    return onward, onward * of.inverse[i]
 
 
 @jit_not_inlined
@@ -166,9 +179,10 @@ def fill_pressure(film, first, last, work):
     elimination goes from both ends to the middle, and back."""
     n, S = film.n, film.S
     _fill_nodes(film, first, last, work)
-    cosine, sine, thickness, slope, _, P, inverse, _ = vectors(film, work)
+    of = vectors(film, work)
+    cosine, sine, thickness, slope, _, P, inverse, _ = of
     step = (last - first) / n
-    per, mass, source = 1.0 / step, film.a * step, 1.25 * step
+    per, mass, source = weights = (1.0 / step, film.a * step, 1.25 * step)
     P[0] = 0.0
     P[n] = 0.0
     middle = n // 2
@@ -176,22 +190,9 @@ def fill_pressure(film, first, last, work):
     left = per * conductance(thickness[0], thickness[1])
     right = per * conductance(thickness[n - 1], thickness[n])
     for i in range(1, n - middle):
-        k = n - i
         if i < middle:
-            onward = per * conductance(thickness[i], thickness[i + 1])
-            cube = thickness[i] * thickness[i] * thickness[i]
-            inverse[i] = 1.0 / (left + onward + mass * cube - left * above)
-            f = cosine[i] * S.real + sine[i] * S.imag
-            P[i] = (source * slope[i] * f + left * P[i - 1]) * inverse[i]
-            above = onward * inverse[i]
-            left = onward
-        onward = per * conductance(thickness[k - 1], thickness[k])
-        cube = thickness[k] * thickness[k] * thickness[k]
-        inverse[k] = 1.0 / (right + onward + mass * cube - right * below)
-        f = cosine[k] * S.real + sine[k] * S.imag
-        P[k] = (source * slope[k] * f + right * P[k + 1]) * inverse[k]
-        below = onward * inverse[k]
-        right = onward
+            left, above = _eliminate(film, of, weights, i, 1, left, above)
+        right, below = _eliminate(film, of, weights, n - i, -1, right, below)
     h = thickness[middle]
     inverse[middle] = 1.0 / (left + right + mass * (h * h * h) - left * above - right * below)
     f = cosine[middle] * S.real + sine[middle] * S.imag

@@ -1,9 +1,9 @@
 """A bearing with a floating ring: two oil films in series, and the ring between them.
 
-The ring's place, velocity and speed of rotation are states of the law (`contact.floating_ring`).
-Over a step they follow the journal by one system of equations in the ring's velocity and speed,
-solved by Newton's method. Where equilibrium is sought the ring is where it rests; as the machine
-vibrates it follows at a frequency. Its weight, the mass times the machine's gravity, is with the
+The ring's place, velocity and speed of rotation are states of the law. Over a step they follow the
+journal by one system of equations in the ring's velocity and speed, solved by Newton's method
+(`ring_motion`). Where equilibrium is sought the ring is where it rests; as the machine vibrates it
+follows at a frequency. Its weight, the mass times the machine's gravity, is with the
 law's table (`Law.weigh`), its potential energy with its kinetic one in the ledger.
 """
 
@@ -11,26 +11,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 
-from ..contact.film import FilmBearing
-from ..contact.floating_ring import answer, sheared, stiffness, torque_of
+from ..contact.floating_ring import answer, stiffness, torque_of
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, QuantityError, check_all, places, quantity, switch
 from .base import GROUND, Element, Interface, Part, Shape
 from .film_law import LOSSES as FILM_LOSSES
 from .film_law import POINTS, check_film, film_table, whole_circle
-from .law import Kinematics, Law
+from .law import Law
+from .ring_motion import STATE, WEIGHT, follow, keep, ring_of_states, settle
 
-_STEPS, _REST_STEPS = 60, 120
-_NEAR = 1e-7  # of the scales: what Newton's last step leaves is of second order in it
-_AT_REST = 1e-10  # of the clearance
-_REACH = 0.2  # of the smaller clearance, that a step moves the ring
 _SLOW = 1e-4  # of the speed: the least frequency of a vibration
-_WEIGHT = places(("x", "y"))  # gravity, at the head of the law's table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,111 +85,12 @@ STORES = (
 )
 LOSSES = FILM_LOSSES[:1]
 _OUT, _LOSS = places(OUTPUTS), places(LOSSES)
-_STATE = places(("x", "y", "vx", "vy", "speed"))
-
-
-@jit
-def _films(part):
-    """Return the `FilmBearing`s of the inner and the outer film, whose tables are one after the
-    other behind the ring's weight."""
-    begin = part.table + len(_WEIGHT)
-    behind = begin + (part.rows - len(_WEIGHT)) // 2
-    contact = (0.0, 1.0, 1.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0)
-    inner = FilmBearing(
-        *(begin, part.journal_radius, part.length, part.clearance, part.viscosity),
-        *(part.roughness, part.short, part.points, *contact),
-    )
-    outer = FilmBearing(
-        *(behind, part.outer_radius, part.outer_length, part.outer_clearance),
-        *(part.outer_viscosity, part.roughness, part.short, part.points, *contact),
-    )
-    return inner, outer
-
-
-class Ring(NamedTuple):
-    """A ring at an instant: its `Sheared` films, velocities of the journal in it and of itself
-    [m/s], its speed [rad/s]; force [N] and torque [N.m] on it, without those of its inertia."""
-
-    inner: Any
-    outer: Any
-    past: complex
-    velocity: complex
-    speed: float
-    force: complex
-    torque: float
-
-
-@jit_not_inlined
-def _ring(part, tables, kinematics, x, velocity, speed):
-    """Return the `Ring` at a place [m]."""
-    of_inner, of_outer = _films(part)
-    d, past, omega = kinematics.displacement - x, kinematics.velocity - velocity, kinematics.speed
-    inner = sheared(of_inner, tables, Kinematics(d, past, omega + speed, omega - speed, 0.0))
-    outer = sheared(of_outer, tables, Kinematics(x, velocity, speed, speed, 0.0))
-    weight = part.ring_mass * complex(tables[part.table], tables[part.table + 1])
-    return Ring(
-        *(inner, outer, past, velocity, speed),
-        outer.force - inner.force + weight,
-        torque_of(inner, 1.0) - torque_of(outer, -1.0),
-    )
-
-
-@jit
-def _ring_with(part, tables, kinematics, states):
-    """Return the `Ring` of internal states."""
-    return _ring(
-        *(part, tables, kinematics, complex(states[0], states[1])),
-        *(complex(states[2], states[3]), states[4]),
-    )
-
-
-@jit
-def _keep(internal_state, x, velocity, speed):
-    """Fill in the states of a ring."""
-    internal_state[_STATE.x] = x.real
-    internal_state[_STATE.y] = x.imag
-    internal_state[_STATE.vx] = velocity.real
-    internal_state[_STATE.vy] = velocity.imag
-    internal_state[_STATE.speed] = speed
-
-
-@jit
-def _within(part, size):
-    """Return the share of a move of a size [m] that a step of Newton's method takes."""
-    reach = _REACH * min(part.clearance, part.outer_clearance)
-    return reach / size if size > reach else 1.0
-
-
-@jit_not_inlined
-def _at_rest(part, tables, kinematics, internal_state):
-    """Return the `Ring` where it rests about a journal at rest, looked for from the states on and
-    filled in there; by implicit steps of a ring without inertia, ever longer ones."""
-    x = complex(internal_state[_STATE.x], internal_state[_STATE.y])
-    speed = internal_state[_STATE.speed]
-    at = _ring(part, tables, kinematics, x, 0.0j, speed)
-    if kinematics.speed == 0.0:  # nothing carries it
-        return at
-    step = 1.0 / abs(kinematics.speed)
-    for _ in range(_REST_STEPS):
-        found = answer(
-            *(at.inner, at.outer, 1.0 + 0.0j, 0.0j, step + 0.0j, 1.0 + 0.0j, 0.0j, 0.0j),
-            *(at.force, at.torque),
-        )
-        size = step * modulus(found.moved)
-        x += found.moved * (step * _within(part, size))
-        speed += found.turned
-        at = _ring(part, tables, kinematics, x, 0.0j, speed)
-        if size <= _AT_REST * part.clearance:
-            break
-        step *= 2.0
-    _keep(internal_state, x, 0.0j, speed)
-    return at
 
 
 @jit_not_inlined
 def _force(part, tables, kinematics, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    return _ring_with(part, tables, kinematics, internal_state).inner.force
+    return ring_of_states(part, tables, kinematics, internal_state).inner.force
 
 
 @jit_not_inlined
@@ -203,57 +99,34 @@ def _tangent(part, tables, kinematics, weights, free, internal_state):
     b = weights.rate
     by_d, by_v = complex(weights.displacement, 0.0), complex(weights.velocity, 0.0)
     if b == 0.0 and kinematics.sliding_speed == 0.0:
-        at = _at_rest(part, tables, kinematics, internal_state)
+        at = settle(part, tables, kinematics, internal_state)
         none = 0.0j
         seen = answer(
             *(at.inner, at.outer, by_d, by_v, 1.0 + 0.0j, none, none, none, none, 0.0)
         ).matrix
         return at.inner.force, seen.aa, seen.ab
     if b == 0.0:
-        at = _ring_with(part, tables, kinematics, free)
-        _keep(internal_state, at.outer.z, at.velocity, at.speed)
+        at = ring_of_states(part, tables, kinematics, free)
+        keep(internal_state, at.outer.z, at.velocity, at.speed)
         seen = stiffness(at.inner, by_d, by_v)
         return at.inner.force, seen.aa, seen.ab
-    begun = complex(free[_STATE.x], free[_STATE.y])
-    before = complex(free[_STATE.vx], free[_STATE.vy])
-    v, speed = before, free[_STATE.speed]
-    mass, inertia = part.ring_mass / b, part.ring_inertia / b
-    fast = abs(kinematics.speed) + abs(speed)
-    quick = part.clearance * fast + modulus(kinematics.velocity) + modulus(before)
-    force = p = q = 0.0j
-    for _ in range(_STEPS):
-        at = _ring(part, tables, kinematics, begun + b * v, v, speed)
-        found = answer(
-            *(at.inner, at.outer, by_d, by_v, b + 0.0j, 1.0 + 0.0j, mass + 0.0j, inertia + 0.0j),
-            at.force - mass * (v - before),
-            at.torque - inertia * (speed - free[_STATE.speed]),
-        )
-        size = modulus(found.moved)
-        share = _within(part, b * size)
-        v += share * found.moved
-        speed += share * found.turned
-        force = at.inner.force + share * found.force
-        p, q = found.matrix.aa, found.matrix.ab
-        if size <= _NEAR * quick and abs(found.turned) <= _NEAR * fast:
-            break
-    _keep(internal_state, begun + b * v, v, speed)
-    return force, p, q
+    return follow(part, tables, kinematics, weights, free, internal_state)
 
 
 @jit_not_inlined
 def _rates(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
-    at = _ring_with(part, tables, kinematics, internal_state)
+    at = ring_of_states(part, tables, kinematics, internal_state)
     gain = at.force * (1.0 / part.ring_mass)
-    _keep(out, at.velocity, gain, at.torque / part.ring_inertia)
+    keep(out, at.velocity, gain, at.torque / part.ring_inertia)
 
 
 @jit
 def _energy(part, tables, displacement, internal_state):
     """Implement this function of a law (see `parts.law`): the ring's."""
-    vx, vy, w = internal_state[_STATE.vx], internal_state[_STATE.vy], internal_state[_STATE.speed]
-    fallen = tables[part.table] * internal_state[_STATE.x]
-    fallen += tables[part.table + 1] * internal_state[_STATE.y]
+    vx, vy, w = internal_state[STATE.vx], internal_state[STATE.vy], internal_state[STATE.speed]
+    fallen = tables[part.table] * internal_state[STATE.x]
+    fallen += tables[part.table + 1] * internal_state[STATE.y]
     kinetic = 0.5 * part.ring_mass * (vx * vx + vy * vy) + 0.5 * part.ring_inertia * w * w
     return (kinetic - part.ring_mass * fallen,)
 
@@ -273,7 +146,7 @@ def _powers(at, omega):
 @jit_not_inlined
 def _dissipate(part, tables, kinematics, internal_state, out):
     """Implement this function of a law (see `parts.law`): both films."""
-    at = _ring_with(part, tables, kinematics, internal_state)
+    at = ring_of_states(part, tables, kinematics, internal_state)
     inner, outer, torque = _powers(at, kinematics.speed)
     out[_LOSS.film] = inner + outer
     return torque
@@ -282,12 +155,12 @@ def _dissipate(part, tables, kinematics, internal_state, out):
 @jit_not_inlined
 def _observe(part, tables, kinematics, internal_state, out):
     """Implement this function of a law; see `parts.law`."""
-    at = _ring_with(part, tables, kinematics, internal_state)
+    at = ring_of_states(part, tables, kinematics, internal_state)
     inner, outer, torque = _powers(at, kinematics.speed)
     out[_OUT.fx] = at.inner.force.real
     out[_OUT.fy] = at.inner.force.imag
-    out[_OUT.ring_x] = internal_state[_STATE.x]
-    out[_OUT.ring_y] = internal_state[_STATE.y]
+    out[_OUT.ring_x] = internal_state[STATE.x]
+    out[_OUT.ring_y] = internal_state[STATE.y]
     out[_OUT.ring_speed] = at.speed
     out[_OUT.ratio] = at.speed / kinematics.speed if kinematics.speed != 0.0 else 0.0
     out[_OUT.eccentricity] = modulus(at.inner.z) / part.clearance
@@ -300,9 +173,9 @@ def _observe(part, tables, kinematics, internal_state, out):
 @jit_not_inlined
 def _vibrate(part, tables, kinematics, frequency, free, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    for i in range(len(_STATE)):
+    for i in range(len(STATE)):
         internal_state[i] = free[i]
-    at = _at_rest(part, tables, kinematics, internal_state)
+    at = settle(part, tables, kinematics, internal_state)
     w = max(frequency, _SLOW * abs(kinematics.speed), 1e-6)
     by_v = complex(0.0, w)
     seen = answer(
@@ -336,7 +209,7 @@ def _length(part):
 @jit
 def _breaks(part, tables, displacement, internal_state):
     """Implement this function of a law; see `parts.law`."""
-    x = complex(internal_state[_STATE.x], internal_state[_STATE.y])
+    x = complex(internal_state[STATE.x], internal_state[STATE.y])
     inner = part.clearance - modulus(displacement - x)
     return min(inner, part.outer_clearance - modulus(x)) < part.roughness
 
@@ -357,9 +230,9 @@ FLOATING_RING_BEARING = Law(
     outputs=OUTPUTS,
     stores=STORES,
     losses=LOSSES,
-    states=tuple(0.0 for _ in _STATE),
+    states=tuple(0.0 for _ in STATE),
     table=lambda part: np.concatenate(
-        [np.zeros(len(_WEIGHT)), *2 * [film_table([whole_circle()], part.points)]]
+        [np.zeros(len(WEIGHT)), *2 * [film_table([whole_circle()], part.points)]]
     ),
 )
 
