@@ -15,7 +15,7 @@ CALL = """(...given) => {
   const said = (function () { %s }).apply(null, given);
   return said instanceof Node ? said : JSON.stringify(said) ?? "null";
 }"""
-IS_READY = "return typeof gBrowser === 'object' && Boolean(gBrowser?.selectedBrowser)"
+SCHEME = 'user_pref("layout.css.prefers-color-scheme.content-override", %d);\n'
 
 
 class Firefox:
@@ -24,13 +24,19 @@ class Firefox:
     lacks = "" if PROGRAM and find_spec("websocket") else "needs firefox and websocket-client"
 
     def __init__(self):
+        self._start(dark=False)
+
+    def _start(self, dark):
         from websocket import create_connection
 
+        self.dark = dark
         self.folder = tempfile.TemporaryDirectory(prefix="firefox_", ignore_cleanup_errors=True)
+        preferences = Path(self.folder.name) / "user.js"
+        preferences.write_text(SCHEME % (0 if dark else 1), encoding="utf-8")
         self.process = subprocess.Popen(
             [
                 *(PROGRAM, "--headless", "--no-remote", "--profile", self.folder.name),
-                *("--remote-debugging-port", "0", "--remote-allow-system-access", "about:blank"),
+                *("--remote-debugging-port", "0", "about:blank"),
             ],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
@@ -40,10 +46,9 @@ class Firefox:
         self.last, self.events = 0, []
         self.send("session.new", capabilities={})
         self.send("session.subscribe", events=["log.entryAdded", "network.beforeRequestSent"])
-        self.window = self._window()
-        self.tab = self._contexts()[0]["context"]
+        self.tab = self._first_tab()
         # the keyboard is the page's, not the address bar's
-        self._call(self.window, "gBrowser.selectedBrowser.focus()", ())
+        self.send("browsingContext.activate", context=self.tab)
 
     def _address(self):
         """Return where it listens, which it writes into its profile."""
@@ -55,19 +60,12 @@ class Firefox:
         at = json.loads(file.read_text(encoding="utf-8"))
         return f"ws://{at['ws_host']}:{at['ws_port']}/session"
 
-    def _contexts(self, **scope):
-        return self.send("browsingContext.getTree", **scope)["contexts"]
-
-    def _window(self):
-        """Return the browser's window, which is listed before it has loaded."""
+    def _first_tab(self):
         end = time.monotonic() + PATIENCE
-        while True:
-            for each in self._contexts(**{"moz:scope": "chrome"}):
-                loaded = each["url"] != "about:blank"
-                if loaded and self._call(each["context"], IS_READY, ()):
-                    return each["context"]
-            assert time.monotonic() < end, "Firefox opens no window"
+        while not (tabs := self.send("browsingContext.getTree")["contexts"]):
+            assert time.monotonic() < end, "Firefox opens no tab"
             time.sleep(0.05)
+        return tabs[0]["context"]
 
     def send(self, method, **parameters):
         """Return the result of a command of WebDriver BiDi."""
@@ -85,13 +83,10 @@ class Firefox:
         self.send("browsingContext.navigate", context=self.tab, url=address, wait="complete")
 
     def run(self, script, *given):
-        return self._call(self.tab, script, given)
-
-    def _call(self, context, script, given):
         answer = self.send(
             "script.callFunction",
             functionDeclaration=CALL % script,
-            target={"context": context},
+            target={"context": self.tab},
             arguments=[_argument(each) for each in given],
             awaitPromise=False,
             userActivation=True,
@@ -104,10 +99,11 @@ class Firefox:
         self.send("input.performActions", context=self.tab, actions=sources)
 
     def look(self, width, height, dark):
+        if dark != self.dark:  # which no command changes
+            self.quit()
+            self._start(dark)
         size = {"width": width, "height": height}
         self.send("browsingContext.setViewport", context=self.tab, viewport=size)
-        scheme = "layout.css.prefers-color-scheme.content-override"
-        self._call(self.window, f"Services.prefs.setIntPref('{scheme}', {0 if dark else 1})", ())
 
     def said(self):
         """Return what the console had to say since it was asked last, and requests that left."""
