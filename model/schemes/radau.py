@@ -86,9 +86,11 @@ def _parts(first: complex, second: complex) -> list[float]:
 # The first system is real, the third has the weights of the second conjugated. With a, b, c of the
 # systems as parts a, b + c, i (b - c), all weights are real: TO_STAGES[i] those by which a stage is
 # the parts, OF_STAGES[:, k] those by which a stage enters the first and, real and imaginary, the
-# others, SHARES[i, k] those of the parts in what stage k does to stage i.
+# others, OF_START and OF_TIME those of what is the same at all stages and of what grows with time,
+# SHARES[i, k] those of the parts in what stage k does to stage i.
 TO_STAGES = np.array([_parts(_T[i][0], _T[i][1]) for i in range(3)])
 OF_STAGES = np.array([_parts(_T_INVERSE[0][k], _T_INVERSE[1][k]) for k in range(3)]).T.copy()
+OF_START, OF_TIME = OF_STAGES.sum(axis=1), OF_STAGES @ C
 SHARES = np.array(
     [
         [_parts(_T[i][0] * _T_INVERSE[0][k], _T[i][1] * _T_INVERSE[1][k]) for k in range(3)]

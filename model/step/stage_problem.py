@@ -24,9 +24,9 @@ SLIDING, FREE = 0, 1
 # which none arrives is repeated with half its length.
 ATTEMPTS = (SLIDING, FREE)
 ITERATIONS = 10
-# Of the accuracy asked for, what a correction by an old matrix may leave; of its last correction,
-# what one may be without being slow, and without the iteration being damped: it would cycle where
-# sliding turns back.
+# Of the accuracy asked for, what a correction by an old matrix may leave, as its corrections fall;
+# of its last correction, what one may be without being slow, and without the iteration being
+# damped: it would cycle where sliding turns back.
 OLD, SLOW, CYCLING = 0.01, 0.1, 0.7
 LEAST_RELAX = 0.25
 
@@ -198,13 +198,22 @@ def _iterate(structure, h, accuracy, old, stages):
         correction = _improve(structure, h, accuracy, relax, old, stages, forces, count)
         if not correction < math.inf:
             return False, iteration + 1
-        if relax == 1.0 and correction <= (1.0 if was_new else OLD):
+        if relax == 1.0 and _is_close(correction, before, was_new):
             return True, iteration + 1
         is_new = relax < 1.0 or correction > SLOW * before
         is_slower = correction >= CYCLING * before
         relax = max(LEAST_RELAX, 0.5 * relax) if is_slower else min(1.0, 2.0 * relax)
         before = correction
     return False, ITERATIONS
+
+
+@jit
+def _is_close(correction, before, was_new):
+    """Return whether what a correction leaves is within the accuracy: of an old matrix the sum of
+    those that would follow, of a new one far less than it is."""
+    if was_new or correction <= OLD:
+        return correction <= 1.0
+    return correction * correction <= OLD * (before - correction)
 
 
 @jit

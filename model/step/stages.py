@@ -19,7 +19,18 @@ from ..kernels.band import add_product
 from ..kernels.functions import scaled
 from ..kernels.jit import jit
 from ..parts.housing import masses
-from ..schemes.radau import A_SQUARED, END_SLOPE, OF_STAGES, STAGES, TO_STAGES, A, C, of_parts
+from ..schemes.radau import (
+    A_SQUARED,
+    END_SLOPE,
+    OF_STAGES,
+    OF_START,
+    OF_TIME,
+    STAGES,
+    TO_STAGES,
+    A,
+    C,
+    of_parts,
+)
 from .bows import add_bows
 from .excitation import add_applied, circulation, free_fall_acceleration, spin_of
 from .laws import first_broken, relative, sides
@@ -136,11 +147,11 @@ def _free_response(structure, spin, h, old, stages):
     right, modal = stages.scratch[3], stages.modal
     for i in range(n):
         for s in range(STAGES):
-            modal[i, s] = 0.0
+            modal[i, s] = scaled(OF_START[s], at_start[i]) + scaled(h * OF_TIME[s], by_time[i])
     for k in range(STAGES):
         ahead = C[k] * h
         for i in range(n):
-            right[i] = at_start[i] + scaled(ahead, by_time[i])
+            right[i] = 0.0
         at = spin_of_stage(stages, k)
         add_applied(structure, at, stages.loads[k], right)
         add_bows(structure, at, ahead, old, right)

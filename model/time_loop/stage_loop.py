@@ -20,7 +20,7 @@ from .recorder import is_due, rows_within, write
 from .rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
 
 # Of the tolerance, to which the interfaces' displacements are solved for, and the bounds of that.
-OF_TOLERANCE, FINEST, COARSEST = 1e-3, 1e-9, 1e-6
+OF_TOLERANCE, FINEST, COARSEST = 3e-3, 1e-10, 1e-5
 SEEN = 0.1  # of the rotation or the lowest mode, between looks at an amplitude, at most [rad]
 
 
