@@ -21,7 +21,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 import numba
-from numba.core import codegen, cpu
+from numba.core import codegen, cpu, event
 
 from ..model.kernels import dispatching
 from .entry_points import FUNCTIONS
@@ -42,7 +42,8 @@ def emit(target: Path, names: Sequence[str]) -> None:
     Raises `RuntimeError` where numba left a function without its body, or left it as no numba
     that is known does.
     """
-    gc.set_threshold(100_000, 50, 1000)  # what numba makes lives to the end
+    gc.set_threshold(200_000, 10_000, 10_000)  # what numba makes lives to the end
+    _measure_nothing()
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     _make_no_machine_code()
@@ -58,7 +59,7 @@ def emit(target: Path, names: Sequence[str]) -> None:
     whole = llvm.parse_assembly("")
     for module in modules:
         whole.link_in(module, preserve=True)
-    text = _without_the_unused(whole, entries)
+    text = _without_the_unused(whole, entries, is_small=_HOT not in names)
     check_size(names[0], len(text))
     for entry, name in entries.items():
         text = text.replace(entry, name)
@@ -83,6 +84,11 @@ def _make_no_machine_code() -> None:
     cpu.CPUContext.get_executable = _finalized
     dispatching.CACHES = False
     dispatching.EXTRA.update(_NO_WRAPPERS)
+
+
+def _measure_nothing() -> None:
+    """Keep numba from timing every call of LLVM, of which there are hundreds of thousands."""
+    event.start_event = event.end_event = lambda *_, **__: None
 
 
 def _finalized(context: Any, library: Any, description: Any, environment: Any) -> Any:
@@ -153,8 +159,9 @@ def _entry(module: llvm.ModuleRef, function: str) -> str:
     )
 
 
-def _without_the_unused(module: llvm.ModuleRef, entries: Container[str]) -> str:
-    """Return a module's text with the entries its only visible functions.
+def _without_the_unused(module: llvm.ModuleRef, entries: Container[str], *, is_small: bool) -> str:
+    """Return a module's text with the entries its only visible functions; is_small: whether its
+    machine code is to be rather small than fast.
 
     Raises `RuntimeError` if what they call of the project's is missing.
     """
@@ -173,6 +180,9 @@ def _without_the_unused(module: llvm.ModuleRef, entries: Container[str]) -> str:
     passes.add_aggressive_dce_pass()
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, _builder())
+    for function in module.functions:
+        if is_small and not function.is_declaration:
+            function.add_function_attribute("optsize")
     missing = [f.name for f in module.functions if f.is_declaration and _PROJECT in f.name]
     if missing:
         raise RuntimeError(f"{missing[0]} is missing: another numba than this is known")

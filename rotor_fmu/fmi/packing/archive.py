@@ -14,6 +14,7 @@ from ...files import unfinished
 DESCRIPTION = "modelDescription.xml"
 _STATES = ("--handle-state", "--serialize-state")  # pythonfmu leaves them off
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
+_SMALLEST = 9  # of the levels of compression
 
 
 def xml_bytes(root: Element) -> bytes:
@@ -68,5 +69,5 @@ def write_archive(target: Path, contents: Mapping[str, bytes]) -> Path:
             info = zipfile.ZipInfo(name, _ZIP_DATE)
             info.compress_type = zipfile.ZIP_DEFLATED
             info.external_attr = 0o644 << 16
-            sink.writestr(info, data)
+            sink.writestr(info, data, compresslevel=_SMALLEST)
     return target
