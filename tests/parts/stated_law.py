@@ -30,12 +30,11 @@ class StatedLaw:
         self._called(self.law.rates, d, v, own, out)
         return out
 
-    def tangent_error(self, d, v, weights, free, length):
-        """How far a step's tangent is from differences of its force, the nearest of three lengths
-        of these, as a share of its largest entry."""
+    def has_tangent(self, d, v, weights, free, length, share):
+        """Whether a step's tangent is that of differences of its force, of one of three lengths of
+        these, within a share of its largest entry."""
         _, tangent, _ = self.step(d, v, weights, free)
-        errors = []
-        for h in (1e-3, 1e-4, 1e-5):
+        for h in (1e-4, 1e-3, 1e-5):
             h *= length * self.speed / weights.velocity
             columns = []
             for z in (1.0, 1j):
@@ -45,8 +44,9 @@ class StatedLaw:
                 )
                 change = (ahead - behind) / (2 * h)
                 columns.append([change.real, change.imag])
-            errors.append(np.abs(np.transpose(columns) - tangent).max())
-        return min(errors) / np.abs(tangent).max()
+            if np.abs(np.transpose(columns) - tangent).max() < share * np.abs(tangent).max():
+                return True
+        return False
 
     def vibration(self, d, rest, w, size, scales):
         """By how much the force answers a vibration of small size with the frequency w [rad/s]
