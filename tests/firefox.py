@@ -27,8 +27,6 @@ class Firefox:
         self._start(dark=False)
 
     def _start(self, dark):
-        from websocket import create_connection
-
         self.dark = dark
         self.folder = tempfile.TemporaryDirectory(prefix="firefox_", ignore_cleanup_errors=True)
         preferences = Path(self.folder.name) / "user.js"
@@ -41,6 +39,15 @@ class Firefox:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
+        try:
+            self._connect()
+        except BaseException:
+            self._end()
+            raise
+
+    def _connect(self):
+        from websocket import create_connection
+
         address = self._address()
         self.socket = create_connection(address, timeout=PATIENCE, suppress_origin=True)
         self.last, self.events = 0, []
@@ -120,6 +127,9 @@ class Firefox:
 
     def quit(self):
         self.socket.close()
+        self._end()
+
+    def _end(self):
         self.process.terminate()
         self.process.wait()
         self.folder.cleanup()
