@@ -10,28 +10,41 @@ import pytest
 import rotor_fmu
 from tools.checkout import ROOT
 
-DIGESTS = """
-import sys
+OF_KERNELS = """
 from rotor_fmu.model.kernels import digest
+print(digest.kernels_digest())
+"""
+ALL = f"""
+{OF_KERNELS}
 from rotor_fmu.library import build
-print(digest.kernels_digest(), build.emitted_digest(), build.core_digest())
+print(build.emitted_digest(), build.core_digest())
 """
 SIMULATION = ("model", "simulation.py")  # runs the kernels, and is none
 
 
-@pytest.fixture
-def tree(tmp_path):
-    """A copy of the sources, laid out as a wheel is, without any library."""
-    package = tmp_path / "rotor_fmu"
+def copied(folder):
+    package = folder / "rotor_fmu"
     shutil.copytree(ROOT / "rotor_fmu", package, ignore=shutil.ignore_patterns("__pycache__"))
     ignored = shutil.ignore_patterns("__pycache__", "library")
     shutil.copytree(ROOT / "model", package / "model", ignore=ignored)
     return package
 
 
-def digests(tree):
+@pytest.fixture
+def tree(tmp_path):
+    """A copy of the sources, laid out as a wheel is, without any library."""
+    return copied(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def before(tmp_path_factory):
+    """The digests of such a copy."""
+    return digests(copied(tmp_path_factory.mktemp("copy")))
+
+
+def digests(tree, script=ALL):
     done = subprocess.run(
-        [sys.executable, "-c", DIGESTS],
+        [sys.executable, "-c", script],
         cwd=tree.parent,
         env={"PYTHONPATH": str(tree.parent), "PATH": "", "ROTOR_FMU_CACHE": str(tree / "none")},
         capture_output=True,
@@ -39,6 +52,11 @@ def digests(tree):
         check=True,
     )
     return done.stdout.split()
+
+
+def of_kernels(tree):
+    (digest,) = digests(tree, OF_KERNELS)
+    return digest
 
 
 def edit(tree, name, old, new):
@@ -53,8 +71,7 @@ DOCSTRING = '"""Return |z| of a complex number'
 ENTRY = ("library", "entry_points.py")
 
 
-def test_comments_docstrings_and_layout_change_nothing(tree):
-    before = digests(tree)
+def test_comments_docstrings_and_layout_change_nothing(tree, before):
     edit(tree, KERNEL, DOCSTRING, '"""The length of a complex number')
     edit(tree, KERNEL, "_SPLIT = 134217729.0", "# a comment\n\n_SPLIT = (\n    134217729.0\n)")
     edit(tree, ENTRY, '    """Call `entries.survey`."""', '    """Another text."""  # a comment')
@@ -77,28 +94,26 @@ def test_comments_docstrings_and_layout_change_nothing(tree):
     ],
 )
 def test_what_changes_a_library_changes_its_digest_and_nothing_else_does(
-    tree, name, old, new, changed
+    tree, before, name, old, new, changed
 ):
     """K: the kernels of a run; E: the functions that are emitted; C: the library."""
-    before = digests(tree)
     edit(tree, name, old, new)
     after = digests(tree)
     seen = "".join(d for d, a, b in zip("KEC", before, after, strict=True) if a != b)
     assert seen == changed
 
 
-def test_kernels_are_found_by_what_the_entries_import(tree):
+def test_kernels_are_found_by_what_the_entries_import(tree, before):
     """A law in a module of its own counts as soon as a part imports it."""
-    before = digests(tree)
     (tree / "model" / "contact" / "another.py").write_text("GAIN = 1.0\n")
-    assert digests(tree) == before
+    assert of_kernels(tree) == before[0]
     edit(
         tree, ("model", "contact", "wall.py"), "import math", "import math\n\nfrom . import another"
     )
-    after = digests(tree)
-    assert after[0] != before[0]
+    after = of_kernels(tree)
+    assert after != before[0]
     (tree / "model" / "contact" / "another.py").write_text("GAIN = 2.0\n")
-    assert digests(tree)[0] != after[0]
+    assert of_kernels(tree) != after
 
 
 RECORDED = """
@@ -113,20 +128,20 @@ def test_a_record_spares_parsing_and_counts_for_the_very_same_files_alone(tree):
     command = [sys.executable, "-c", RECORDED]
     subprocess.run(command, cwd=tree.parent, env={"PYTHONPATH": str(tree.parent)}, check=True)
     record = tree / "model" / "library" / "kernels.digest"
-    of_files, of_kernels = record.read_text().split()
-    assert digests(tree)[0] == of_kernels
+    of_files, recorded = record.read_text().split()
+    assert of_kernels(tree) == recorded
     record.write_text(f"{of_files} {16 * 'a'}\n")
-    assert digests(tree)[0] == 16 * "a"
+    assert of_kernels(tree) == 16 * "a"
     edit(tree, KERNEL, "_SPLIT = 134217729.0", "_SPLIT = 134217730.0")
-    assert digests(tree)[0] not in (of_kernels, 16 * "a")
+    assert of_kernels(tree) not in (recorded, 16 * "a")
     record.write_text("damaged")
     edit(tree, KERNEL, "_SPLIT = 134217730.0", "_SPLIT = 134217729.0")
-    assert digests(tree)[0] == of_kernels
+    assert of_kernels(tree) == recorded
 
 
-def test_the_checkout_has_the_digest_of_the_wheel(tree):
+def test_the_checkout_has_the_digest_of_the_wheel(before):
     """Where the package lies changes nothing."""
     assert Path(rotor_fmu.__file__).parents[1] == ROOT
     from rotor_fmu.model.kernels.digest import kernels_digest
 
-    assert digests(tree)[0] == kernels_digest()
+    assert before[0] == kernels_digest()
