@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..backend import Backend, selected_backend
-from ..kernels.jit import IS_COMPILED, interpreted, jit, jit_not_inlined
+from ..kernels.jit import IS_COMPILED, has_to_compile, interpreted, jit, jit_not_inlined
 from ..parts import LAWS
 from ..parts.law import Kinematics, Weights
 from ..parts.linear_bearing import LINEAR_BEARING
@@ -78,6 +78,15 @@ def _openings(laws, interfaces, d, opening):
             opening[j, t] = law_gap(laws, interfaces[j], d[j, t])
 
 
+def waits_for_compiler() -> bool:
+    """Return whether the first laws that are called in this process are compiled first."""
+    return _is_fast() and has_to_compile(along)
+
+
+def _is_fast() -> bool:
+    return IS_COMPILED and selected_backend() is not Backend.PYTHON
+
+
 class LawsAlong:
     """The laws of some interfaces of a structure, called at many samples at once."""
 
@@ -94,7 +103,7 @@ class LawsAlong:
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
         self.levels = self._corner_levels()
-        self.is_fast = is_fast = IS_COMPILED and selected_backend() is not Backend.PYTHON
+        self.is_fast = is_fast = _is_fast()
         self._along = along if is_fast else interpreted(along)
         self._openings = _openings if is_fast else interpreted(_openings)
 

@@ -123,6 +123,7 @@ def response(
         "whirl": whirl,
         "branches": branches,
     }
+    from ..model.periodic.laws import waits_for_compiler
     from ..periodic.answers import found, question
 
     task = question(machine, **asked)
@@ -132,6 +133,10 @@ def response(
     length = task.task.high - task.task.low
     axis = current().of_si(unit)
     with saved_journal(out, toml, asked) as saved, _progress(length, saved.before, axis) as tell:
+        if waits_for_compiler():
+            print(
+                "response: compiling the laws of all parts, once on this machine", file=sys.stderr
+            )
         result = found(task, tell, saved.journal)
     summary = dict(result.summary)
     if not result.is_stopped:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from rotor_fmu.model.periodic import laws
 
 import rotor_fmu as rf
 
@@ -36,6 +37,15 @@ def test_the_command_writes_curve_and_picture(tmp_path):
     assert (tmp_path / "response.png").stat().st_size > 10_000
     kinds = [b["kind"] for b in output["bifurcations"]]
     assert "fold" in kinds
+
+
+@pytest.mark.parametrize("compiles", [True, False])
+def test_that_the_laws_are_compiled_first_is_said(process, monkeypatch, compiles):
+    monkeypatch.setattr(laws, "waits_for_compiler", lambda: compiles)
+    done = process("response", "--rotor", str(JEFFCOTT), "--speed", "100:110")
+    assert done.returncode == 0
+    said = "response: compiling the laws of all parts, once on this machine"
+    assert (said in done.stderr.splitlines()) == compiles
 
 
 @pytest.mark.parametrize(
