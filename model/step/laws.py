@@ -47,6 +47,7 @@ def _vibrating(law: Law) -> Callable:
     tangent = law.tangent
 
     def vibrate(part, tables, kinematics, frequency, free, internal_state):
+        """Do what `Law.vibrate` does for a law whose states do not follow at a frequency."""
         force = p_d = q_d = p_v = q_v = 0.0j
         for by_v in range(2):  # in a loop, so that its code is there once
             weights = Weights(1.0 - by_v, 1.0 * by_v, 0.0)
