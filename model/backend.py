@@ -1,5 +1,5 @@
-"""The backend that runs the functions of `entries`: the solver library if there is one for this
-machine, otherwise numba, otherwise plain Python. All three give the same numbers."""
+"""The backend that runs the compiled functions of a block: the solver library if there is one for
+this machine, otherwise numba, otherwise plain Python. All three give the same numbers."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Backend(Enum):
 
 
 class EntryPoints(NamedTuple):
-    """The functions of `entries` for one block, which has to outlive them."""
+    """The functions of `time_loop.entries` for one block, which has to outlive them."""
 
     start: Callable[[float, float, float], int]
     advance: Callable[[float, float, float], int]
@@ -69,32 +69,28 @@ def _has_numba() -> bool:
     return True
 
 
-def waits_for_compiler() -> bool:
-    """Return whether the first run in this process compiles the kernels."""
-    return selected_backend() is Backend.NUMBA and has_to_compile(entries.advance)
+def waits_for_compiler(entry: Any = entries.advance) -> bool:
+    """Return whether the first call of an entry in this process compiles it, with all that it
+    calls."""
+    return selected_backend() is Backend.NUMBA and has_to_compile(entry)
+
+
+def bound(entry: Any, block: np.ndarray, backend: Backend | None = None) -> Callable[..., Any]:
+    """Return a compiled function of a block and numbers as one of the numbers alone, run by
+    `backend`, by default the selected one. The block has to outlive it."""
+    backend = backend or selected_backend()
+    if backend is Backend.LIBRARY:
+        made = getattr(library.loaded(), f"rotor_{entry.__name__}")
+        return partial(made, block.ctypes.data)
+    return partial(entry.dispatcher if backend is Backend.NUMBA else interpreted(entry), block)
 
 
 def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
     """Return the functions for a block, run by `backend`, by default the selected one."""
-    backend = backend or selected_backend()
-    functions: tuple[Any, ...] = (
-        entries.start,
-        entries.advance,
-        entries.survey,
-        entries.refresh_outputs,
-        entries.differentiate,
+    return EntryPoints(
+        bound(entries.start, block, backend),
+        bound(entries.advance, block, backend),
+        bound(entries.survey, block, backend),
+        bound(entries.refresh_outputs, block, backend),
+        bound(entries.differentiate, block, backend),
     )
-    if backend is Backend.LIBRARY:
-        made = library.loaded()
-        assert made is not None
-        address = block.ctypes.data
-        return EntryPoints(
-            partial(made.rotor_start, address),
-            partial(made.rotor_advance, address),
-            partial(made.rotor_survey, address),
-            partial(made.rotor_refresh_outputs, address),
-            partial(made.rotor_differentiate, address),
-        )
-    if backend is Backend.NUMBA:
-        return EntryPoints(*(partial(function.dispatcher, block) for function in functions))
-    return EntryPoints(*(partial(interpreted(function), block) for function in functions))

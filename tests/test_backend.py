@@ -50,6 +50,44 @@ for name, rotor in rotors.items():
 print(json.dumps([selected_backend().value, "numba" in sys.modules, seen]))
 """
 
+# The same of their nonlinear laws along a motion, and of two steps through a period.
+PERIODIC = """
+import json, sys
+from pathlib import Path
+import numpy as np
+from rotor_fmu.model import backend
+from rotor_fmu.model.periodic import entries
+from rotor_fmu.model.periodic.condensed import Condensed
+from rotor_fmu.runs.job import load_rotor
+
+random = np.random.default_rng(3)
+seen = {}
+for file in sorted(Path(sys.argv[1]).rglob("*.toml")):
+    if file.parent.name == "studies":
+        continue
+    machine = Condensed(load_rotor(file)[1])
+    laws, b = machine.laws, machine.b
+    if laws.count == 0:
+        continue
+    size = np.repeat(laws.length, 2)
+    d = 0.4 * size * random.standard_normal((2, 2 * laws.count))
+    v = 300.0 * d[:, ::-1]
+    own = np.tile(laws.starts, (2, 1))
+    at = laws.tangents(d, v, own, np.full(laws.states, 1e-6), 200.0)
+    read = [*at, laws.openings(1.5 * d)]
+    if laws.states == 0:
+        block, data = laws.block(3, steps=2, lengths=1, modes=4, b=b)
+        for array in (*data.lengths[1:6], *data.period[:4], data.period.state):
+            array[...] = 0.01 * random.standard_normal(array.shape)
+        data.lengths.seen[...] *= np.tile(laws.length.max(), data.lengths.seen.shape)
+        data.lengths.among[...] *= 1e-8
+        data.work.places[...] = np.arange(3 * b)
+        backend.bound(entries.step_through, block)(200.0)
+        read += [*data.period, *data.work]
+    seen[file.name] = [number.hex() for array in read for number in np.ravel(array).astype(float)]
+print(json.dumps([backend.selected_backend().value, "numba" in sys.modules, seen]))
+"""
+
 
 def run(script, *arguments, **environment):
     done = subprocess.run(
@@ -63,8 +101,8 @@ def run(script, *arguments, **environment):
     return done.stdout
 
 
-def numbers(kernels):
-    used, has_numba, seen = json.loads(run(STEPS, ROOT / "examples", ROTOR_FMU_KERNELS=kernels))
+def numbers(kernels, script=STEPS):
+    used, has_numba, seen = json.loads(run(script, ROOT / "examples", ROTOR_FMU_KERNELS=kernels))
     assert used == kernels
     assert has_numba == (kernels == "numba")
     assert len(seen) >= 6
@@ -80,3 +118,9 @@ def test_the_library_has_the_numbers_bit_for_bit(other):
     for name, (digest, observed) in mine.items():
         np.testing.assert_array_equal(observed, theirs[name][1], name)
         assert digest == theirs[name][0], name
+
+
+@has_platform
+@pytest.mark.parametrize("other", ["python", pytest.param("numba", marks=pytest.mark.slow)])
+def test_so_has_the_library_those_of_periodic_motions(other):
+    assert numbers("library", PERIODIC) == numbers(other, PERIODIC)

@@ -20,7 +20,8 @@ from .cache import check_private, user_cache, warn_once
 
 _MODEL = Path(__file__).parents[1]
 _NAME = __name__.removesuffix(".kernels.digest")
-_ENTRIES = _MODEL / "time_loop" / "entries.py"
+# The modules of a library's functions.
+_ENTRIES = ("time_loop", "periodic")
 # Beside the kernels: what a wheel carries, or was made in a source tree.
 CARRIED = _MODEL / "library"
 _RECORD = "kernels.digest"
@@ -43,7 +44,12 @@ def _digests() -> tuple[str, str]:
             of_files, of_kernels = (folder / _RECORD).read_text(encoding="ascii").split()
             if of_files == files:
                 return files, of_kernels
-    return files, syntax_digest(imported(_ENTRIES, f"{_NAME}.time_loop"))
+    kernels = {
+        file
+        for package in _ENTRIES
+        for file in imported(_MODEL / package / "entries.py", f"{_NAME}.{package}")
+    }
+    return files, syntax_digest(sorted(kernels, key=_path))
 
 
 def made_here() -> Path:

@@ -78,6 +78,9 @@ def loaded() -> ctypes.CDLL | None:
         library.rotor_survey.argtypes = (block, real, ctypes.c_int64)
         library.rotor_refresh_outputs.argtypes = (block,)
         library.rotor_differentiate.argtypes = (block, ctypes.c_int64)
+        library.rotor_call_laws.argtypes = (block, real)
+        library.rotor_find_openings.argtypes = (block,)
+        library.rotor_step_through.argtypes = (block, real)
     except (OSError, AttributeError) as error:
         warn_once("library", f"the library of the solver cannot be loaded: {error}")
         return None

@@ -21,6 +21,7 @@ import scipy.linalg
 from .balance import Orbit
 from .condensed import Condensed
 from .corners import crossings
+from .entries import Lengths
 from .fourier import basis
 from .laws import Along
 
@@ -239,22 +240,6 @@ def _collocation(roots: np.ndarray, h: np.ndarray) -> tuple[np.ndarray, np.ndarr
     grown = np.array([one, a - trace * one, adjugate]).sum(axis=2).T @ powers
     weight = np.array([a, a @ a - trace * a, det * one]).reshape(3, 9).T @ powers
     return grown, (h[:, None, None] * weight).reshape(len(h), 3, 3, len(roots))
-
-
-class Lengths(NamedTuple):
-    """What n modes, by real amplitudes, and c forces do over steps of l lengths: which length a
-    step has; of each length what the amplitudes become by themselves, `along` and across their
-    pairs, shape (l, n), and of the forces at its three points, `forced`, shape (l, n, 3 c); what is
-    seen at the points of the amplitudes, `seen`, shape (l, 3 outputs, n), and of the forces,
-    `among`, shape (l, 3 outputs, 3 c); the other amplitude of each pair."""
-
-    which: np.ndarray
-    along: np.ndarray
-    across: np.ndarray
-    forced: np.ndarray
-    seen: np.ndarray
-    among: np.ndarray
-    other: np.ndarray
 
 
 def lengths(modes: Modes, h: np.ndarray) -> Lengths:

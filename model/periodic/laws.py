@@ -5,18 +5,18 @@ The one place from where this package calls the laws; the tangents are the kerne
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from ..backend import Backend, selected_backend
-from ..kernels.jit import IS_COMPILED, has_to_compile, interpreted, jit, jit_not_inlined
+from .. import backend
 from ..parts import LAWS
-from ..parts.law import Kinematics, Weights
 from ..parts.linear_bearing import LINEAR_BEARING
-from ..step.laws import law_gap, law_rates, law_tangent
-from ..structure.structure import Structure, starts_of
+from ..structure.structure import Structure, sizes_of_laws, starts_of
+from . import entries
 
+_KEPT = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
 
 
@@ -50,41 +50,17 @@ class Along(NamedTuple):
     rates_by_own: np.ndarray
 
 
-@jit_not_inlined
-def along(laws, interfaces, d, v, speed, own, scratch, force, p, q, rates):
-    """Forces, tangents p z + q conj(z) by displacement and by velocity, and rates."""
-    for j in range(len(interfaces)):
-        interface = interfaces[j]
-        at = interface.internal_state
-        for t in range(d.shape[1]):
-            for i in range(2):
-                result = law_tangent(
-                    laws,
-                    interface,
-                    Kinematics(d[j, t], v[j, t], speed, speed, 0.0),
-                    Weights(1.0 - i, 1.0 * i, 0.0),
-                    own[t, at:],
-                    scratch[t, at:],
-                )
-                force[j, t], p[i, j, t], q[i, j, t] = result
-            motion = Kinematics(d[j, t], v[j, t], speed, speed, 0.0)
-            law_rates(laws, interface, motion, own[t, at:], rates[t, at:])
-
-
-@jit
-def _openings(laws, interfaces, d, opening):
-    for j in range(len(interfaces)):
-        for t in range(d.shape[1]):
-            opening[j, t] = law_gap(laws, interfaces[j], d[j, t])
-
-
 def waits_for_compiler() -> bool:
     """Return whether the first laws that are called in this process are compiled first."""
-    return _is_fast() and has_to_compile(along)
+    return backend.waits_for_compiler(entries.call_laws)
 
 
-def _is_fast() -> bool:
-    return IS_COMPILED and selected_backend() is not Backend.PYTHON
+class _Sampled(NamedTuple):
+    """A block for so many samples: what is in it, and the functions that fill it in."""
+
+    samples: entries.Samples
+    call_laws: Callable[[float], object]
+    find_openings: Callable[[], object]
 
 
 class LawsAlong:
@@ -103,9 +79,7 @@ class LawsAlong:
         self.length = np.array([i.length for i in interfaces], float)
         self.has_wall = np.asarray(interfaces.has_wall == 1)
         self.levels = self._corner_levels()
-        self.is_fast = is_fast = _is_fast()
-        self._along = along if is_fast else interpreted(along)
-        self._openings = _openings if is_fast else interpreted(_openings)
+        self._sampled: dict[int, _Sampled] = {}
 
     def radius(self, j: int) -> float:
         """Of the journal at a wall [m]."""
@@ -132,21 +106,37 @@ class LawsAlong:
         owners, levels = zip(*corners, strict=True) if corners else ((), ())
         return np.array(owners, int), np.array(levels, float)
 
-    @property
-    def records(self) -> tuple:
-        """What kernels take of the laws: their tables, and the interfaces."""
-        return self._laws, self._interfaces
+    def block(self, samples: int, **others: int) -> tuple[np.ndarray, entries.OrbitData]:
+        """Return a block for so many samples, and what is in it; others: its further sizes."""
+        sizes = {"steps": 0, "lengths": 0, "modes": 0, "b": 0, **others}
+        sizes |= {"interfaces": self.count, "samples": samples, "states": self.states}
+        block = entries.LAYOUT.new(sizes | sizes_of_laws(self._laws))
+        run: entries.OrbitData = entries.LAYOUT.view_in_python(block)
+        for target, source in zip(run.machine.laws, self._laws, strict=True):
+            target[...] = source
+        run.machine.interfaces[...] = self._interfaces
+        return block, run
+
+    def _at(self, n: int) -> _Sampled:
+        if n not in self._sampled:
+            block, run = self.block(n)
+            calls = (backend.bound(f, block) for f in (entries.call_laws, entries.find_openings))
+            while len(self._sampled) >= _KEPT:
+                self._sampled.pop(next(iter(self._sampled)))
+            self._sampled[n] = _Sampled(run.samples, *calls)
+        return self._sampled[n]
 
     def openings(self, d: np.ndarray) -> np.ndarray:
         """Distances from where the forces begin [m], shape (n, m); d: x, y in turn, (n, 2 m)."""
-        out = np.zeros((self.count, len(d)))
-        self._openings(self._laws, self._interfaces, _complex(d), out)
-        return out.T
+        at = self._at(len(d))
+        at.samples.d[...] = _complex(d)
+        at.find_openings()
+        return at.samples.opening.T.copy()
 
     def forces(self, d: np.ndarray, v: np.ndarray, own: np.ndarray, speed: float) -> Forces:
         """Forces and rates; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s)."""
         force, _, _, rates = self._call(d, v, own, speed)
-        return Forces(_plane(force), rates)
+        return Forces(force, rates)
 
     def tangents(
         self, d: np.ndarray, v: np.ndarray, own: np.ndarray, scale: np.ndarray, speed: float
@@ -180,7 +170,7 @@ class LawsAlong:
                 for row in range(s):
                     j = int(2 * self.owner[row] + axis)
                     rates_by[i][:, row, j] = of_rates[:, row] / (2 * step[j])
-        return Along(_plane(force), by_d, by_v, by_rate, rates, *rates_by)
+        return Along(force, by_d, by_v, by_rate, rates, *rates_by)
 
     def _difference(self, d, v, own, speed, d_step=0.0, v_step=0.0, own_step=0.0):
         above = self.forces(d + d_step, v + v_step, own + own_step, speed)
@@ -188,28 +178,16 @@ class LawsAlong:
         return above[0] - below[0], above[1] - below[1]
 
     def _call(self, d, v, own, speed):
-        n, m = len(d), self.count
-        force, rates = np.zeros((m, n), complex), np.zeros((n, self.states))
-        p, q = np.zeros((2, m, n), complex), np.zeros((2, m, n), complex)
-        states = np.ascontiguousarray(own, float)
-        self._along(
-            self._laws,
-            self._interfaces,
-            _complex(d),
-            _complex(v),
-            float(speed),
-            states,
-            states.copy(),
-            force,
-            p,
-            q,
-            rates,
-        )
-        return force, p, q, rates
+        at = self._at(len(d))
+        samples = at.samples
+        samples.d[...], samples.v[...] = _complex(d), _complex(v)
+        samples.own[...] = samples.solved[...] = own
+        at.call_laws(float(speed))
+        return _plane(samples.force), samples.p.copy(), samples.q.copy(), samples.rates.copy()
 
 
 def _complex(d: np.ndarray) -> np.ndarray:
-    return np.ascontiguousarray((d[:, ::2] + 1j * d[:, 1::2]).T)
+    return (d[:, ::2] + 1j * d[:, 1::2]).T
 
 
 def _plane(z: np.ndarray) -> np.ndarray:

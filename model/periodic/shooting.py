@@ -22,8 +22,8 @@ from . import mesh
 from .arclength import Lost
 from .balance import Orbit, Problem
 from .condensed import Condensed, Harmonics
+from .entries import Lengths
 from .floquet import (
-    Lengths,
     Modes,
     Paces,
     by_y,

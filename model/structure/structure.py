@@ -48,6 +48,13 @@ NUMBERS = _record(
 )
 
 
+# Of a machine's `laws`: type and extents of each, the records of each law and last the tables.
+LAW_TABLES = [
+    *((law.dtype, (f"rows_{law.name}",)) for law in LAWS),
+    (np.dtype(float), ("tables",)),
+]
+
+
 class Structure(NamedTuple):
     """A rotor in matrices, all in SI units; n dofs, two a node (deflection, slope).
 
@@ -107,6 +114,12 @@ def starts_of(interfaces: np.ndarray) -> np.ndarray:
     return np.concatenate([np.zeros(0), *starts])
 
 
+def sizes_of_laws(laws: tuple) -> dict[str, int]:
+    """Return the numbers on which the extents of `LAW_TABLES` depend."""
+    rows = zip(LAWS, laws, strict=False)
+    return {f"rows_{law.name}": len(records) for law, records in rows} | {"tables": len(laws[-1])}
+
+
 def sizes_of(structure: Structure) -> dict[str, int]:
     """The numbers on which the extents of arrays depend; `size`: of a motion, ground included."""
     n, width = structure.M.shape
@@ -130,6 +143,5 @@ def sizes_of(structure: Structure) -> dict[str, int]:
         "most_states": int(structure.interfaces.states.max(initial=0)),
         "stores": len(structure.stores),
         "losses": len(structure.losses),
-        **{f"rows_{law.name}": len(rows) for law, rows in zip(LAWS, structure.laws, strict=False)},
-        "tables": len(structure.laws[-1]),
+        **sizes_of_laws(structure.laws),
     }

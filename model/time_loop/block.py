@@ -16,7 +16,7 @@ from ..step.stages import Stages
 from ..step.step import Motion, Workspace
 from ..step.tangent import Tangent, TangentWork
 from ..structure.ledger import FLOWS, STORES
-from ..structure.structure import Structure, sizes_of, starts_of
+from ..structure.structure import LAW_TABLES, Structure, sizes_of, starts_of
 from ..warnings import RUN_WARNINGS
 from .control import Control
 from .memory import Memory
@@ -97,11 +97,10 @@ _SIZES = (
     *("tables", "channels", "recorder_rows", "basis", "coarse", "coarse_width", "alone", "few"),
     *(f"rows_{law.name}" for law in LAWS),
 )
-_LAWS = [*((law.dtype, (f"rows_{law.name}",)) for law in LAWS), (np.dtype(float), ("tables",))]
 LAYOUT = Layout(
     RunData,
     [
-        Group("structure", Structure, {"laws": _LAWS}),
+        Group("structure", Structure, {"laws": LAW_TABLES}),
         Group("method", Integrator, {}),
         Group("motion", Motion, {}),
         Group("memory", Memory, {}),

@@ -1,8 +1,9 @@
 """The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
 those of a run (`model.time_loop.entries`) a status, the others the code of a message (`messages`).
 
-block: of a run (`model.time_loop.block`); given, own: the solver's settings (`settings.resolver`);
-arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
+block: of a run (`model.time_loop.block`), or of periodic motions (`model.periodic.entries`); given,
+own: the solver's settings (`settings.resolver`); arguments: the numbers of the message, at most
+`MOST_ARGUMENTS`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numba import literal_unroll, types
 
 from ..model import messages, outcomes
 from ..model.kernels.jit import jit
+from ..model.periodic import entries as periodic
 from ..model.settings import resolver
 from ..model.step.status import DONE
 from ..model.time_loop import entries
@@ -112,6 +114,24 @@ def rotor_outcome(block, status, arguments):
     return outcomes.failure(run, status, arguments)
 
 
+def rotor_call_laws(block, speed):
+    """Call `periodic.call_laws`."""
+    periodic.call_laws(block, speed)
+    return messages.GOOD
+
+
+def rotor_find_openings(block):
+    """Call `periodic.find_openings`."""
+    periodic.find_openings(block)
+    return messages.GOOD
+
+
+def rotor_step_through(block, speed):
+    """Call `periodic.step_through`."""
+    periodic.step_through(block, speed)
+    return messages.GOOD
+
+
 def _source(kernel: Any) -> Callable[..., Any]:
     """Return the function that a kernel is made of: compiled once, as the library's own."""
     function: Callable[..., Any] = kernel.py_func
@@ -135,4 +155,7 @@ FUNCTIONS = {
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),
     "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
     "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
+    "rotor_call_laws": (rotor_call_laws, (_BLOCK, _REAL)),
+    "rotor_find_openings": (rotor_find_openings, (_BLOCK,)),
+    "rotor_step_through": (rotor_step_through, (_BLOCK, _REAL)),
 }

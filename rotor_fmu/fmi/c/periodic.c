@@ -1,0 +1,22 @@
+/* What Python calls of periodic motions, which no FMU has. */
+#ifndef __wasm__
+#include "instance.h"
+#include "kernels.h"
+
+int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double);
+int32_t rotor_find_openings_kernel(int64_t *, void **, uint8_t *);
+int32_t rotor_step_through_kernel(int64_t *, void **, uint8_t *, double);
+
+EXPORT int rotor_call_laws(uint8_t *block, double speed)
+{
+    CALL(rotor_call_laws, block, speed);
+}
+EXPORT int rotor_find_openings(uint8_t *block)
+{
+    CALL(rotor_find_openings, block);
+}
+EXPORT int rotor_step_through(uint8_t *block, double speed)
+{
+    CALL(rotor_step_through, block, speed);
+}
+#endif
