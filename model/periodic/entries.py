@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.block import Group, Layout
-from ..kernels.jit import jit
+from ..kernels.jit import jit, jit_not_inlined
 from ..parts import LAWS
 from ..parts.law import Kinematics, Weights
 from ..step.interface_problem import solve_columns
@@ -122,7 +122,7 @@ def call_laws(block, speed):
     _call_laws(run.machine, run.samples, speed)
 
 
-@jit
+@jit_not_inlined
 def _call_laws(machine, samples, speed):
     laws, interfaces = machine
     for j in range(len(interfaces)):
