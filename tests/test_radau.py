@@ -3,11 +3,12 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from rotor_fmu.model.kernels.jit import interpreted
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.schemes import radau
 from rotor_fmu.model.settings import PRESETS, SettingsError, _given, choose, settings_of_given
 from rotor_fmu.model.simulation import Simulation
@@ -15,10 +16,14 @@ from rotor_fmu.model.stability.resolution import resolving_step_in_stages
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.time_loop.recorder import Record
 
+from rotor_fmu.machine_file.reading import machine_text
+
 from . import test_free_spin, test_oscillations
 from .machines import losses, overhung
 from .parts.dropped import RATE, SPEED
 from .parts.dropped import machine as dropped_machine
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 def in_steps(h):
@@ -84,6 +89,38 @@ def test_a_free_rotor_and_its_motion_are_solved_with_order_five():
         )
     assert max(errors[1]) < 1e-5
     assert np.all(np.log2(np.divide(*errors)) > 4)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
+def test_where_contacts_open_and_friction_reverses_it_keeps_to_the_tolerance(tolerance):
+    """No method of high order is one there: steps that look as good as others are not."""
+    rotor = parse_rotor(machine_text("file", EXAMPLES / "from_ross" / "rubbing.toml"))
+    orbits = []
+    for settings in (
+        choose(method="radau5", tolerance=1e-7),
+        choose(method="radau5", tolerance=tolerance),
+    ):
+        sim = Simulation(rotor, settings, speed=335.0, rate=12.0)
+        orbit = []
+        for t in np.linspace(0.0, 0.5, 251)[1:]:
+            sim.advance(t, 335.0 + 12.0 * sim.time)
+            orbit.append(sim.motion.q[sim.structure.interfaces.dof].copy())
+        orbits.append(np.array(orbit))
+    exact, seen = orbits
+    assert np.abs(seen - exact).max() < tolerance * np.abs(exact - exact[0]).max()
+
+
+@pytest.mark.parametrize("speed", [250.0, 400.0])
+def test_a_loose_tolerance_is_not_dearer_than_a_tight_one(speed):
+    """Steps in which Newton's method hardly arrives would be."""
+    iterations = []
+    for tolerance in (1e-2, 1e-3):
+        sim = Simulation(
+            rig(), choose(method="radau5", tolerance=tolerance), speed=speed, rate=-10.0
+        )
+        sim.advance(1.0, speed)
+        iterations.append(sim.read("solver.newton"))
+    assert iterations[0] < 1.1 * iterations[1]
 
 
 @pytest.mark.parametrize("mode", ["fixed", "adaptive"])

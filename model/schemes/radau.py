@@ -136,7 +136,7 @@ def _integrals() -> np.ndarray:
 
 INTEGRALS = _integrals()
 # Of the third difference of a step's accelerations times h^2, what counts as its local error.
-ERROR_CONSTANT = 0.02
+ERROR_CONSTANT = 0.01
 
 
 @jit

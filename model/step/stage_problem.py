@@ -24,10 +24,10 @@ SLIDING, FREE = 0, 1
 # which none arrives is repeated with half its length.
 ATTEMPTS = (SLIDING, FREE)
 ITERATIONS = 10
-# Of the accuracy asked for, what a correction by an old matrix may leave, as its corrections fall;
-# of its last correction, what one may be without being slow, and without the iteration being
-# damped: it would cycle where sliding turns back.
-OLD, SLOW, CYCLING = 0.01, 0.1, 0.7
+# Of the accuracy asked for, what the corrections may leave, as they fall; of its last correction,
+# what one may be without being slow, and without the iteration being damped: it would cycle where
+# sliding turns back.
+SURE, SLOW, CYCLING = 0.3, 0.1, 0.7
 LEAST_RELAX = 0.25
 
 
@@ -43,6 +43,15 @@ def _may_act(structure, old, stages):
         for i in range(STAGES):
             if law_gap(structure.laws, interface, stages.d_free[i, j]) < 0.0:
                 return True
+    return False
+
+
+@jit
+def _is_placed(structure, old):
+    """Return whether Newton starts elsewhere than without forces, if it may."""
+    for j in range(len(structure.interfaces)):
+        if structure.interfaces[j].has_wall == 0 or old.force[j] != 0.0:
+            return True
     return False
 
 
@@ -189,7 +198,6 @@ def _iterate(structure, h, accuracy, old, stages):
     for iteration in range(ITERATIONS):
         has_changed = _call_laws(structure, stages)
         is_new = is_new or has_changed
-        was_new = is_new
         if is_new:
             forces, count = list_unknowns(structure, stages)
             if count > 0 and not linearize(structure, h, old, stages, forces, count):
@@ -198,7 +206,7 @@ def _iterate(structure, h, accuracy, old, stages):
         correction = _improve(structure, h, accuracy, relax, old, stages, forces, count)
         if not correction < math.inf:
             return False, iteration + 1
-        if relax == 1.0 and _is_close(correction, before, was_new):
+        if relax == 1.0 and _is_close(correction, before, has_changed):
             return True, iteration + 1
         is_new = relax < 1.0 or correction > SLOW * before
         is_slower = correction >= CYCLING * before
@@ -208,12 +216,12 @@ def _iterate(structure, h, accuracy, old, stages):
 
 
 @jit
-def _is_close(correction, before, was_new):
-    """Return whether what a correction leaves is within the accuracy: of an old matrix the sum of
-    those that would follow, of a new one far less than it is."""
-    if was_new or correction <= OLD:
+def _is_close(correction, before, has_changed):
+    """Return whether what a correction leaves is within the accuracy: the sum of those that would
+    follow if they fell as they have, and far less than it is where others act than before."""
+    if has_changed or correction <= SURE * SURE:
         return correction <= 1.0
-    return correction * correction <= OLD * (before - correction)
+    return correction * correction <= SURE * (before - correction)
 
 
 @jit
@@ -229,6 +237,8 @@ def solve_stages(structure, h, accuracy, old, stages):
         return True, 0
     total = 0
     for place in ATTEMPTS:
+        if place == FREE and not _is_placed(structure, old):
+            break
         _start(structure, h, place, old, stages)
         is_converged, iterations = _iterate(structure, h, accuracy, old, stages)
         total += iterations

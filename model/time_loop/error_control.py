@@ -26,7 +26,7 @@ GROWTH, SHRINKAGE = 1.25, 0.2
 STEADY_TURNS, STEADY_ERROR, STEADY_GROWTH = 4.0, 0.6, 4.0
 CUT = 0.9  # of the proposed length: a step below it was cut short and says nothing against it
 # The same of steps in stages, whose errors are of a higher order.
-STAGE_GROWTH = 1.6
+STAGE_GROWTH = 2.0
 SMALLEST = 1e-8  # an error that it does not pay to tell from none
 # Share of a step before which a contact's opening or closing is worth ending a repeated step at.
 LATE = 0.9
@@ -134,8 +134,13 @@ def local_error(structure, control, size, frequency, h, measures):
 def tolerated_error(structure, control, size, frequency, h):
     """Return the error of displacements that a step of length h [s] may have [m]; size, frequency:
     see `local_error`."""
-    radians = h * max(structure.numbers[0].slowest, abs(frequency))
-    return SHARE * radians * control.tolerance * size
+    return SHARE * radians_of(structure, frequency, h) * control.tolerance * size
+
+
+@jit
+def radians_of(structure, frequency, h):
+    """Return the length of a step [rad] of the motion, or of the slowest one if that is faster."""
+    return h * max(structure.numbers[0].slowest, abs(frequency))
 
 
 @jit

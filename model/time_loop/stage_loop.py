@@ -9,18 +9,24 @@ from ..kernels.functions import scaled
 from ..kernels.jit import jit, jit_not_inlined
 from ..schemes.radau import EXPECTED, STAGES, A, C, weight_at, weight_until
 from ..step.excitation import spin_of
+from ..step.laws import relative
 from ..step.stages import spin_of_stage, try_stages
 from ..step.status import DONE, NOT_CONVERGED
 from ..step.step import Motion
 from .energy import powers
-from .error_control import tolerated_error
+from .error_control import radians_of, tolerated_error
 from .memory import move_loads, spin_at
 from .monitors import monitor_revolution
 from .recorder import is_due, rows_within, write
 from .rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
 
-# Of the tolerance, to which the interfaces' displacements are solved for, and the bounds of that.
-OF_TOLERANCE, FINEST, COARSEST = 3e-3, 1e-10, 1e-5
+# Of the tolerance, to which the interfaces' displacements are solved for in a step of a radian, and
+# the bounds of that.
+OF_TOLERANCE, FINEST, COARSEST = 2e-2, 1e-10, 1e-5
+# Newton's iterations after which no longer step follows.
+HARD = 3
+# How much larger the error of a step is than it seems in which two smooth motions meet.
+AT_JOINT = 60.0
 SEEN = 0.1  # of the rotation or the lowest mode, between looks at an amplitude, at most [rad]
 
 
@@ -55,7 +61,8 @@ def turn_in_stages(structure, control, t, h, motion, trial, memory, work, stages
         spin = spin_at(memory.record, at, r.alpha)
         stages.omega[i], stages.alpha[i], stages.theta[i] = spin.omega, spin.alpha, spin.theta
     middle = spin_at(memory.record, r.t + 0.5 * h, r.alpha)
-    accuracy = min(COARSEST, max(FINEST, OF_TOLERANCE * control.tolerance))
+    radians = radians_of(structure, math.sqrt(r.characteristic_frequency_squared), h)
+    accuracy = min(COARSEST, max(FINEST, OF_TOLERANCE * radians * control.tolerance))
     status, total, torque = NOT_CONVERGED, 0, 0.0
     for correction in range(SPIN_ITERATIONS):
         status, iterations = try_stages(structure, middle, h, accuracy, motion, trial, stages)
@@ -119,7 +126,33 @@ def stage_error(structure, control, size, frequency, h, motion, stages):
         x, y = difference[weights[j].i], difference[weights[j].k]
         total += weights[j].weight * (x.real * y.real + x.imag * y.imag)
     tolerated = tolerated_error(structure, control, size, frequency, h)
-    return control.error_constant * h * h * math.sqrt(max(0.0, total)) / tolerated
+    error = control.error_constant * h * h * math.sqrt(max(0.0, total)) / tolerated
+    return AT_JOINT * error if has_joint(structure, motion, stages) else error
+
+
+@jit
+def has_joint(structure, old, stages):
+    """Return whether two motions meet within the step, each of them smooth: where a wall's force
+    begins, ceases, or reverses its friction."""
+    for j in range(len(structure.interfaces)):
+        interface = structure.interfaces[j]
+        if interface.has_wall == 0:
+            continue
+        force = old.force[j]
+        before = _across(force, relative(interface, old.q))
+        for i in range(STAGES):
+            if (stages.force[i, j] != 0.0) != (force != 0.0):
+                return True
+            after = _across(stages.force[i, j], stages.d[i, j])
+            if before * after < 0.0:
+                return True
+    return False
+
+
+@jit
+def _across(force, displacement):
+    """Return the torque of a wall's force about its middle [N.m]."""
+    return displacement.real * force.imag - displacement.imag * force.real
 
 
 @jit
@@ -143,7 +176,9 @@ def pass_stages(structure, h, motion, trial, memory, stages):
     for k in range(1, parts):
         x = k / parts
         omega, theta = _turned_within(h, x, stages)
-        _displace_within(h, x, motion, trial, stages)
+        for probe in structure.probes:
+            _displace(h, x, probe.dof, motion, trial, stages)
+            _displace(h, x, probe.slope, motion, trial, stages)
         spin = spin_of(omega, stages.alpha[last], theta)
         monitor_revolution(structure, spin, trial, memory)
 
@@ -165,15 +200,19 @@ def _turned_within(h, x, stages):
 
 
 @jit
+def _displace(h, x, i, motion, trial, stages):
+    """Do what `_displace_within` does for one dof."""
+    trial.q[i] = motion.q[i]
+    for k in range(STAGES):
+        trial.q[i] += scaled(_back(h, x, k), stages.v[k, i])
+
+
+@jit
 def _displace_within(h, x, motion, trial, stages):
     """Make the displacements of `trial` those at a share x of the step that led to `motion`: the
     polynomials through the velocities at the stages."""
     for i in range(len(motion.q)):
-        trial.q[i] = motion.q[i]
-    for k in range(STAGES):
-        back = _back(h, x, k)
-        for i in range(len(motion.q)):
-            trial.q[i] += scaled(back, stages.v[k, i])
+        _displace(h, x, i, motion, trial, stages)
 
 
 @jit_not_inlined

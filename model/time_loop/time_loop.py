@@ -23,7 +23,14 @@ from .monitors import monitor_errors, monitor_step, monitor_work
 from .recorder import is_due, write
 from .rotation import turn
 from .sensitivities import begin_tangents, propagate
-from .stage_loop import add_stage_work, pass_stages, record_stages, stage_error, turn_in_stages
+from .stage_loop import (
+    HARD,
+    add_stage_work,
+    pass_stages,
+    record_stages,
+    stage_error,
+    turn_in_stages,
+)
 
 
 @jit_inlined
@@ -205,7 +212,8 @@ def _time_loop(run, scheme, control, tangents, t_end):
         if is_steady and r.error_touched == 0 and not was_rejected:
             r.h = steady_length(structure, control, spin.omega, proposed, h, error, memory)
         else:
-            r.h = propose_step(control, proposed, h, error, r.error, was_rejected)
+            is_hard = control.stages > 0 and iterations > HARD
+            r.h = propose_step(control, proposed, h, error, r.error, was_rejected or is_hard)
         r.error = error
         r.residual = max(r.residual, run.problem.residual[0])
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
