@@ -74,7 +74,8 @@ ENTRY = ("library", "entry_points.py")
 def test_comments_docstrings_and_layout_change_nothing(tree, before):
     edit(tree, KERNEL, DOCSTRING, '"""The length of a complex number')
     edit(tree, KERNEL, "_SPLIT = 134217729.0", "# a comment\n\n_SPLIT = (\n    134217729.0\n)")
-    edit(tree, ENTRY, '    """Call `entries.survey`."""', '    """Another text."""  # a comment')
+    docstring = '    """Return why `rotor_start` has no equilibrium."""'
+    edit(tree, ENTRY, docstring, '    """Another text."""  # a comment')
     assert digests(tree) == before
 
 
@@ -88,7 +89,7 @@ def test_comments_docstrings_and_layout_change_nothing(tree, before):
             "/ (part.exponent + 2.0)",
             "KEC",
         ),
-        (ENTRY, "return messages.GOOD", "return messages.GOOD + 0", "EC"),
+        (ENTRY, "code = messages.GOOD", "code = messages.GOOD + 0", "EC"),
         (("fmi", "c", "run.c"), "/*", "/* of C a comment counts: ", "C"),
         (SIMULATION, "import math", "import math\nOTHER = 1.0", ""),
     ],

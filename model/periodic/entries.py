@@ -1,5 +1,5 @@
 """The compiled functions of periodic motions, each of a block alone: the laws of some interfaces at
-many samples of their motion, and steps of Radau IIA through a period."""
+many samples of their motion, and steps of Radau IIA through a period. They return DONE."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..parts import LAWS
 from ..parts.law import Kinematics, Weights
 from ..step.interface_problem import solve_columns
 from ..step.laws import law_gap, law_rates, law_tangent_called
+from ..step.status import DONE
 from ..structure.structure import INTERFACE, LAW_TABLES
 
 _TOLERANCE, _ITERATIONS = 1e-12, 30  # of forces, as a share of the largest; in a step
@@ -50,13 +51,13 @@ class Lengths(NamedTuple):
     seen at the points of the amplitudes, `seen`, shape (l, 3 outputs, n), and of the forces,
     `among`, shape (l, 3 outputs, 3 c); the other amplitude of each pair."""
 
-    which: Annotated[np.ndarray, int, "steps"]
+    which: Annotated[np.ndarray, np.int64, "steps"]
     along: Annotated[np.ndarray, float, "lengths", "modes"]
     across: Annotated[np.ndarray, float, "lengths", "modes"]
     forced: Annotated[np.ndarray, float, "lengths", "modes", "3 * b"]
     seen: Annotated[np.ndarray, float, "lengths", "6 * b", "modes"]
     among: Annotated[np.ndarray, float, "lengths", "6 * b", "3 * b"]
-    other: Annotated[np.ndarray, int, "modes"]
+    other: Annotated[np.ndarray, np.int64, "modes"]
 
 
 class Period(NamedTuple):
@@ -78,7 +79,7 @@ class StepWork(NamedTuple):
 
     matrix: Annotated[np.ndarray, float, "3 * b", "3 * b"]
     lack: Annotated[np.ndarray, float, "3 * b"]
-    places: Annotated[np.ndarray, int, "3 * b"]
+    places: Annotated[np.ndarray, np.int64, "3 * b"]
     tangent: Annotated[np.ndarray, float, "3", "b", "2 * b"]
     phi: Annotated[np.ndarray, float, "3 * b"]
     change: Annotated[np.ndarray, float, "3 * b"]
@@ -120,6 +121,7 @@ def call_laws(block, speed):
     """Fill in what the laws do at all samples, at a speed of rotation [rad/s]."""
     run = _view(block)
     _call_laws(run.machine, run.samples, speed)
+    return DONE
 
 
 @jit_not_inlined
@@ -147,6 +149,7 @@ def find_openings(block):
     for j in range(len(interfaces)):
         for t in range(run.samples.d.shape[1]):
             run.samples.opening[j, t] = law_gap(laws, interfaces[j], run.samples.d[j, t])
+    return DONE
 
 
 @jit
@@ -248,3 +251,4 @@ def step_through(block, speed):
             state[j] = after[j]
         for p in range(6 * b):
             y[i, p // (2 * b), p % (2 * b)] = here[p // (2 * b), p % (2 * b)]
+    return DONE

@@ -1,4 +1,5 @@
-"""The compiled functions that are called from outside, each of a run's block alone."""
+"""The compiled functions that are called from outside, each of a run's block alone; they return a
+status, DONE where nothing can fail."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ from ..schemes.family import Scheme
 from ..stability.whirls import find_growing_whirls
 from ..step.excitation import at_place
 from ..step.laws import first_broken
+from ..step.status import DONE
 from ..step.tangent import Tangents
 from ..structure.parameters import prepare
 from . import derivatives, recorder, time_loop
@@ -136,6 +138,7 @@ def survey(block, speed, is_start):
     if in_real_time:
         r = run.memory.record[0]
         r.surveyed_from, r.surveyed_to = 0.0, math.inf
+    return DONE
 
 
 @jit
@@ -145,6 +148,7 @@ def refresh_outputs(block):
     run.work.key[0] = -1.0
     run.stages.key[0] = -1.0
     _observe(run, _tangents(run))
+    return DONE
 
 
 @jit
@@ -161,6 +165,7 @@ def retune(block, is_changed):
     if is_changed != 0:
         run.memory.work[FLOW.external] += energy - r.energy_before
     r.energy_before = energy
+    return DONE
 
 
 @jit
@@ -172,3 +177,4 @@ def differentiate(block, row):
         derivatives.by_time(run, _tangents(run))
     else:
         derivatives.by_input(run, _tangents(run), row)
+    return DONE

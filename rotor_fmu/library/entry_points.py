@@ -1,9 +1,9 @@
 """The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
-those of a run (`model.time_loop.entries`) a status, the others the code of a message (`messages`).
+those of a run (`model.time_loop.entries`) and of periodic motions (`model.periodic.entries`) a
+status, the others the code of a message (`messages`).
 
-block: of a run (`model.time_loop.block`), or of periodic motions (`model.periodic.entries`); given,
-own: the solver's settings (`settings.resolver`); arguments: the numbers of the message, at most
-`MOST_ARGUMENTS`.
+block: of a run (`model.time_loop.block`) or of periodic motions; given, own: the solver's settings
+(`settings.resolver`); arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
 """
 
 from __future__ import annotations
@@ -40,30 +40,6 @@ def rotor_resolve_settings(block, given, arguments):
 def rotor_settings_warning(block, given, own, arguments, slot):
     """Return the warning about one of the settings, or, behind the last, about all of them."""
     return resolver.warning(given, own, _view(block).method.numbers[0], arguments, slot)
-
-
-def rotor_survey(block, speed, is_start):
-    """Call `entries.survey`."""
-    entries.survey(block, speed, is_start)
-    return messages.GOOD
-
-
-def rotor_refresh_outputs(block):
-    """Call `entries.refresh_outputs`."""
-    entries.refresh_outputs(block)
-    return messages.GOOD
-
-
-def rotor_retune(block, is_changed):
-    """Call `entries.retune`."""
-    entries.retune(block, is_changed)
-    return messages.GOOD
-
-
-def rotor_differentiate(block, row):
-    """Call `entries.differentiate`."""
-    entries.differentiate(block, row)
-    return messages.GOOD
 
 
 def rotor_no_rest(block, status, arguments):
@@ -114,24 +90,6 @@ def rotor_outcome(block, status, arguments):
     return outcomes.failure(run, status, arguments)
 
 
-def rotor_call_laws(block, speed):
-    """Call `periodic.call_laws`."""
-    periodic.call_laws(block, speed)
-    return messages.GOOD
-
-
-def rotor_find_openings(block):
-    """Call `periodic.find_openings`."""
-    periodic.find_openings(block)
-    return messages.GOOD
-
-
-def rotor_step_through(block, speed):
-    """Call `periodic.step_through`."""
-    periodic.step_through(block, speed)
-    return messages.GOOD
-
-
 def _source(kernel: Any) -> Callable[..., Any]:
     """Return the function that a kernel is made of: compiled once, as the library's own."""
     function: Callable[..., Any] = kernel.py_func
@@ -146,16 +104,16 @@ FUNCTIONS = {
     ),
     "rotor_start": (_source(entries.start), (_BLOCK, _REAL, _REAL, _REAL)),
     "rotor_advance": (_source(entries.advance), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_survey": (rotor_survey, (_BLOCK, _REAL, types.int64)),
-    "rotor_refresh_outputs": (rotor_refresh_outputs, (_BLOCK,)),
-    "rotor_retune": (rotor_retune, (_BLOCK, types.int64)),
-    "rotor_differentiate": (rotor_differentiate, (_BLOCK, types.int64)),
+    "rotor_survey": (_source(entries.survey), (_BLOCK, _REAL, types.int64)),
+    "rotor_refresh_outputs": (_source(entries.refresh_outputs), (_BLOCK,)),
+    "rotor_retune": (_source(entries.retune), (_BLOCK, types.int64)),
+    "rotor_differentiate": (_source(entries.differentiate), (_BLOCK, types.int64)),
     "rotor_no_rest": (rotor_no_rest, (_BLOCK, types.int64, _NUMBERS)),
     "rotor_growth": (rotor_growth, (_BLOCK, _NUMBERS)),
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),
     "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
     "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
-    "rotor_call_laws": (rotor_call_laws, (_BLOCK, _REAL)),
-    "rotor_find_openings": (rotor_find_openings, (_BLOCK,)),
-    "rotor_step_through": (rotor_step_through, (_BLOCK, _REAL)),
+    "rotor_call_laws": (_source(periodic.call_laws), (_BLOCK, _REAL)),
+    "rotor_find_openings": (_source(periodic.find_openings), (_BLOCK,)),
+    "rotor_step_through": (_source(periodic.step_through), (_BLOCK, _REAL)),
 }
