@@ -17,6 +17,7 @@ from rotor_fmu.model.structure.dense import clearance_contacts
 
 from .machines import disc_dofs, overhung
 from .statics import reactions_of_two_pins, sag_of_discs, total_weight
+from .toml_text import table
 
 RIG = rig()
 FIRST, LAST = RIG.bearings
@@ -265,3 +266,28 @@ def test_a_start_within_the_bound_is_taken():
     assert simulation.read("disc[3].y") == pytest.approx(0.03, rel=1e-9)
     simulation.advance(1e-4, 0.0)
     assert 0.02 < simulation.read("disc[3].y") < 0.03, "its bearings push it back"
+
+
+@pytest.mark.parametrize("pivot", [0.0, 1e9])
+@pytest.mark.parametrize("first", [4.712389, 1.5 * math.pi, 4.5])
+def test_a_journal_at_standstill_lies_on_pads_that_tilt(first, pivot):
+    """A pad without friction lets its journal go along it, up to the pad beside: with the load on a
+    pad a rounding of its angle moves the journal there."""
+    bearing = {
+        **{"journal_radius": 0.05, "length": 0.05, "clearance": 1e-4, "viscosity": 0.02},
+        **{"pads": [first + 0.4 * math.pi * i for i in range(5)], "arc": 1.0472, "preload": 0.3},
+        **{"tilting": True, "pad_inertia": 1e-4, "pivot_stiffness": pivot, "k": 1e9},
+    }
+    shaft = table("material", young=2.1e11, density=7850.0) + table("shaft", eta_v=1e-5)
+    shaft += table("[section]", length=1.2, elements=6, outer=0.1)
+    machine = shaft + "".join(table("[journal_bearing]", z=z, **bearing) for z in (0.1, 1.1))
+    simulation = Simulation(parse_rotor(machine), choose())
+    weight = 1.2 * math.pi / 4 * 0.1**2 * 7850.0 * G
+    for j in (1, 2):
+        name = f"journal_bearing[{j}]"
+        assert simulation.read(f"{name}.fy") == pytest.approx(0.5 * weight, rel=1e-6)
+        assert abs(simulation.read(f"{name}.fx")) < 1e-6 * weight
+        assert 0.9 < simulation.read(f"{name}.eccentricity") < 1.3
+    before = simulation.motion.q.copy()
+    simulation.advance(0.001, 0.0)
+    np.testing.assert_allclose(simulation.motion.q, before, atol=1e-3 * bearing["clearance"])

@@ -68,6 +68,12 @@ def as_pairs(z):
     return np.column_stack([z.real, z.imag]).ravel()
 
 
+def apart(problem, b_d):
+    """How far the motion is from that of the forces, a displacement in units of the clearance."""
+    moved = as_pairs(problem.w - problem.w_free)
+    return b_d * np.abs(moved - problem.flexibility @ as_pairs(problem.force)).max() / CLEARANCE
+
+
 def out_of_balance(problem, omega, b_d, b_v):
     """w - w_free - W F(w), as displacements in units of the clearance."""
     forces = np.array(
@@ -135,6 +141,7 @@ def test_every_coarse_step_is_solved_to_tolerance(h, scheme, solve, draws):
             # Newton stops at a small correction: through W k it leaves that much out of balance
             assert rest < 10 * TOLERANCE * stiffening
             assert forces_differ < 10 * TOLERANCE * CLEARANCE * STIFFNESS
+            assert apart(problem, b_d) < 1e-11  # whichever attempt it was
             touched += np.any(problem.force != 0)
     assert touched > 1.5 * draws  # of three times as many
 

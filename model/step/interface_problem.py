@@ -162,15 +162,19 @@ def _start(problem, laws, interfaces, place, b_d):
 
 @jit_inlined
 def _correct(problem, interfaces, relax, b_d):
-    """Take a share of Newton's correction; returns whether it was the last."""
+    """Take a share of Newton's correction, of the last one all: only then are the motion and the
+    forces reached those of one another. Returns whether it was the last."""
     is_converged = True
     for j in range(len(interfaces)):
         change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
-        problem.w[j] += scaled(relax, change)
-        by_motion = problem.p[j] * change + problem.q[j] * change.conjugate()
-        problem.force[j] += scaled(relax, by_motion)
         if not b_d * modulus(change) <= TOLERANCE * interfaces[j].length:
             is_converged = False
+    share = 1.0 if is_converged else relax
+    for j in range(len(interfaces)):
+        change = complex(problem.correction[2 * j], problem.correction[2 * j + 1])
+        problem.w[j] += scaled(share, change)
+        by_motion = problem.p[j] * change + problem.q[j] * change.conjugate()
+        problem.force[j] += scaled(share, by_motion)
     return is_converged
 
 

@@ -32,6 +32,7 @@ _FALLS = 12  # steps that fail
 # A change that no longer shrinks and is below this is rounding too; in long steps that of a shaft
 # that is stiff by many decades, which the last steps leave behind.
 _STEADY, _STIFF, _LONG = 1e-9, 1e-6, 200.0
+_FALL = 8.0 * 2.0**-53  # of the free fall through a step: rounding
 _MIDDLE = 1e-12  # of the smallest clearance: a rest so close to the middle is rounding, of preloads
 # Of the stiffest element's force, against that of the softest mode; what rounding may take from a
 # rest before it is none.
@@ -239,8 +240,10 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
             change = max(change, modulus(trial.q[i] - motion.q[i]))
             size = max(size, modulus(trial.q[i]))
         _take(motion, trial)
-        rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness)
-        is_steady = change <= rounding * size or size <= _MIDDLE * structure.numbers[0].clearance
+        rounding = max(_STEADY if radians < _LONG else _STIFF, of_stiffness) * size
+        for j in range(len(problem.w_free)):
+            rounding = max(rounding, _FALL * tau * tau * modulus(problem.w_free[j]))
+        is_steady = change <= rounding or size <= _MIDDLE * structure.numbers[0].clearance
         if change <= _SMALL * size or (is_steady and change >= 0.5 * before):
             status = HELD
             break
