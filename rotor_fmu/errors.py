@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Any
 
 from .model.errors import UserInputError
@@ -110,9 +111,8 @@ def writable_folder(path: Path) -> Path:
     """Return the folder, made if need be; `InputError` if it cannot be written to."""
     try:
         path.mkdir(parents=True, exist_ok=True)
-        probe = path / ".rotor-fmu-probe"
-        probe.write_bytes(b"")
-        probe.unlink()
+        with TemporaryFile(dir=path):
+            pass
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(f"--out {path}: cannot be written to: {reason}") from error

@@ -4,10 +4,12 @@ import errno
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.files import unfinished
 
 from .recordings import recorded
@@ -124,3 +126,13 @@ def test_an_output_that_cannot_be_written_is_one_sentence():
     assert done.returncode == 1
     assert done.stderr.strip().count("\n") == 0
     assert "No space left on device" in done.stderr
+
+
+def test_commands_that_write_into_one_folder_do_not_refuse_it(tmp_path):
+    with ThreadPoolExecutor(8) as pool:
+        folders = list(pool.map(writable_folder, [tmp_path / "out"] * 400))
+    assert set(folders) == {tmp_path / "out"}
+    assert not list((tmp_path / "out").iterdir())
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="cannot be written to"):
+        writable_folder(tmp_path / "file")
