@@ -85,6 +85,13 @@ def bound(entry: Any, block: np.ndarray, backend: Backend | None = None) -> Call
     return partial(entry.dispatcher if backend is Backend.NUMBA else interpreted(entry), block)
 
 
+def bound_unless_compiled(entry: Any, block: np.ndarray) -> Callable[..., Any]:
+    """Do what `bound` does, but interpret where there is no library: for what is called so seldom
+    that compiling it would take longer."""
+    is_made = selected_backend() is Backend.LIBRARY
+    return bound(entry, block, Backend.LIBRARY if is_made else Backend.PYTHON)
+
+
 def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
     """Return the functions for a block, run by `backend`, by default the selected one."""
     return EntryPoints(

@@ -50,12 +50,13 @@ for name, rotor in rotors.items():
 print(json.dumps([selected_backend().value, "numba" in sys.modules, seen]))
 """
 
-# The same of their nonlinear laws along a motion, and of two steps through a period.
-PERIODIC = """
+# The same of their nonlinear laws at rest and along a motion, and of two steps through a period.
+ANALYSES = """
 import json, sys
 from pathlib import Path
 import numpy as np
 from rotor_fmu.model import backend
+from rotor_fmu.model.linear import LinearMachine
 from rotor_fmu.model.periodic import entries
 from rotor_fmu.model.periodic.condensed import Condensed
 from rotor_fmu.runs.job import load_rotor
@@ -65,7 +66,8 @@ seen = {}
 for file in sorted(Path(sys.argv[1]).rglob("*.toml")):
     if file.parent.name == "studies":
         continue
-    machine = Condensed(load_rotor(file)[1])
+    rotor = load_rotor(file)[1]
+    machine = Condensed(rotor)
     laws, b = machine.laws, machine.b
     if laws.count == 0:
         continue
@@ -74,9 +76,10 @@ for file in sorted(Path(sys.argv[1]).rglob("*.toml")):
     v = 300.0 * d[:, ::-1]
     own = np.tile(laws.starts, (2, 1))
     at = laws.tangents(d, v, own, np.full(laws.states, 1e-6), 200.0)
-    read = [*at, laws.openings(1.5 * d)]
+    rest = LinearMachine(rotor).at(500.0).laws
+    read = [rest.force.real, rest.force.imag, rest.by_d, rest.by_v, *at, laws.openings(1.5 * d)]
     if laws.states == 0:
-        block, data = laws.block(3, steps=2, lengths=1, modes=4, b=b)
+        block, data = laws.block_of_steps(steps=2, lengths=1, modes=4, b=b)
         for array in (*data.lengths[1:6], *data.period[:4], data.period.state):
             array[...] = 0.01 * random.standard_normal(array.shape)
         data.lengths.seen[...] *= np.tile(laws.length.max(), data.lengths.seen.shape)
@@ -122,5 +125,5 @@ def test_the_library_has_the_numbers_bit_for_bit(other):
 
 @has_platform
 @pytest.mark.parametrize("other", ["python", pytest.param("numba", marks=pytest.mark.slow)])
-def test_so_has_the_library_those_of_periodic_motions(other):
-    assert numbers("library", PERIODIC) == numbers(other, PERIODIC)
+def test_so_has_the_library_those_of_analyses(other):
+    assert numbers("library", ANALYSES) == numbers(other, ANALYSES)

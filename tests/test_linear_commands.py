@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.text import Text
+from rotor_fmu.model import linear
 from rotor_fmu.model.linear import Modes
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.machine.writing import toml_text
@@ -181,6 +182,45 @@ def test_a_bearing_is_told_with_a_table_that_the_linear_commands_take(command, t
 def test_the_linear_commands_name_the_films(command):
     said = command("modes", "--rotor", str(OIL_FILM), "--speed", "400")
     assert "where its journal rests at that speed: journal_bearing[1], journal_bearing[2]" in said
+
+
+def test_a_machine_that_oil_films_hold_is_at_rest_at_its_rated_speed():
+    """At standstill none carries it; its weight is borne whatever the speed."""
+    rated = answers.static(OIL_FILM)
+    assert rated.speed > 0.0
+    weight = load_rotor(OIL_FILM)[1].gravity * (4.0 + 0.5 * math.pi / 4 * 0.02**2 * 7850.0)
+    assert -rated.load_y.sum() == pytest.approx(weight, rel=1e-9)
+    assert answers.static(rig()).speed == 0.0
+    with pytest.raises(ValueError, match="not held"):
+        answers.static(OIL_FILM, 0.0)
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    "shape", ["", 'offset = 1.0\npads = [1.5708, 4.71239]\narc = 2.8\nrupture = "guembel"\n']
+)
+def test_the_usual_speeds_begin_where_the_films_carry_the_machine(command, tmp_path, shape):
+    """Slower, a film without a contact behind it would be thinner than its roughness."""
+    rotor = tmp_path / "rotor.toml"
+    rotor.write_text(OIL_FILM.read_text().replace("k = 1e8", "").replace("mu = 0.1", shape))
+    for name in ("campbell", "unbalance"):
+        command(name, "--rotor", str(rotor))
+        speeds = json.loads((tmp_path / "out" / f"{name}.json").read_text())["speeds"]
+        assert 0.0 < speeds[0] < 0.2 * speeds[-1]
+        with pytest.raises(ValueError, match=r"no equilibrium|no static equilibrium"):
+            answers.unbalance_response(rotor, [0.5 * speeds[0]])
+    assert linear.lowest_speed(load_rotor(OIL_FILM)[1], 1000.0) == 0.0
+    assert linear.lowest_speed(rig(), 1000.0) == 0.0
+
+
+def test_the_response_to_unbalance_begins_at_standstill_on_oil_films_too(command):
+    said = command("unbalance", "--rotor", str(OIL_FILM), "--speed", "0:200:3", "--node", "3")
+    assert "contacts open" in said
+    result = answers.unbalance_response(OIL_FILM, [0.0, 1.0, 200.0])
+    assert not result.x[0].any()
+    assert not result.load_x[0].any()
+    # as the square of the speed, while the film's stiffness hardly counts beside the shaft's
+    assert 0.0 < np.abs(result.x[1]).max() < 1e-2 * np.abs(result.x[2]).max()
 
 
 @pytest.mark.parametrize(

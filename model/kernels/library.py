@@ -79,6 +79,7 @@ def loaded() -> ctypes.CDLL | None:
         library.rotor_refresh_outputs.argtypes = (block,)
         library.rotor_differentiate.argtypes = (block, ctypes.c_int64)
         library.rotor_call_laws.argtypes = (block, real)
+        library.rotor_vibrate_laws.argtypes = (block, real, real, real)
         library.rotor_find_openings.argtypes = (block,)
         library.rotor_step_through.argtypes = (block, real)
     except (OSError, AttributeError) as error:

@@ -5,7 +5,7 @@ from .bearing import BearingCurves, bearing_curves, bearings
 from .campbell import Campbell, CriticalSpeed, campbell
 from .critical_map import CriticalMap, critical_map, mean_stiffness
 from .damper import DamperCurves, damper_curves
-from .machine import CONTACTS, LinearError, LinearMachine
+from .machine import CONTACTS, LinearError, LinearMachine, lowest_speed
 from .modes import Modes, modes
 from .placement import placed_unbalances
 from .rolling import RollingCurves, rolling_curves
@@ -39,6 +39,7 @@ __all__ = [
     "damper_curves",
     "level_1",
     "level_2",
+    "lowest_speed",
     "mean_stiffness",
     "modes",
     "placed_unbalances",

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..contact.film_zone import vectors, zone_bound
 from ..contact.tilting import pad_balance, put, put_pivot
 from ..kernels.jit import interpreted
 from ..machine.rotor import Rotor
+from ..parts import LAWS
 from ..parts.film_alone import FilmAlone
 from ..parts.film_law import bearing_at
 from ..parts.floating_ring_bearing import FloatingRingBearing
@@ -20,14 +22,41 @@ from ..parts.journal_bearing import JournalBearing
 from ..parts.law_alone import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
+from ..structure.structure import INTERFACE
 from .linearized import LinearError
+from .tangents import LawsAtRest
 
 _HALVINGS = 30
 _TURNS, _MOST_TURN = 8, 0.3  # steps of Newton's method, and their size [rad]
 _CLOSE = 1e-5  # of a displacement: what it makes of a load is not seen in a message
 
 
-class BearingAlone(FilmAlone):
+class _FilmAtRest(FilmAlone):
+    """A film that the solver library lets rest, if there is one: `interpreted`, each of its pads
+    takes milliseconds."""
+
+    def __init__(self, part: Any, speed: float, where: str) -> None:
+        super().__init__(part, speed, where)
+        own = LAWS.index(self._law)
+        records = [np.zeros(int(i == own), law.dtype) for i, law in enumerate(LAWS)]
+        records[own][0] = self._record
+        interface = np.zeros(1, INTERFACE).view(np.recarray)
+        interface.law, interface.states = own, len(self._states)
+        self._laws = LawsAtRest((*records, self._tables), interface)
+        laws = self._laws.machine.laws
+        self._record, self._tables = laws[own][0], laws[-1]
+        self._follows = True  # the library knows every law so
+
+    def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
+        place, states = np.array([d], complex), self._states
+        rest = self._laws.tangents(
+            *(place, self.speed, frequency), sliding=self._sliding, states=states
+        )
+        self._states = self._laws.states.copy()
+        return complex(rest.force[0]), rest.by_d[0], rest.by_v[0]
+
+
+class BearingAlone(_FilmAtRest):
     """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
 
     part: the bearing; where: its name, for messages.
@@ -206,7 +235,7 @@ def check_films(
             alone = BearingAlone(part, speed, name)
             if alone.is_broken(complex(at)):
                 raise alone.no_equilibrium(-complex(on))
-        elif isinstance(part, FloatingRingBearing) and FilmAlone(part, speed, name).is_broken(
+        elif isinstance(part, FloatingRingBearing) and _FilmAtRest(part, speed, name).is_broken(
             complex(at)
         ):
             raise LinearError(

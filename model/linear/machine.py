@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -25,9 +25,9 @@ from ..structure.elastic import factorized
 from ..structure.parameters import elastic_share, lengths_of
 from .bearing_alone import check_films
 from .linearized import Linear, LinearError, Strain
-from .matrices import TURN, differences, expansion, in_plane, matrices_of, to_complex
+from .matrices import TURN, Between, differences, expansion, in_plane, matrices_of, to_complex
 from .supports import are_linear, interfaces, seat, supports
-from .tangents import Tangents, tangents
+from .tangents import LawsAtRest, Tangents
 
 OPEN, PINNED = "open", "pinned"
 CONTACTS = (OPEN, PINNED)
@@ -35,6 +35,8 @@ _SOFT = 1e-7  # of the lowest elastic frequency, squared: what is softer is not 
 _ITERATIONS = 200
 _SHARE = 0.2  # of a film's clearance, that a step of Newton's method moves its journal
 _FAR = 1e9  # what is more than any displacement [m]
+_ABOVE = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.4)
+_CREEPING, _HALVINGS = 1e-4, 8  # of a range of speeds
 _CHANGE, _STEADY = 1e-12, 1e-8  # of the displacements; the latter of one that no longer shrinks
 
 
@@ -52,6 +54,7 @@ class LinearMachine:
         self.structure = assemble(rotor)
         self.supports = supports(rotor)
         self._full = matrices_of(rotor, self.structure)
+        self.laws = LawsAtRest(self.structure.laws, self.structure.interfaces)
         self._set_contacts(contacts or OPEN)
         if contacts is None and self.has_contacts and not self.is_held:
             self._set_contacts(PINNED)
@@ -75,12 +78,14 @@ class LinearMachine:
         ends = [(dof, end) for dof, end in zip(s.interfaces.dof, s.interfaces.end, strict=True)]
         self.across = differences(size, ends)
         self._across = (self.across @ self.expand).tocsr()
+        self._between = Between(self._across)
         self._strained = (self._full.strained @ self.expand).tocsr()
         self._seated = self._rigid()[:, 1] * -seat(self.rotor)
         self._is_held_at_rest = self._holds(self._linear(0.0, self._seated))
         turning = s.numbers[0].lowest_omega
         self.is_held = self._is_held_at_rest or self._holds(self.at_zero_load(turning))
-        self._begin = self._seated  # where Newton's method begins
+        self._near: np.ndarray | None = None  # where it was at rest last
+        self._begin = self._seated  # where Newton's method begins otherwise
         if not self.is_held:
             # pads that tilt, without preload, hold a journal only where it is off their middle
             self._begin = self._within_films(self._seated, self._rigid()[:, 1] * -_FAR)
@@ -120,7 +125,31 @@ class LinearMachine:
             raise LinearError(self.why_not_held())
         given = self.weight if loads is None else self.weight + loads
         force = self.expand.T @ given
-        rest = self._begin
+        for begin in (lambda: self._near, lambda: self._begin, lambda: self._above(speed, force)):
+            near = begin()
+            linear = None if near is None else self._rested(speed, force, near)
+            if linear is not None:
+                self._near = linear.rest
+                at = to_complex(self._across @ linear.rest)
+                check_films(self.rotor, self.supports.interfaces, speed, at, linear.laws.force)
+                if self._follows:
+                    rest, pull = linear.rest, linear.pull
+                    linear = self._linear(speed, rest, abs(speed))._replace(pull=pull)
+                return linear
+        raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
+
+    def _above(self, speed: float, force: np.ndarray) -> np.ndarray:
+        """Return where a force holds the machine at a somewhat higher speed, from far above on: oil
+        films are thicker and less curved there."""
+        near = self._begin
+        for times in _ABOVE:
+            linear = self._rested(times * speed, force, near)
+            near = near if linear is None else linear.rest
+        return near
+
+    def _rested(self, speed: float, force: np.ndarray, rest: np.ndarray) -> Linear | None:
+        """Return the machine linearized where a force holds it, looked for from `rest` on by
+        Newton's method; None where that finds nothing."""
         before = math.inf
         for _ in range(_ITERATIONS):
             linear = self._linear(speed, rest)
@@ -132,13 +161,9 @@ class LinearMachine:
             change, size = (np.abs(x).max(initial=0.0) for x in (result - rest, result))
             rest = result
             if change <= _CHANGE * size or (change <= _STEADY * size and change >= 0.5 * before):
-                at = to_complex(self._across @ rest)
-                check_films(self.rotor, self.supports.interfaces, speed, at, linear.laws.force)
-                if self._follows:
-                    linear = self._linear(speed, rest, abs(speed))
                 return linear._replace(rest=rest, pull=pull)
             before = change
-        raise LinearError(f"no static equilibrium at {speed:g} rad/s was found")
+        return None
 
     def undamped(self, supports: Sequence[int], is_rigid: bool) -> Undamped:
         """Return the undamped machine on some of its supports, whose stiffness is yet to be given.
@@ -212,7 +237,7 @@ class LinearMachine:
         m = len(self._acts)
         laws = Tangents(np.zeros(m, complex), np.zeros((m, 2, 2)), np.zeros((m, 2, 2)))
         if self._acts.any():
-            result = tangents(self.structure, to_complex(self._across @ at), speed, frequency)
+            result = self.laws.tangents(to_complex(self._across @ at), speed, frequency)
             laws = Tangents(*(np.where(self._acts, t.T, 0.0).T for t in result))
             K = (K - self._between(laws.by_d)).tocsc()
             D = (D - self._between(laws.by_v)).tocsc()
@@ -223,12 +248,6 @@ class LinearMachine:
         """Return the matrix of tangents by interface, x and y in turn."""
         d = (self._across @ u).reshape(-1, 2)
         return np.einsum("jab,jb->ja", tangents, d).ravel()
-
-    def _between(self, tangents: np.ndarray) -> Any:
-        """Return the matrix of what acts between nodes and housings, of its tangents by
-        interface."""
-        blocks = sp.block_diag([sp.coo_array(tangent) for tangent in tangents])
-        return self._across.T @ blocks @ self._across
 
     def loads(
         self, linear: Linear, u: np.ndarray, pull: np.ndarray, force: np.ndarray, omega: float
@@ -303,6 +322,27 @@ class LinearMachine:
                 "none: give the machine gravity, or its pads preload"
             )
         return result
+
+
+def lowest_speed(rotor: Rotor, top: float, contacts: str | None = None) -> float:
+    """Return the lowest speed up to `top` [rad/s] from which on the machine has linear answers: 0,
+    or where its oil films begin to carry it, to some percent."""
+    machine = LinearMachine(rotor, contacts)
+
+    def is_carried(speed: float) -> bool:
+        try:
+            machine.at(speed)
+        except LinearError:
+            return False
+        return True
+
+    low, high = _CREEPING * top, top
+    if is_carried(low) or not is_carried(high):
+        return 0.0
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if is_carried(middle) else (middle, high)
+    return high
 
 
 class Undamped(NamedTuple):

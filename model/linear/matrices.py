@@ -86,6 +86,27 @@ def differences(size: int, pairs: list[tuple[int, int]]) -> sp.csr_matrix:
     return sp.kron(matrix, np.eye(2)).tocsr()
 
 
+class Between:
+    """Makes the matrix of what acts between nodes and housings, X^T T X, of tangents T by
+    interface; across: X, x and y of each interface's displacement by the unknowns."""
+
+    def __init__(self, across: sp.csr_array) -> None:
+        self._size = across.shape[1]
+        whole = across.tocoo()
+        left, right = (grid.ravel() for grid in np.indices((whole.nnz, whole.nnz)))
+        one = whole.row // 2
+        own = one[left] == one[right]
+        left, right = left[own], right[own]
+        self._factor = whole.data[left] * whole.data[right]
+        self._place = whole.col[left], whole.col[right]
+        self._of = one[left], whole.row[left] % 2, whole.row[right] % 2
+
+    def __call__(self, tangents: np.ndarray) -> sp.csc_array:
+        """Return the matrix; tangents: shape (m, 2, 2)."""
+        values = self._factor * tangents[self._of]
+        return sp.coo_array((values, self._place), (self._size, self._size)).tocsc()
+
+
 def in_plane(z: np.ndarray) -> np.ndarray:
     """Return x, y in turn of complex numbers, shape (2 n,)."""
     return np.column_stack([z.real, z.imag]).ravel()

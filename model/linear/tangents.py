@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.jit import interpreted, jit
-from ..step.laws import at_rest, law_vibrate
-from ..structure.structure import Structure, starts_of
+from ..backend import bound_unless_compiled
+from ..step.sampled_laws import block_of, vibrate_laws
+from ..structure.structure import starts_of
 
 
 class Tangents(NamedTuple):
@@ -20,38 +20,40 @@ class Tangents(NamedTuple):
     by_v: np.ndarray
 
 
-@jit
-def _fill(laws, interfaces, d, speed, frequency, free, internal_state, force, p, q):
-    """Forces, and both tangents as p z + q conj(z); p, q of shape (2, m): by d, by d'."""
-    for j in range(len(interfaces)):
-        interface = interfaces[j]
-        at = interface.internal_state
-        force[j], p[0, j], q[0, j], p[1, j], q[1, j] = law_vibrate(
-            laws, interface, at_rest(d[j], speed), frequency, free[at:], internal_state[at:]
-        )
+class LawsAtRest:
+    """The laws of m interfaces at rest; laws, interfaces: as of a `Structure`.
 
-
-def tangents(structure: Structure, d: np.ndarray, speed: float, frequency: float = 0.0) -> Tangents:
-    """Linearize the laws at relative displacements d, complex of shape (m,) [m], at rest, at the
-    machine's speed [rad/s], vibrating at a frequency [rad/s]; surfaces do not slide, a law's
-    internal states are those of its start, or follow (`parts.law`).
+    machine: these, where the laws work; states: own states of the laws as they were solved last,
+    shape (s,).
     """
-    interfaces = structure.interfaces
-    m = len(interfaces)
-    free, internal_state = starts_of(interfaces), starts_of(interfaces)
-    force, p, q = (np.zeros(shape, complex) for shape in (m, (2, m), (2, m)))
-    interpreted(_fill)(
-        structure.laws,
-        interfaces,
-        d.astype(complex),
-        float(speed),
-        float(frequency),
-        free,
-        internal_state,
-        force,
-        p,
-        q,
-    )
-    matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-    by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
-    return Tangents(force, by_d, by_v)
+
+    def __init__(self, laws: tuple, interfaces: np.recarray) -> None:
+        self._block, data = block_of(laws, interfaces, 1)
+        self.machine, self._samples = data.machine, data.samples
+        self.states = self._samples.solved[0]
+        self._starts = starts_of(interfaces)
+        self._vibrate = bound_unless_compiled(vibrate_laws, self._block)
+
+    def tangents(
+        self,
+        d: np.ndarray,
+        speed: float,
+        frequency: float = 0.0,
+        *,
+        sliding: float = 0.0,
+        states: np.ndarray | None = None,
+    ) -> Tangents:
+        """Linearize the laws at relative displacements d, complex of shape (m,) [m], at rest, at
+        the machine's speed [rad/s], vibrating at a frequency [rad/s].
+
+        sliding: speed at which the surfaces do [rad/s]; states: of the laws, those of the start by
+        default, which stay or follow (`parts.law`).
+        """
+        at = self._samples
+        at.d[:, 0] = d
+        at.own[0] = at.solved[0] = self._starts if states is None else states
+        self._vibrate(float(speed), float(sliding), float(frequency))
+        p, q = at.p[:, :, 0], at.q[:, :, 0]
+        matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+        by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
+        return Tangents(at.force[:, 0].copy(), by_d, by_v)

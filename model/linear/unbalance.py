@@ -147,11 +147,12 @@ class SteadyWhirl:
         in x and y [N] at a speed [rad/s]."""
         check_speed(speed)
         machine = self.machine
+        if speed == 0.0:  # nothing pulls, even on journals that no film carries yet
+            return np.zeros(len(self._pull), complex), _nothing(machine)
         linear = machine.at(speed)
         force = speed**2 * self._pull
         u, pull = linear.factorized(1j * speed)(machine.expand.T @ force)
-        loads = machine.loads(linear, u, pull, force, speed) if speed else _nothing(machine)
-        return machine.expand @ u, loads
+        return machine.expand @ u, machine.loads(linear, u, pull, force, speed)
 
 
 def _nothing(machine: LinearMachine) -> np.ndarray:

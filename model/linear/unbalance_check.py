@@ -14,7 +14,7 @@ from ..machine.rotor import Rotor
 from . import orbit
 from .amplification import Margin, Peak, margin, peaks
 from .campbell import campbell
-from .machine import LinearError
+from .machine import LinearError, lowest_speed
 from .placement import vibration_limit
 from .static import check_node
 from .unbalance import SteadyWhirl
@@ -192,10 +192,13 @@ def _criticals(
 def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
     """Return speeds up to `top` so close together that no peak lies between them: those of a grid,
     and more of them about the damped critical speeds."""
-    grid = np.linspace(top / _POINTS, top, _POINTS)
-    found = campbell(rotor, np.linspace(0.0, 1.2 * top, 13), count=_MODES, contacts=contacts)
+    first = lowest_speed(rotor, top, contacts)
+    grid = np.linspace(max(first, top / _POINTS), top, _POINTS)
+    found = campbell(rotor, np.linspace(first, 1.2 * top, 13), count=_MODES, contacts=contacts)
     about = [c.speed * (1 + max(c.log_dec, 0.0) / (2 * math.pi) * _AROUND) for c in found.critical]
-    return np.unique(np.concatenate([s[(s > 0) & (s <= top)] for s in (grid, *about)]))
+    return np.unique(
+        np.concatenate([s[(s > 0) & (s >= first) & (s <= top)] for s in (grid, *about)])
+    )
 
 
 def _level(response: _Response, node: int, speeds: np.ndarray) -> ProbeLevel:

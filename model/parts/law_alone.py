@@ -41,6 +41,7 @@ class LawAlone:
             numbers += [0, len(self._tables)]
         self._record = np.array([tuple(numbers)], self._law.dtype).view(np.recarray)[0]
         self._states = np.array(self._law.states_of(part), dtype=float)
+        self._follows = self._law.vibrate is not None  # whether it is known as the node vibrates
         self._settled: tuple[Any, Any] | None = None  # where the states rest, and the result there
 
     def _moving(self, d: complex, v: complex) -> Kinematics:
@@ -50,28 +51,31 @@ class LawAlone:
         """Let the law's states rest where the node does; return the force [N] and its derivatives
         by displacement and velocity as the node vibrates at a frequency [rad/s]."""
         if self._settled is None or self._settled[0] != (d, frequency):
-            vibrate = interpreted(self._law.vibrate)
-            moving, free = self._moving(d, 0j), self._states.copy()
-            force, *by = vibrate(self._record, self._tables, moving, frequency, free, self._states)
-            result = complex(force), _matrix(*by[:2]), _matrix(*by[2:])
-            self._settled = (d, frequency), result
+            self._settled = (d, frequency), self._vibrating(d, frequency)
         return self._settled[1]
 
+    def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
+        """Implement `settle`."""
+        vibrate = interpreted(self._law.vibrate)
+        moving, free = self._moving(d, 0j), self._states.copy()
+        force, *by = vibrate(self._record, self._tables, moving, frequency, free, self._states)
+        return complex(force), _matrix(*by[:2]), _matrix(*by[2:])
+
     def _settle_at(self, d: complex, v: complex) -> None:
-        if self._law.vibrate is not None and v == 0.0:
+        if self._follows and v == 0.0:
             self.settle(d)
 
     def force(self, d: complex, v: complex = 0j) -> complex:
         """Return the force on the node [N] at a displacement [m] and a velocity [m/s]; the law's
         states rest where the node does."""
-        if self._law.vibrate is not None and v == 0.0:
+        if self._follows and v == 0.0:
             return self.settle(d)[0]
         force = interpreted(self._law.force)
         return complex(force(self._record, self._tables, self._moving(d, v), self._states))
 
     def tangent(self, d: complex, v: complex, weights: Weights) -> np.ndarray:
         """Return the force's derivative for `Weights`, shape (2, 2)."""
-        if self._law.vibrate is not None and v == 0.0:
+        if self._follows and v == 0.0:
             _, by_d, by_v = self.settle(d)
             return weights.displacement * by_d + weights.velocity * by_v
         tangent = interpreted(self._law.tangent)
@@ -90,7 +94,7 @@ class LawAlone:
     def coefficients(self, d: complex) -> tuple[np.ndarray, np.ndarray]:
         """Return K [N/m] and C [N.s/m] of the node at rest at a displacement, each of shape
         (2, 2), of a vibration at the frequency of rotation."""
-        if self._law.vibrate is not None:
+        if self._follows:
             _, by_d, by_v = self.settle(d, abs(self.speed))
             return -by_d, -by_v
         return -self.tangent(d, 0j, BY_D), -self.tangent(d, 0j, BY_V)

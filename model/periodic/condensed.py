@@ -19,7 +19,6 @@ import numpy as np
 from ..linear import LinearError, LinearMachine
 from ..linear.machine import OPEN
 from ..linear.matrices import TURN, in_plane
-from ..linear.tangents import tangents
 from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from ..structure.structure import Structure
@@ -141,8 +140,8 @@ class Condensed:
         """What the linear laws add, by displacements and velocities."""
         key = speed if self._follows_speed else 0.0
         if key not in self._of_laws:
-            s = self.structure
-            result = tangents(s, np.zeros(len(s.interfaces), complex), key)
+            middle = np.zeros(len(self.structure.interfaces), complex)
+            result = self.machine.laws.tangents(middle, key)
             rows = self._linear_rows
             self._of_laws.clear()
             self._of_laws[key] = tuple(

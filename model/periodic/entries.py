@@ -1,5 +1,5 @@
-"""The compiled functions of periodic motions, each of a block alone: the laws of some interfaces at
-many samples of their motion, and steps of Radau IIA through a period. They return DONE."""
+"""The compiled function of periodic motions, of a block alone: steps of Radau IIA through a period.
+It returns DONE."""
 
 from __future__ import annotations
 
@@ -9,39 +9,13 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from ..kernels.block import Group, Layout
-from ..kernels.jit import jit, jit_not_inlined
-from ..parts import LAWS
-from ..parts.law import Kinematics, Weights
+from ..kernels.jit import jit
 from ..step.interface_problem import solve_columns
-from ..step.laws import law_gap, law_rates, law_tangent_called
+from ..step.sampled_laws import GROUPS, SIZES, Interfaces, Samples, fill_in_laws
 from ..step.status import DONE
-from ..structure.structure import INTERFACE, LAW_TABLES
 
 _TOLERANCE, _ITERATIONS = 1e-12, 30  # of forces, as a share of the largest; in a step
 _LEAST_SHARE = 0.01  # of a correction after which the forces are better
-
-
-class Interfaces(NamedTuple):
-    """The laws' tables, and the interfaces that are asked for."""
-
-    laws: tuple
-    interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
-
-
-class Samples(NamedTuple):
-    """Relative displacements [m], velocities [m/s] and own states of the interfaces at samples;
-    with a copy of the states, which the laws solve; forces [N], their tangents p z + q conj(z) by
-    displacement and by velocity, rates of the states, and distances from where forces begin [m]."""
-
-    d: Annotated[np.ndarray, complex, "interfaces", "samples"]
-    v: Annotated[np.ndarray, complex, "interfaces", "samples"]
-    own: Annotated[np.ndarray, float, "samples", "states"]
-    solved: Annotated[np.ndarray, float, "samples", "states"]
-    force: Annotated[np.ndarray, complex, "interfaces", "samples"]
-    p: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
-    q: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
-    rates: Annotated[np.ndarray, float, "samples", "states"]
-    opening: Annotated[np.ndarray, float, "interfaces", "samples"]
 
 
 class Lengths(NamedTuple):
@@ -89,7 +63,7 @@ class StepWork(NamedTuple):
 
 
 class OrbitData(NamedTuple):
-    """All arrays of a block: of samples alone there are no steps."""
+    """All arrays of a block; the samples are the points of a step."""
 
     machine: Interfaces
     samples: Samples
@@ -101,55 +75,14 @@ class OrbitData(NamedTuple):
 LAYOUT = Layout(
     OrbitData,
     [
-        Group("machine", Interfaces, {"laws": LAW_TABLES}),
-        Group("samples", Samples, {}),
+        *GROUPS,
         Group("lengths", Lengths, {}),
         Group("period", Period, {}),
         Group("work", StepWork, {}),
     ],
-    (
-        *("interfaces", "samples", "states", "steps", "lengths", "modes", "b"),
-        *(f"rows_{law.name}" for law in LAWS),
-        "tables",
-    ),
+    (*SIZES, "steps", "lengths", "modes", "b"),
 )
 _view = LAYOUT.view
-
-
-@jit
-def call_laws(block, speed):
-    """Fill in what the laws do at all samples, at a speed of rotation [rad/s]."""
-    run = _view(block)
-    _call_laws(run.machine, run.samples, speed)
-    return DONE
-
-
-@jit_not_inlined
-def _call_laws(machine, samples, speed):
-    laws, interfaces = machine
-    for j in range(len(interfaces)):
-        interface = interfaces[j]
-        at = interface.internal_state
-        for t in range(samples.d.shape[1]):
-            motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
-            own = samples.own[t, at:]
-            for i in range(2):
-                weights = Weights(1.0 - i, 1.0 * i, 0.0)
-                samples.force[j, t], samples.p[i, j, t], samples.q[i, j, t] = law_tangent_called(
-                    laws, interface, motion, weights, own, samples.solved[t, at:]
-                )
-            law_rates(laws, interface, motion, own, samples.rates[t, at:])
-
-
-@jit
-def find_openings(block):
-    """Fill in the distances at all samples."""
-    run = _view(block)
-    laws, interfaces = run.machine
-    for j in range(len(interfaces)):
-        for t in range(run.samples.d.shape[1]):
-            run.samples.opening[j, t] = law_gap(laws, interfaces[j], run.samples.d[j, t])
-    return DONE
 
 
 @jit
@@ -166,7 +99,7 @@ def _linearize(run, speed, y):
                 d += to * y[i, c]
                 v += to * y[i, b + c]
             at.d[j, i], at.v[j, i] = d, v
-    _call_laws(run.machine, at, speed)
+    fill_in_laws(run.machine, at, speed)
     for i in range(3):
         for a in range(b):
             force = -work.phi[i * b + a]

@@ -13,6 +13,7 @@ import numpy as np
 from .. import backend
 from ..parts import LAWS
 from ..parts.linear_bearing import LINEAR_BEARING
+from ..step.sampled_laws import Samples, block_of, call_laws, fill, find_openings
 from ..structure.structure import Structure, sizes_of_laws, starts_of
 from . import entries
 
@@ -52,13 +53,13 @@ class Along(NamedTuple):
 
 def waits_for_compiler() -> bool:
     """Return whether the first laws that are called in this process are compiled first."""
-    return backend.waits_for_compiler(entries.call_laws)
+    return backend.waits_for_compiler(call_laws)
 
 
 class _Sampled(NamedTuple):
     """A block for so many samples: what is in it, and the functions that fill it in."""
 
-    samples: entries.Samples
+    samples: Samples
     call_laws: Callable[[float], object]
     find_openings: Callable[[], object]
 
@@ -106,21 +107,18 @@ class LawsAlong:
         owners, levels = zip(*corners, strict=True) if corners else ((), ())
         return np.array(owners, int), np.array(levels, float)
 
-    def block(self, samples: int, **others: int) -> tuple[np.ndarray, entries.OrbitData]:
-        """Return a block for so many samples, and what is in it; others: its further sizes."""
-        sizes = {"steps": 0, "lengths": 0, "modes": 0, "b": 0, **others}
-        sizes |= {"interfaces": self.count, "samples": samples, "states": self.states}
+    def block_of_steps(self, **sizes: int) -> tuple[np.ndarray, entries.OrbitData]:
+        """Return a block for steps of three points, and what is in it."""
+        sizes |= {"interfaces": self.count, "samples": 3, "states": self.states}
         block = entries.LAYOUT.new(sizes | sizes_of_laws(self._laws))
         run: entries.OrbitData = entries.LAYOUT.view_in_python(block)
-        for target, source in zip(run.machine.laws, self._laws, strict=True):
-            target[...] = source
-        run.machine.interfaces[...] = self._interfaces
+        fill(run.machine, self._laws, self._interfaces)
         return block, run
 
     def _at(self, n: int) -> _Sampled:
         if n not in self._sampled:
-            block, run = self.block(n)
-            calls = (backend.bound(f, block) for f in (entries.call_laws, entries.find_openings))
+            block, run = block_of(self._laws, self._interfaces, n)
+            calls = (backend.bound(function, block) for function in (call_laws, find_openings))
             while len(self._sampled) >= _KEPT:
                 self._sampled.pop(next(iter(self._sampled)))
             self._sampled[n] = _Sampled(run.samples, *calls)

@@ -23,7 +23,7 @@ def run(
     begin on, those at the end, and which steps were not solved, shape (steps,); near: what is seen
     of a motion nearby."""
     sizes = {"steps": len(near), "lengths": len(steps.along), "modes": len(begin), "b": machine.b}
-    block, data = machine.laws.block(3, **sizes)
+    block, data = machine.laws.block_of_steps(**sizes)
     given = entries.Period(machine.B, mean, by_loads, near, np.zeros(len(near), bool), begin)
     for group, values in ((data.lengths, steps), (data.period, given)):
         for target, source in zip(group, values, strict=True):

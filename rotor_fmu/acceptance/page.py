@@ -16,7 +16,7 @@ from ..linear import acceptance, answers
 from ..linear.inventory import inventory
 from ..linear.linear_tables import Table, numbers
 from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
-from ..model.linear import placed_unbalances
+from ..model.linear import lowest_speed, placed_unbalances
 from ..model.linear.unbalance_check import LOOKED_AT
 from ..model.machine.rotor import Rotor
 from ..report.page import figure_html, machine_html, page, template
@@ -60,7 +60,8 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     """Return the report of a machine. Raises `LinearError` for a question that cannot be."""
     low, high = asked.low, asked.high
     top = LOOKED_AT * high
-    speeds = np.linspace(0.0, top, _SPEEDS)
+    first = lowest_speed(rotor, top)
+    speeds = np.linspace(first, top, _SPEEDS)
     listed = inventory(rotor)
     unbalances = None
     if asked.mode is not None:
@@ -70,7 +71,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
     diagram = answers.campbell(rotor, speeds)
     over_stiffness = acceptance.critical_map(rotor)
     response = answers.unbalance_response(
-        rotor, np.linspace(0.0, top, _CURVE), unbalances=unbalances
+        rotor, np.linspace(first, top, _CURVE), unbalances=unbalances
     )
     probes = list(asked.probes or response.nodes())
     check = acceptance.unbalance_check(

@@ -196,7 +196,7 @@ def _closings(rotor: Rotor, response: UnbalanceResponse) -> list[Closing]:
             Closing(name, gap, math.nan, math.nan, math.nan, math.nan)
             for name, (_, _, gap) in contacts.items()
         ]
-    rest = static(rotor, 0.0)
+    rest = static(rotor)
     result = []
     for name, (node, housing, gap) in contacts.items():
         x, y = response.x[:, node - 1], response.y[:, node - 1]

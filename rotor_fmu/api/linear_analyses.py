@@ -265,13 +265,14 @@ class LinearAnalyses:
 
         return frequency_response(self.rotor, frequencies, force, nodes, **options)
 
-    def static(self, speed: float = 0.0, **options: Any) -> Static:
+    def static(self, speed: float | None = None, **options: Any) -> Static:
         """Deflection and loads on the supports under gravity.
 
         Parameters
         ----------
-        speed : float
-            Speed of rotation [rad/s], on which bearings may depend.
+        speed : float, optional
+            Speed of rotation [rad/s], on which bearings may depend. By default 0, and the rated
+            speed of a machine that oil films hold.
         contacts : str, optional
             `open` or `pinned`. By default open where the machine is held without its contacts.
         loads : sequence of (int, float, float)

@@ -92,13 +92,19 @@ def campbell(
 @with_output_options
 def static(
     rotor: RotorFile = None,
-    speed: One = "0",
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            help="Speed, such as 3000rpm or 50Hz; a number without unit is in rad/s; default: 0, "
+            "or the rated speed of a machine that oil films hold."
+        ),
+    ] = None,
     contacts: Contacts = None,
     units: Units = None,
     out: PictureFolder = Path("out/static"),
 ) -> dict[str, Any]:
     """Compute the deflection under gravity and the load on each bearing."""
-    at, machine = one_speed(speed), machine_in_units(rotor, units)
+    at, machine = None if speed is None else one_speed(speed), machine_in_units(rotor, units)
     from ..linear import answers
 
     result = answers.static(machine, at, contacts=contacts)

@@ -128,8 +128,9 @@ def rated_speed(text: str | None, machine: Rotor) -> float:
 def usual_speeds(
     machine: Rotor, contacts: str | None, ends: tuple[float, float] | None, points: int
 ) -> np.ndarray:
-    """Return speeds [rad/s] from 0 to half above the operating range, or, where there is none, to a
-    quarter above the lowest critical speeds."""
+    """Return speeds [rad/s] from 0, or from where oil films begin to carry the machine, to half
+    above the operating range, or, where there is none, to a quarter above the lowest critical
+    speeds."""
     from ..model import linear
     from ..model.linear.unbalance_check import LOOKED_AT
 
@@ -138,4 +139,4 @@ def usual_speeds(
     else:
         damped = linear.modes(machine, count=4, contacts=contacts).damped
         top = 1.25 * float(damped[-1]) if len(damped) else 1000.0
-    return np.linspace(0.0, top, points)
+    return np.linspace(linear.lowest_speed(machine, top, contacts), top, points)

@@ -31,8 +31,10 @@ C_SOURCES = _FMI / "c"
 # The table that the instance reads.
 _TABLE = _FMI / "machine_table.py"
 _KEPT_VERSIONS = 8
-# Python's alone: no FMU computes periodic motions.
-_OF_PERIODIC_MOTIONS = ("rotor_call_laws", "rotor_find_openings", "rotor_step_through")
+# Python's alone: no FMU gives linear answers or computes periodic motions.
+_OF_ANALYSES = (
+    *("rotor_call_laws", "rotor_vibrate_laws", "rotor_find_openings", "rotor_step_through"),
+)
 # What is emitted in one process: two, of about the same work.
 _EMITTED_TOGETHER = (
     ("rotor_advance", "rotor_refresh_outputs", "rotor_resolve_settings", "rotor_settings_warning"),
@@ -46,7 +48,7 @@ _EMITTED_TOGETHER = (
         "rotor_unstable",
         "rotor_hidden",
         "rotor_outcome",
-        *_OF_PERIODIC_MOTIONS,
+        *_OF_ANALYSES,
     ),
 )
 # Of the C library of the oldest Linux that an FMU runs on.
@@ -241,7 +243,7 @@ def link_kernels(parts: list[Path], target: Path) -> None:
     """Link the kernels of an FMU alone, as object files for WebAssembly, into a module that asks
     its surroundings for nothing. Raises `CoreError`."""
     names = chain.from_iterable(_EMITTED_TOGETHER)
-    exports = [f"-Wl,--export={name}_kernel" for name in names if name not in _OF_PERIODIC_MOTIONS]
+    exports = [f"-Wl,--export={name}_kernel" for name in names if name not in _OF_ANALYSES]
     link_module(parts, target, exports, "the kernels as a module")
 
 

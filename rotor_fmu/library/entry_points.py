@@ -1,9 +1,9 @@
 """The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
-those of a run (`model.time_loop.entries`) and of periodic motions (`model.periodic.entries`) a
-status, the others the code of a message (`messages`).
+those of a run (`model.time_loop.entries`), of laws (`model.step.sampled_laws`) and of periodic
+motions (`model.periodic.entries`) a status, the others the code of a message (`messages`).
 
-block: of a run (`model.time_loop.block`) or of periodic motions; given, own: the solver's settings
-(`settings.resolver`); arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
+block: of a run (`model.time_loop.block`), of laws or of periodic motions; given, own: the solver's
+settings (`settings.resolver`); arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from ..model import messages, outcomes
 from ..model.kernels.jit import jit
 from ..model.periodic import entries as periodic
 from ..model.settings import resolver
+from ..model.step import sampled_laws
 from ..model.step.status import DONE
 from ..model.time_loop import entries
 from ..model.time_loop.block import LAYOUT
@@ -113,7 +114,8 @@ FUNCTIONS = {
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),
     "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
     "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
-    "rotor_call_laws": (_source(periodic.call_laws), (_BLOCK, _REAL)),
-    "rotor_find_openings": (_source(periodic.find_openings), (_BLOCK,)),
+    "rotor_call_laws": (_source(sampled_laws.call_laws), (_BLOCK, _REAL)),
+    "rotor_vibrate_laws": (_source(sampled_laws.vibrate_laws), (_BLOCK, _REAL, _REAL, _REAL)),
+    "rotor_find_openings": (_source(sampled_laws.find_openings), (_BLOCK,)),
     "rotor_step_through": (_source(periodic.step_through), (_BLOCK, _REAL)),
 }

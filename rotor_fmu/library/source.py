@@ -37,7 +37,7 @@ _LICENCES = (
 _NAME = "wasm_kernels"
 _LICENCE = "LICENSE-wabt.txt"
 # What native libraries have instead, what pages have beside, and what Python has.
-_LEFT_OUT = ("memory.c", "from_page.c", "periodic.c")
+_LEFT_OUT = ("memory.c", "from_page.c", "analyses.c")
 # No system but Linux is sure to have it, and nothing of it is used.
 _UNUSED = "#include <alloca.h>\n"
 # IEEE 754 is kept: no product is fused into a sum.

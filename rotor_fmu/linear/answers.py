@@ -26,6 +26,7 @@ from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
 from ..model.parts.shaft import Section
 from ..model.structure.beam import shaft_element
+from ..operation import operating_speeds
 from ..runs.job import load_rotor
 from . import bearing_plots, bearing_tables, linear_plots, linear_tables
 
@@ -240,9 +241,15 @@ def rolling(
 
 
 @on_one_thread
-def static(machine: Machine, speed: float = 0.0, **options: Any) -> Static:
-    """Return `model.linear.static` of a machine."""
-    return displayed(Static, linear.static, machine, speed, **options)
+def static(machine: Machine, speed: float | None = None, **options: Any) -> Static:
+    """Return `model.linear.static` of a machine; by default it stands still, or, if oil films hold
+    it, turns at its rated speed."""
+    rotor = rotor_of(machine)
+    if speed is None:
+        held = linear.LinearMachine(rotor, options.get("contacts"))
+        is_afloat = held.is_held and not held.holds_at(0.0)
+        speed = operating_speeds(rotor).rated if is_afloat else 0.0
+    return displayed(Static, linear.static, rotor, speed, **options)
 
 
 def show(machine: Machine) -> Figure:

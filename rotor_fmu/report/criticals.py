@@ -9,7 +9,7 @@ import numpy as np
 
 from ..display import current
 from ..model.linear.campbell import campbell
-from ..model.linear.machine import OPEN, PINNED, LinearError, LinearMachine
+from ..model.linear.machine import OPEN, PINNED, LinearError, LinearMachine, lowest_speed
 from ..model.machine.rotor import Rotor
 from .measuring_points import Recorded, hertz
 
@@ -55,7 +55,8 @@ def criticals_of(run: Recorded) -> Criticals:
         return Criticals((), "")
     try:
         machine = LinearMachine(rotor)
-        found = campbell(rotor, np.linspace(0.0, 1.05 * highest, _SPEEDS), count=_MODES)
+        top = 1.05 * highest
+        found = campbell(rotor, np.linspace(lowest_speed(rotor, top), top, _SPEEDS), count=_MODES)
     except (LinearError, np.linalg.LinAlgError):
         return Criticals((), "")
     lowest = max(float(finite.min()), _LEAST * highest)

@@ -1,15 +1,20 @@
-/* What Python calls of periodic motions, which no FMU has. */
+/* What Python calls of linear answers and periodic motions, which no FMU has. */
 #ifndef __wasm__
 #include "instance.h"
 #include "kernels.h"
 
 int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double);
+int32_t rotor_vibrate_laws_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_find_openings_kernel(int64_t *, void **, uint8_t *);
 int32_t rotor_step_through_kernel(int64_t *, void **, uint8_t *, double);
 
 EXPORT int rotor_call_laws(uint8_t *block, double speed)
 {
     CALL(rotor_call_laws, block, speed);
+}
+EXPORT int rotor_vibrate_laws(uint8_t *block, double speed, double sliding, double frequency)
+{
+    CALL(rotor_vibrate_laws, block, speed, sliding, frequency);
 }
 EXPORT int rotor_find_openings(uint8_t *block)
 {
