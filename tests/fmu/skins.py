@@ -217,15 +217,17 @@ def _signed(references):
 
 
 def _slave_of(of):
-    """The module of an FMU's slave, with what there is against its wrapper left out."""
+    """The module of an FMU's slave, with what there is against its wrapper left out: under a name
+    of its own, since the wrapper itself, in this process, takes the module that is there."""
     (folder,) = (of.folder / "resources").glob("rotorbearing_*/")
-    name = f"{folder.name}.slave"
+    package = f"unwrapped_{folder.name}"
+    name = f"{package}.slave"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(
-            folder.name, folder / "__init__.py", submodule_search_locations=[str(folder)]
+            package, folder / "__init__.py", submodule_search_locations=[str(folder)]
         )
-        sys.modules[folder.name] = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(sys.modules[folder.name])
+        sys.modules[package] = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(sys.modules[package])
         module = importlib.import_module(name)
         module.settle_exit = lambda *_: None
         module.hold = lambda *_: None
