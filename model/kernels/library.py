@@ -78,7 +78,7 @@ def loaded() -> ctypes.CDLL | None:
         library.rotor_survey.argtypes = (block, real, ctypes.c_int64)
         library.rotor_refresh_outputs.argtypes = (block,)
         library.rotor_differentiate.argtypes = (block, ctypes.c_int64)
-        library.rotor_call_laws.argtypes = (block, real)
+        library.rotor_call_laws.argtypes = (block, real, real, real, real)
         library.rotor_vibrate_laws.argtypes = (block, real, real, real)
         library.rotor_find_openings.argtypes = (block,)
         library.rotor_step_through.argtypes = (block, real)

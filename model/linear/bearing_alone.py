@@ -22,7 +22,7 @@ from ..parts.journal_bearing import JournalBearing
 from ..parts.law_alone import BY_D
 from ..parts.squeeze_film_damper import SqueezeFilmDamper
 from ..parts.tilting_pads import states_of_pad
-from ..structure.structure import INTERFACE
+from ..step.sampled_laws import alone
 from .linearized import LinearError
 from .tangents import LawsAtRest
 
@@ -37,14 +37,10 @@ class _FilmAtRest(FilmAlone):
 
     def __init__(self, part: Any, speed: float, where: str) -> None:
         super().__init__(part, speed, where)
-        own = LAWS.index(self._law)
-        records = [np.zeros(int(i == own), law.dtype) for i, law in enumerate(LAWS)]
-        records[own][0] = self._record
-        interface = np.zeros(1, INTERFACE).view(np.recarray)
-        interface.law, interface.states = own, len(self._states)
-        self._laws = LawsAtRest((*records, self._tables), interface)
+        one = alone(self._law, self._record, self._tables, len(self._states))
+        self._laws = LawsAtRest(*one)
         laws = self._laws.machine.laws
-        self._record, self._tables = laws[own][0], laws[-1]
+        self._record, self._tables = laws[LAWS.index(self._law)][0], laws[-1]
         self._follows = True  # the library knows every law so
 
     def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
@@ -224,20 +220,22 @@ def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
 
 
 def check_films(
-    rotor: Rotor, interfaces: Sequence[str], speed: float, d: np.ndarray, force: np.ndarray
+    rotor: Rotor,
+    interfaces: Sequence[str],
+    speed: float,
+    d: np.ndarray,
+    force: np.ndarray,
+    laws: LawsAtRest,
 ) -> None:
     """Raise `LinearError` for a film that is thinner than its roughness, with its load and what it
-    carries; d, force: of the interfaces of these names [m], [N]."""
+    carries; d, force: of the interfaces of these names [m], [N]; laws: theirs, settled there."""
     parts = dict(rotor.named_parts())
-    for name, at, on in zip(interfaces, d, force, strict=True):
+    for j, (name, at, on) in enumerate(zip(interfaces, d, force, strict=True)):
         part = parts.get(name)
         if isinstance(part, JournalBearing | SqueezeFilmDamper):
-            alone = BearingAlone(part, speed, name)
-            if alone.is_broken(complex(at)):
-                raise alone.no_equilibrium(-complex(on))
-        elif isinstance(part, FloatingRingBearing) and _FilmAtRest(part, speed, name).is_broken(
-            complex(at)
-        ):
+            if laws.is_broken(j, at):
+                raise BearingAlone(part, speed, name).no_equilibrium(-complex(on))
+        elif isinstance(part, FloatingRingBearing) and laws.is_broken(j, at):
             raise LinearError(
                 f"{name}: no equilibrium at {speed:g} rad/s: its load is {abs(on):.4g} N, and one "
                 f"of its films would be thinner than its roughness, {part.roughness:g} m"

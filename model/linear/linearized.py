@@ -74,7 +74,7 @@ class Linear(NamedTuple):
     def factorized(self, root: complex = 0.0) -> Solve:
         """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is
         singular."""
-        own = root**2 * self.M + root * self.own_D + self.own_K
+        own = self.own_K + (root**2 * self.M + root * self.own_D if root else 0)
         turned = self.strain.by_d + root * self.strain.by_v
         try:
             return factorized(own, self.strain.across, self.strain.flexibility(turned))

@@ -130,8 +130,8 @@ class LinearMachine:
             linear = None if near is None else self._rested(speed, force, near)
             if linear is not None:
                 self._near = linear.rest
-                at = to_complex(self._across @ linear.rest)
-                check_films(self.rotor, self.supports.interfaces, speed, at, linear.laws.force)
+                at, names = to_complex(self._across @ linear.rest), self.supports.interfaces
+                check_films(self.rotor, names, speed, at, linear.laws.force, self.laws)
                 if self._follows:
                     rest, pull = linear.rest, linear.pull
                     linear = self._linear(speed, rest, abs(speed))._replace(pull=pull)

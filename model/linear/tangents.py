@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..backend import bound_unless_compiled
+from ..kernels.jit import interpreted
+from ..step.laws import law_breaks
 from ..step.sampled_laws import block_of, vibrate_laws
 from ..structure.structure import starts_of
 
@@ -57,3 +59,10 @@ class LawsAtRest:
         matrices = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
         by_d, by_v = np.moveaxis(matrices, 2, 0).transpose(0, 3, 1, 2)
         return Tangents(at.force[:, 0].copy(), by_d, by_v)
+
+    def is_broken(self, j: int, d: complex) -> bool:
+        """Return whether an interface's law means nothing at a displacement [m], its states as they
+        were solved last."""
+        laws, interfaces = self.machine
+        own = self.states[interfaces[j].internal_state :]
+        return bool(interpreted(law_breaks)(laws, interfaces[j], complex(d), own))

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..kernels.block import Group, Layout
 from ..kernels.jit import jit
+from ..parts.law import Weights
 from ..step.interface_problem import solve_columns
 from ..step.sampled_laws import GROUPS, SIZES, Interfaces, Samples, fill_in_laws
 from ..step.status import DONE
@@ -99,7 +100,8 @@ def _linearize(run, speed, y):
                 d += to * y[i, c]
                 v += to * y[i, b + c]
             at.d[j, i], at.v[j, i] = d, v
-    fill_in_laws(run.machine, at, speed)
+    fill_in_laws(run.machine, at, 0, Weights(1.0, 0.0, 0.0), speed)
+    fill_in_laws(run.machine, at, 1, Weights(0.0, 1.0, 0.0), speed)
     for i in range(3):
         for a in range(b):
             force = -work.phi[i * b + a]

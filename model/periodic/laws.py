@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import backend
 from ..parts import LAWS
+from ..parts.law_alone import BY_D, BY_V
 from ..parts.linear_bearing import LINEAR_BEARING
 from ..step.sampled_laws import Samples, block_of, call_laws, fill, find_openings
 from ..structure.structure import Structure, sizes_of_laws, starts_of
@@ -60,7 +61,7 @@ class _Sampled(NamedTuple):
     """A block for so many samples: what is in it, and the functions that fill it in."""
 
     samples: Samples
-    call_laws: Callable[[float], object]
+    call_laws: Callable[..., object]
     find_openings: Callable[[], object]
 
 
@@ -133,7 +134,7 @@ class LawsAlong:
 
     def forces(self, d: np.ndarray, v: np.ndarray, own: np.ndarray, speed: float) -> Forces:
         """Forces and rates; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s)."""
-        force, _, _, rates = self._call(d, v, own, speed)
+        force, _, rates = self._call(d, v, own, speed)
         return Forces(force, rates)
 
     def tangents(
@@ -141,10 +142,9 @@ class LawsAlong:
     ) -> Along:
         """All of `Along`; d, v: shape (n, 2 m) [m], [m/s]; own: shape (n, s), with sizes
         `scale`."""
-        force, p, q, rates = self._call(d, v, own, speed)
+        force, by_v, rates = self._call(d, v, own, speed, BY_V)
+        force, by_d, _ = self._call(d, v, own, speed)
         m, s, n = self.count, self.states, len(d)
-        both = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
-        by_d, by_v = both.transpose(2, 4, 3, 0, 1)
         by_rate = np.zeros((n, 2 * m, s))
         rates_by = [np.zeros((n, s, 2 * m)), np.zeros((n, s, 2 * m)), np.zeros((n, s, s))]
         for place in range(int(self.place.max(initial=-1)) + 1):
@@ -175,13 +175,15 @@ class LawsAlong:
         below = self.forces(d - d_step, v - v_step, own - own_step, speed)
         return above[0] - below[0], above[1] - below[1]
 
-    def _call(self, d, v, own, speed):
+    def _call(self, d, v, own, speed, weights=BY_D):
         at = self._at(len(d))
         samples = at.samples
         samples.d[...], samples.v[...] = _complex(d), _complex(v)
         samples.own[...] = samples.solved[...] = own
-        at.call_laws(float(speed))
-        return _plane(samples.force), samples.p.copy(), samples.q.copy(), samples.rates.copy()
+        at.call_laws(*weights, float(speed))
+        p, q = samples.p[0], samples.q[0]
+        tangent = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+        return _plane(samples.force), tangent.transpose(3, 2, 0, 1), samples.rates.copy()
 
 
 def _complex(d: np.ndarray) -> np.ndarray:

@@ -3,14 +3,14 @@ alone. They return DONE."""
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from ..kernels.block import Group, Layout
 from ..kernels.jit import jit, jit_not_inlined
 from ..parts import LAWS
-from ..parts.law import Kinematics, Weights
+from ..parts.law import Kinematics, Law, Weights
 from ..structure.structure import INTERFACE, LAW_TABLES, sizes_of_laws
 from .laws import law_gap, law_rates, law_tangent_called, law_vibrate
 from .status import DONE
@@ -62,6 +62,17 @@ def block_of(laws: tuple, interfaces: np.recarray, samples: int) -> tuple[np.nda
     return block, data
 
 
+def alone(law: Law, record: Any, tables: np.ndarray, states: int) -> tuple[tuple, np.recarray]:
+    """Return the tables of laws and the interfaces of one that acts by itself, with so many
+    states."""
+    own = LAWS.index(law)
+    records = [np.zeros(int(i == own), each.dtype) for i, each in enumerate(LAWS)]
+    records[own][0] = record
+    interface = np.zeros(1, INTERFACE).view(np.recarray)
+    interface.law, interface.states = own, states
+    return (*records, tables), interface
+
+
 def fill(machine: Interfaces, laws: tuple, interfaces: np.recarray) -> None:
     """Fill a block's `Interfaces`."""
     for target, source in zip(machine.laws, laws, strict=True):
@@ -70,29 +81,34 @@ def fill(machine: Interfaces, laws: tuple, interfaces: np.recarray) -> None:
 
 
 @jit
-def call_laws(block, speed):
-    """Fill in what the laws do at all samples, at a speed of rotation [rad/s]."""
+def call_laws(block, displacement, velocity, rate, speed):
+    """Fill in what the laws do at all samples, at a speed of rotation [rad/s]: forces with the
+    first of the tangents, for these `Weights`, and rates."""
     run = _view(block)
-    fill_in_laws(run.machine, run.samples, speed)
+    fill_in_laws(run.machine, run.samples, 0, Weights(displacement, velocity, rate), speed)
+    laws, interfaces = run.machine
+    samples = run.samples
+    for j in range(len(interfaces)):
+        at = interfaces[j].internal_state
+        for t in range(samples.d.shape[1]):
+            motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
+            law_rates(laws, interfaces[j], motion, samples.own[t, at:], samples.rates[t, at:])
     return DONE
 
 
 @jit_not_inlined
-def fill_in_laws(machine, samples, speed):
-    """Implement `call_laws`."""
+def fill_in_laws(machine, samples, i, weights, speed):
+    """Fill in forces, the i-th tangents for `Weights` and the states that the laws solve for."""
     laws, interfaces = machine
     for j in range(len(interfaces)):
         interface = interfaces[j]
         at = interface.internal_state
         for t in range(samples.d.shape[1]):
             motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
-            own = samples.own[t, at:]
-            for i in range(2):
-                weights = Weights(1.0 - i, 1.0 * i, 0.0)
-                samples.force[j, t], samples.p[i, j, t], samples.q[i, j, t] = law_tangent_called(
-                    laws, interface, motion, weights, own, samples.solved[t, at:]
-                )
-            law_rates(laws, interface, motion, own, samples.rates[t, at:])
+            own, solved = samples.own[t, at:], samples.solved[t, at:]
+            samples.force[j, t], samples.p[i, j, t], samples.q[i, j, t] = law_tangent_called(
+                laws, interface, motion, weights, own, solved
+            )
 
 
 @jit

@@ -49,12 +49,18 @@ def diagonal(blocks: np.ndarray) -> sp.bsr_array:
 def factorized(A: sp.sparray, B: sp.sparray, flexibility: np.ndarray) -> Solve:
     """Solver of A q + B^T k B q = f; flexibility: the diagonal blocks of k^-1; real or complex.
     Raises `RuntimeError` where that is singular."""
-    whole = sp.block_array([[A, B.T], [B, diagonal(-flexibility)]], format="csc")
+    # as `sp.block_array` does it, in a third of the time
+    a, b, size = A.tocoo(), B.tocoo(), A.shape[0]
+    own = size + np.arange(B.shape[0]).reshape(*flexibility.shape[:2], 1)
+    across, along = np.broadcast_arrays(own, own.transpose(0, 2, 1))
+    values = np.concatenate([a.data, b.data, b.data, -flexibility.ravel()])
+    rows = np.concatenate([a.row, size + b.row, b.col, across.ravel()])
+    columns = np.concatenate([a.col, b.col, size + b.row, along.ravel()])
+    whole = sp.coo_array((values, (rows, columns)), shape=(size + B.shape[0],) * 2).tocsc()
     column = np.repeat(np.arange(whole.shape[1]), np.diff(whole.indptr))
     scale = _balance(np.abs(whole.data), whole.indices, column, whole.shape[0])
     whole.data *= scale[whole.indices] * scale[column]
     factors = splu(whole)
-    size = A.shape[0]
 
     def solve(f: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         by_row = scale.reshape(-1, *[1] * (f.ndim - 1))

@@ -114,7 +114,7 @@ FUNCTIONS = {
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),
     "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
     "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
-    "rotor_call_laws": (_source(sampled_laws.call_laws), (_BLOCK, _REAL)),
+    "rotor_call_laws": (_source(sampled_laws.call_laws), (_BLOCK, *4 * (_REAL,))),
     "rotor_vibrate_laws": (_source(sampled_laws.vibrate_laws), (_BLOCK, _REAL, _REAL, _REAL)),
     "rotor_find_openings": (_source(sampled_laws.find_openings), (_BLOCK,)),
     "rotor_step_through": (_source(periodic.step_through), (_BLOCK, _REAL)),

@@ -1,7 +1,11 @@
 """A law with states of its own, called with states that are given, and differences of it."""
 
 import numpy as np
+from rotor_fmu.model.backend import bound_unless_compiled
 from rotor_fmu.model.kernels.jit import interpreted
+from rotor_fmu.model.parts import LAWS
+from rotor_fmu.model.step.sampled_laws import alone as one_alone
+from rotor_fmu.model.step.sampled_laws import block_of, call_laws
 
 
 class StatedLaw:
@@ -9,26 +13,37 @@ class StatedLaw:
 
     def __init__(self, alone):
         self.alone, self.law, self.speed = alone, alone._law, alone.speed
-        self.record, self.tables = alone._record, alone._tables
         self.count = len(alone._states)
+        one = one_alone(self.law, alone._record, alone._tables, self.count)
+        block, data = block_of(*one, samples=1)
+        # where the law that is called puts its pads
+        laws = data.machine.laws
+        self.record, self.tables = laws[LAWS.index(self.law)][0], laws[-1]
+        self._sample, self._call_laws = data.samples, bound_unless_compiled(call_laws, block)
 
     def _called(self, function, d, v, *more):
         moving = self.alone._moving(d, v)
         return interpreted(function)(self.record, self.tables, moving, *more)
 
+    def _at(self, d, v, weights, own):
+        at = self._sample
+        at.d[0, 0], at.v[0, 0] = d, v
+        at.own[0] = at.solved[0] = own
+        self._call_laws(*map(float, weights), self.speed)
+        return at
+
     def step(self, d, v, weights, free):
         """Force, tangent and states at the end of a step."""
-        own = np.zeros(self.count)
-        force, p, q = self._called(self.law.tangent, d, v, weights, free, own)
-        return force, np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]]), own
+        at = self._at(d, v, weights, free)
+        p, q = at.p[0, 0, 0], at.q[0, 0, 0]
+        tangent = np.array([[(p + q).real, (q - p).imag], [(p + q).imag, (p - q).real]])
+        return complex(at.force[0, 0]), tangent, at.solved[0].copy()
 
     def force(self, d, v, own):
         return self._called(self.law.force, d, v, own)
 
     def rates(self, d, v, own):
-        out = np.zeros(self.count)
-        self._called(self.law.rates, d, v, own, out)
-        return out
+        return self._at(d, v, (1.0, 0.0, 0.0), own).rates[0].copy()
 
     def has_tangent(self, d, v, weights, free, length, share):
         """Whether a step's tangent is that of differences of its force, of one of three lengths of

@@ -3,14 +3,16 @@
 #include "instance.h"
 #include "kernels.h"
 
-int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double);
+int32_t rotor_call_laws_kernel(int64_t *, void **, uint8_t *, double, double, double, double);
 int32_t rotor_vibrate_laws_kernel(int64_t *, void **, uint8_t *, double, double, double);
 int32_t rotor_find_openings_kernel(int64_t *, void **, uint8_t *);
 int32_t rotor_step_through_kernel(int64_t *, void **, uint8_t *, double);
 
-EXPORT int rotor_call_laws(uint8_t *block, double speed)
+EXPORT int rotor_call_laws(
+    uint8_t *block, double displacement, double velocity, double rate, double speed
+)
 {
-    CALL(rotor_call_laws, block, speed);
+    CALL(rotor_call_laws, block, displacement, velocity, rate, speed);
 }
 EXPORT int rotor_vibrate_laws(uint8_t *block, double speed, double sliding, double frequency)
 {
