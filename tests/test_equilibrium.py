@@ -291,3 +291,22 @@ def test_a_journal_at_standstill_lies_on_pads_that_tilt(first, pivot):
     before = simulation.motion.q.copy()
     simulation.advance(0.001, 0.0)
     np.testing.assert_allclose(simulation.motion.q, before, atol=1e-3 * bearing["clearance"])
+
+
+@pytest.mark.parametrize("pivot", [0.0, 1e8])
+def test_what_lies_on_pads_without_inertia_stays_there(pivot):
+    """At standstill films carry nothing: what is left of a pad's moment is the rounding of its
+    wall's force, and is none."""
+    pads = {
+        **{"pads": [(2 * i - 3) * math.pi / 4 for i in range(4)], "arc": 1.3, "offset": 0.5},
+        **{"tilting": True, "pivot_stiffness": pivot, "k": 1e8, "mu": 0.1},
+        **{"journal_radius": 0.01, "length": 0.01, "clearance": 5e-5, "viscosity": 0.02},
+    }
+    machine = table("material", young=2.1e11, density=7850.0) + table("shaft", eta_v=1e-5)
+    machine += table("[section]", length=0.5, elements=6, outer=0.02)
+    machine += table("[body]", z=0.25, mass=4.0, I_d=0.005, I_p=0.01)
+    machine += "".join(table("[journal_bearing]", z=z, **pads) for z in (0.0, 0.5))
+    simulation = Simulation(parse_rotor(machine), choose("robust"))
+    before = simulation.motion.q.copy()
+    simulation.advance(0.3, 0.0)
+    np.testing.assert_allclose(simulation.motion.q, before, atol=1e-3 * pads["clearance"])

@@ -29,6 +29,7 @@ from .rubbing import Friction, contact_tangent, friction
 ITERATIONS = 80
 CONVERGED = 1e-7  # of the search's scale: the error left is of second order in it
 _NOTHING = 1e-12  # of a film's force
+_ROUNDING = 8.0 * 2.0**-53  # of where a journal is in a bearing
 REACH = 0.2  # of a clearance, that a step of Newton's method tilts a pad
 
 
@@ -210,9 +211,11 @@ def speed_of(bearing, kinematics):
 
 @jit
 def none_of(bearing, speed):
-    """Return a force that is nothing beside that of a film whose surfaces move so fast [N]."""
+    """Return a force that is nothing beside that of a film whose surfaces move so fast, or is what
+    rounding makes of a wall's [N]."""
     slender = bearing.journal_radius / bearing.clearance
-    return _NOTHING * bearing.viscosity * speed * bearing.length * slender * slender * slender
+    film = bearing.viscosity * speed * bearing.length * slender * slender * slender
+    return _NOTHING * film + _ROUNDING * bearing.k * bearing.clearance
 
 
 @jit
