@@ -268,7 +268,7 @@ def _with_film(**more):
         (
             EXAMPLES / "drop" / "compressor.toml",
             ["--speed", "3"],
-            "the machine has no [[journal_bearing]], [[squeeze_film_damper]] or [[rolling_bearing]",
+            "the machine has no [[journal_bearing]], [[squeeze_film_damper]], [[rolling_bearing]]",
         ),
     ],
 )

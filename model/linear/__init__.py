@@ -5,6 +5,7 @@ from .bearing import BearingCurves, bearing_curves, bearings
 from .campbell import Campbell, CriticalSpeed, campbell
 from .critical_map import CriticalMap, critical_map, mean_stiffness
 from .damper import DamperCurves, damper_curves
+from .floating_ring import RingCurves, ring_curves
 from .machine import CONTACTS, LinearError, LinearMachine, lowest_speed
 from .modes import Modes, modes
 from .placement import placed_unbalances
@@ -24,6 +25,7 @@ __all__ = [
     "LinearError",
     "LinearMachine",
     "Modes",
+    "RingCurves",
     "RollingCurves",
     "StabilityLevel1",
     "StabilityLevel2",
@@ -43,6 +45,7 @@ __all__ = [
     "mean_stiffness",
     "modes",
     "placed_unbalances",
+    "ring_curves",
     "rolling_curves",
     "static",
     "unbalance_check",

@@ -13,6 +13,7 @@ import numpy as np
 from ..contact.film import PAD
 from ..machine.rotor import Rotor
 from ..parts.film_heat import oil_of
+from ..parts.floating_ring_bearing import FloatingRingBearing
 from ..parts.journal_bearing import JournalBearing
 from ..parts.rolling_bearing import RollingBearing
 from ..parts.speed_table import interpolant
@@ -22,7 +23,7 @@ from .film_in_plane import film_in_plane
 from .linearized import LinearError
 from .static import speeds_and_loads
 
-AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing
+AnyBearing = JournalBearing | SqueezeFilmDamper | RollingBearing | FloatingRingBearing
 _HALVINGS = 30
 ANGLES = np.radians(np.arange(0.0, 361.0, 3.0))  # of `BearingCurves.around`
 
@@ -77,8 +78,8 @@ class BearingCurves:
 
 
 def bearings(rotor: Rotor) -> dict[str, AnyBearing]:
-    """Return journal bearings, then squeeze film dampers, then rolling bearings of a machine by
-    their names."""
+    """Return journal bearings, then squeeze film dampers, rolling bearings and those with floating
+    rings of a machine by their names."""
     kinds = get_args(AnyBearing)
     return {name: p for kind in kinds for name, p in rotor.named_parts() if isinstance(p, kind)}
 

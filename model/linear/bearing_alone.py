@@ -1,9 +1,10 @@
-"""A journal bearing or a squeeze film damper alone: where it rests under a load, and the mass that
-it carries without whirling."""
+"""A bearing with films, or a squeeze film damper, alone: where it rests under a load, and the mass
+that it carries without whirling."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -31,7 +32,7 @@ _TURNS, _MOST_TURN = 8, 0.3  # steps of Newton's method, and their size [rad]
 _CLOSE = 1e-5  # of a displacement: what it makes of a load is not seen in a message
 
 
-class _FilmAtRest(FilmAlone):
+class FilmAtRest(FilmAlone, ABC):
     """A film that the solver library lets rest, if there is one: `interpreted`, each of its pads
     takes milliseconds."""
 
@@ -51,8 +52,41 @@ class _FilmAtRest(FilmAlone):
         self._states = self._laws.states.copy()
         return complex(rest.force[0]), rest.by_d[0], rest.by_v[0]
 
+    def rest(self, load: complex, start: complex | None = None) -> complex:
+        """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
+        `LinearError` with the load where none is found or a film is thinner than its roughness."""
+        d = self.find_rest(load, start)
+        if d is None or self.is_broken(d):
+            raise self.no_equilibrium(load)
+        return d
 
-class BearingAlone(_FilmAtRest):
+    @abstractmethod
+    def no_equilibrium(self, load: complex) -> LinearError:
+        """Return the error of a load [N] that is not carried."""
+
+
+class RingAlone(FilmAtRest):
+    """A floating ring bearing whose journal is moved by hand at a speed [rad/s].
+
+    part: the bearing; where: its name, for messages; gravity: on the ring, to the right and upwards
+    [m/s2].
+    """
+
+    def __init__(
+        self, part: FloatingRingBearing, speed: float, where: str, gravity: complex = 0j
+    ) -> None:
+        super().__init__(part, speed, where)
+        interpreted(self._law.weigh)(self._record, self._tables, gravity)
+
+    def no_equilibrium(self, load: complex) -> LinearError:
+        """Return the error of a load [N] that is not carried."""
+        return LinearError(
+            f"{self.where}: no equilibrium at {self.speed:g} rad/s: its load is {abs(load):.4g} N, "
+            f"and one of its films would be thinner than its roughness, {self._part.roughness:g} m"
+        )
+
+
+class BearingAlone(FilmAtRest):
     """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
 
     part: the bearing; where: its name, for messages.
@@ -134,14 +168,6 @@ class BearingAlone(_FilmAtRest):
         return np.array(
             [abs(balance(self._bearing, tables, moving, i).force) for i in range(count)]
         )
-
-    def rest(self, load: complex, start: complex | None = None) -> complex:
-        """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
-        `LinearError` with the load and what the film, or a damper's spring, carries."""
-        d = self.find_rest(load, start)
-        if d is None or self.is_broken(d):
-            raise self.no_equilibrium(load)
-        return d
 
     def no_equilibrium(self, load: complex) -> LinearError:
         """Return the error of a load [N] that is not carried: with the load and what is."""
@@ -236,7 +262,4 @@ def check_films(
             if laws.is_broken(j, at):
                 raise BearingAlone(part, speed, name).no_equilibrium(-complex(on))
         elif isinstance(part, FloatingRingBearing) and laws.is_broken(j, at):
-            raise LinearError(
-                f"{name}: no equilibrium at {speed:g} rad/s: its load is {abs(on):.4g} N, and one "
-                f"of its films would be thinner than its roughness, {part.roughness:g} m"
-            )
+            raise RingAlone(part, speed, name).no_equilibrium(-complex(on))

@@ -6,6 +6,7 @@ as for any axisymmetric rotor (Genta, Dynamics of Rotating Systems, 2005, ch. 4)
 
 from __future__ import annotations
 
+import cmath
 import math
 import re
 from collections import Counter
@@ -295,6 +296,11 @@ class Rotor:
         """Share of gravity that acts across the shaft [1]; of a vertical one none."""
         share = math.cos(self.inclination)
         return share if abs(share) > _VERTICAL else 0.0
+
+    @property
+    def down(self) -> complex:
+        """Direction of gravity across the shaft, as long as the share of it that acts there [1]."""
+        return -1j * cmath.exp(1j * self.gravity_angle) * self.weight_share
 
     @property
     def length(self) -> float:

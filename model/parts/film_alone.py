@@ -10,7 +10,8 @@ import numpy as np
 from ..kernels.jit import interpreted
 from .law_alone import BY_D, LawAlone
 
-_ITERATIONS, _CHANGE = 200, 1e-12
+_ITERATIONS, _CHANGE = 200, 1e-12  # of the clearance
+_NEAR = 1e-6  # of the clearance: a step no shorter than the last is of rounding then
 _SHARE = 0.1  # of the clearance, that a step of Newton's method moves the journal
 
 
@@ -38,6 +39,7 @@ class FilmAlone(LawAlone):
         turned = -1j if self.speed > 0 else 1j if self.speed < 0 else 0.0
         ahead = load / abs(load) if load != 0.0 else 0j
         d = 0.3 * c * ahead * (1.0 - turned) if start is None else start
+        before = math.inf
         for _ in range(_ITERATIONS):
             left = self.force(d) + load
             try:
@@ -50,8 +52,9 @@ class FilmAlone(LawAlone):
                 return None
             step *= min(1.0, _SHARE * c / size) if size > 0.0 else 1.0
             d += step
-            if size <= _CHANGE * c:
+            if size <= _CHANGE * c or before <= size <= _NEAR * c:
                 return d
+            before = size
         return None
 
     def is_broken(self, d: complex) -> bool:

@@ -12,7 +12,6 @@ changes does not close.
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Callable
 from typing import Any
@@ -98,8 +97,7 @@ def assemble(rotor: Rotor) -> Structure:
     numbers[0].rotating_damping = rotor.rotating_damping
     numbers[0].eta_v, numbers[0].eta_h = rotor.eta_v, rotor.eta_h
     numbers[0].gravity = rotor.gravity
-    down = -1j * cmath.exp(1j * rotor.gravity_angle) * rotor.weight_share
-    numbers[0].down_x, numbers[0].down_y = down.real, down.imag
+    numbers[0].down_x, numbers[0].down_y = rotor.down.real, rotor.down.imag
     placed_ports = _of(Port, elements)
     ports = [port for _, port in placed_ports]
     moved_bases = [i for i, port in enumerate(ports) if port.node == BASE]

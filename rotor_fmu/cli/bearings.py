@@ -1,4 +1,5 @@
-"""`rotor-fmu bearing`: an oil film, a squeeze film damper or a rolling bearing by itself."""
+"""`rotor-fmu bearing`: an oil film, a floating ring, a squeeze film damper or a rolling bearing by
+itself."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from .shared import PictureFolder, Units
 from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:
-    from ..linear.answers import BearingCurves, DamperCurves, RollingCurves
+    from ..linear.answers import BearingCurves, DamperCurves, RingCurves, RollingCurves
     from ..model.machine.rotor import Rotor
 
 
@@ -25,7 +26,8 @@ def bearing(
     file: Annotated[
         Path,
         typer.Argument(
-            help="Machine file with a journal_bearing, squeeze_film_damper or rolling_bearing."
+            help="Machine file with a journal_bearing, squeeze_film_damper, rolling_bearing or "
+            "floating_ring_bearing."
         ),
     ],
     speed: Annotated[
@@ -57,7 +59,8 @@ def bearing(
     """Compute where a bearing's journal, ring or shaft rests, and its coefficients there.
 
     Of an oil film also the threshold of whirl; the last column compares the film's load with a
-    solution of Reynolds' equation in two dimensions. Of a squeeze film damper the film's stiffness
+    solution of Reynolds' equation in two dimensions. Of a floating ring also how fast it turns, and
+    the coefficients of both films in series. Of a squeeze film damper the film's stiffness
     and damping on centred circular orbits; of a rolling bearing what its elements carry, and how
     its stiffness changes as they pass.
     """
@@ -79,33 +82,36 @@ def bearing(
 
 def _result(
     machine: Rotor, name: str | None, speeds: np.ndarray, loads: np.ndarray | None
-) -> BearingCurves | DamperCurves | RollingCurves:
+) -> BearingCurves | DamperCurves | RingCurves | RollingCurves:
     """Return the curves of the bearing of that name, by default the first."""
     from ..linear import answers
     from ..model.linear import bearings
-    from ..model.parts.journal_bearing import JournalBearing
+    from ..model.parts.floating_ring_bearing import FloatingRingBearing
     from ..model.parts.rolling_bearing import RollingBearing
+    from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
 
     known = bearings(machine)
     if not known:
         raise InputError(
-            "the machine has no [[journal_bearing]], [[squeeze_film_damper]] or [[rolling_bearing]]"
+            "the machine has no [[journal_bearing]], [[squeeze_film_damper]], [[rolling_bearing]] "
+            "or [[floating_ring_bearing]]"
         )
     chosen = name or next(iter(known))
     if chosen not in known:
         raise InputError(f"--bearing {chosen}: must be one of {', '.join(known)}")
-    is_rolling, is_film = (isinstance(known[chosen], k) for k in (RollingBearing, JournalBearing))
-    is_damper = not (is_rolling or is_film)
+    kind = type(known[chosen])
+    is_damper = kind is SqueezeFilmDamper
     if loads is not None and not (loads >= 0.0 if is_damper else loads > 0.0).all():
         least = "must be >= 0" if is_damper else "must be > 0"
         raise InputError(f"--load {loads.min():g}: {least}")
-    if is_rolling:
+    if kind is RollingBearing:
         given = speeds if len(speeds) else np.zeros(1)
         return answers.rolling(machine, given, bearing=chosen, load=loads)
-    if is_film:
+    if not is_damper:
         if not len(speeds):
             raise InputError(f"--speed: must be given, on which the film of {chosen} depends")
-        return answers.bearing(machine, speeds, bearing=chosen, load=loads)
+        answer = answers.floating_ring if kind is FloatingRingBearing else answers.bearing
+        return answer(machine, speeds, bearing=chosen, load=loads)
     if len(speeds) != 1 or speeds[0] <= 0.0:
         raise InputError(f"--speed: must be one above 0, of the orbits of {chosen}")
     if loads is not None and len(loads) != 1:
@@ -115,10 +121,10 @@ def _result(
 
 
 def _linear_bearing(
-    result: BearingCurves | DamperCurves | RollingCurves, machine: Rotor, file: Path
+    result: BearingCurves | DamperCurves | RingCurves | RollingCurves, machine: Rotor, file: Path
 ) -> str:
     """Return a `[[linear_bearing]]` with the coefficients over the speed as TOML."""
-    from ..linear.answers import BearingCurves
+    from ..linear.answers import BearingCurves, RingCurves
     from ..model.linear import bearings
     from ..model.machine.writing import toml_text
     from ..model.parts.squeeze_film_damper import SqueezeFilmDamper
@@ -130,12 +136,14 @@ def _linear_bearing(
             f"{part.housing or 'ground'!r}; a linear_bearing is between a node and one of them"
         )
     values: dict[str, Any] = {"node": part.node}
-    if part.housing:
-        values["housing"] = part.housing
+    if housing := getattr(part, "housing", ""):
+        values["housing"] = housing
     what, rests = "", "it rests"
     K, C = (np.reshape(of, (-1, 2, 2)) for of in (result.K, result.C))
-    if isinstance(result, BearingCurves):
-        what, rests = "The film of ", "its journal rests"
+    if isinstance(result, BearingCurves | RingCurves):
+        both = isinstance(result, RingCurves)
+        what = "The films of " if both else "The film of "
+        rests = "journal and ring rest" if both else "its journal rests"
         if len(K) > 1:
             values["speed"] = result.speeds.tolist()
     for letter, of in (("k", K), ("c", C)):

@@ -123,6 +123,13 @@ class DamperCurves(Displayed, linear.DamperCurves):
     figure = bearing_plots.damper_figure
 
 
+class RingCurves(Displayed, linear.RingCurves):
+    """`model.linear.RingCurves`, shown."""
+
+    table = bearing_tables.ring_table
+    figure = bearing_plots.ring_figure
+
+
 class RollingCurves(Displayed, linear.RollingCurves):
     """`model.linear.RollingCurves`, shown."""
 
@@ -230,6 +237,14 @@ def bearing(
 def damper(machine: Machine, frequency: float, **options: Any) -> DamperCurves:
     """Return `model.linear.damper_curves` of a machine."""
     return displayed(DamperCurves, linear.damper_curves, machine, frequency, **options)
+
+
+@on_one_thread
+def floating_ring(
+    machine: Machine, speeds: Sequence[float] | np.ndarray, **options: Any
+) -> RingCurves:
+    """Return `model.linear.ring_curves` of a machine."""
+    return displayed(RingCurves, linear.ring_curves, machine, speeds, **options)
 
 
 @on_one_thread

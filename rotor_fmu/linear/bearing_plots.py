@@ -13,8 +13,9 @@ from ..display import current, speed_with_unit
 from ..figure_style import BLUE, ORANGE, PlainFigure
 from ..model.linear.bearing import ANGLES, BearingCurves
 from ..model.linear.damper import DamperCurves
+from ..model.linear.floating_ring import RingCurves
 from ..model.linear.rolling import RollingCurves
-from .bearing_tables import bearing_table, rolling_table
+from .bearing_tables import bearing_table, ring_table, rolling_table
 from .linear_plots import COLORS, PURPLE, new_figure, style
 
 
@@ -103,7 +104,7 @@ def _pads_over(panels: Sequence[Axes], over: np.ndarray, result: BearingCurves, 
         axes.legend(frameon=False, fontsize=8, ncols=2)
 
 
-def _varied(result: BearingCurves | RollingCurves) -> tuple[np.ndarray, str, str]:
+def _varied(result: BearingCurves | RingCurves | RollingCurves) -> tuple[np.ndarray, str, str]:
     """Return what varies, the speed or the load, in the unit that is shown, its unit and name."""
     d = current()
     if len(result.speeds) > 1 and result.speeds[0] == result.speeds[-1]:
@@ -161,6 +162,38 @@ def damper_figure(result: DamperCurves) -> Figure:
         stiffness.legend(frameon=False, fontsize=8)
     title = f"{result.bearing}: centred circular orbits at {speed_with_unit(result.frequency)}"
     figure.suptitle(title, fontsize=10, x=0.01, ha="left")
+    return figure
+
+
+def ring_figure(result: RingCurves) -> Figure:
+    """Draw journal and ring at rest, the ring's speed over the rotor's, and stiffness and damping
+    over the speed or load."""
+    figure, grid = new_figure(8.4, 7.4, 2, 2)
+    locus, ratio, *panels = grid.ravel()
+    d, (varied, unit, what) = current(), _varied(result)
+    mark = "o-" if len(varied) < 3 else "-"
+    for x, y, label, color in (
+        (result.x, result.y, "journal", BLUE),
+        (result.ring_x, result.ring_y, "ring", ORANGE),
+    ):
+        locus.plot(x * d.small, y * d.small, mark, ms=4, color=color, lw=1.4, label=label)
+        locus.plot(x[0] * d.small, y[0] * d.small, "o", color=color)
+    circle = result.outer_clearance * d.small * np.exp(1j * ANGLES)
+    locus.plot(circle.real, circle.imag, color="black", lw=1.2, label="outer clearance")
+    locus.set_aspect("equal")
+    locus.set_xlabel(f"x [{d.small_word}]")
+    locus.set_ylabel(f"y [{d.small_word}]")
+    begin = f"at rest; dots at {varied[0]:.4g} {unit}"
+    locus.set_title(f"Journal and ring {begin}", loc="left", fontsize=9)
+    inside = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.92)}
+    locus.legend(frameon=False, fontsize=8, **inside)
+    ratio.plot(varied, result.ratio, mark, ms=4, color=BLUE, lw=1.4)
+    ratio.set_ylabel("Speed of the ring over the rotor's [1]")
+    ratio.set_ylim(bottom=0.0)
+    _coefficients(panels, varied, result.K, result.C, mark)
+    for axes in (ratio, *panels):
+        axes.set_xlabel(f"{what} [{unit}]")
+    figure.suptitle(ring_table(result).title, fontsize=10, x=0.01, ha="left")
     return figure
 
 

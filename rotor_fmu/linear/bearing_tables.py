@@ -9,6 +9,7 @@ import numpy as np
 from ..display import current, speed_with_unit
 from ..model.linear.bearing import BearingCurves
 from ..model.linear.damper import DamperCurves
+from ..model.linear.floating_ring import RingCurves
 from ..model.linear.rolling import RollingCurves
 from .linear_tables import Table
 
@@ -104,6 +105,29 @@ def damper_table(result: DamperCurves) -> Table:
     return Table(title, heads, rows)
 
 
+def ring_table(result: RingCurves) -> Table:
+    """Return a table with one row for each speed or load."""
+    d = current()
+    heads = (
+        *(f"speed [{d.speed_unit}]", f"load [{d.force_unit}]", f"ring [{d.speed_unit}]"),
+        *("ratio [1]", "e/c [1]", "outer e/c [1]", *_coefficient_heads()),
+        *(f"torque [{d.torque_unit}]", "power [W]", "outer [W]"),
+    )
+    rows = [
+        (
+            *(float(speed) * d.speed, float(np.hypot(*result.load[i])) * d.force),
+            *(float(result.ring_speed[i]) * d.speed, float(result.ratio[i])),
+            *(float(result.eccentricity[i]), float(result.outer_eccentricity[i])),
+            *_coefficients(result.K[i], result.C[i]),
+            *(float(result.torque[i]) * d.torque, float(result.power[i])),
+            float(result.outer_power[i]),
+        )
+        for i, speed in enumerate(result.speeds)
+    ]
+    title = f"{result.bearing}: the ring turns at {_span(result.ratio)} of the rotor's speed"
+    return Table(title, heads, rows)
+
+
 def rolling_table(result: RollingCurves) -> Table:
     """Return a table with one row for each load; in the heading the cage's speed."""
     d = current()
@@ -134,4 +158,5 @@ def rolling_table(result: RollingCurves) -> Table:
 
 
 def _span(values: np.ndarray) -> str:
-    return f"{values.min():.4g} to {values.max():.4g}"
+    low, high = f"{values.min():.4g}", f"{values.max():.4g}"
+    return low if low == high else f"{low} to {high}"

@@ -16,25 +16,10 @@ from rotor_fmu.model.parts.law_alone import LawAlone
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
-from scipy.optimize import fsolve
 from sksundae.cvode import CVODE
 
-from ..toml_text import table
-from .machines import shaft
+from .rings import RING, SPEED, G, drag, in_series, of_side, rigid_in_rings
 from .stated_law import StatedLaw
-
-RING = {
-    **{"journal_radius": 3.5e-3, "length": 5e-3, "clearance": 1.6e-5, "viscosity": 0.006},
-    **{"outer_radius": 6e-3, "outer_length": 7e-3, "outer_clearance": 4e-5},
-    **{"outer_viscosity": 0.010, "ring_mass": 3.5e-3, "ring_inertia": 8.5e-8, "short": True},
-}
-SPEED, G = 4000.0, 9.81
-INNER, OUTER = ("journal_radius", "length", "clearance", "viscosity"), "outer_"
-
-
-def _numbers(side):
-    names = INNER if side == "inner" else [f"{OUTER}{n}" for n in ("radius", *INNER[1:])]
-    return [RING[name] for name in names]
 
 
 def _ring(**more):
@@ -53,68 +38,17 @@ def _alone(part, gravity=0j):
 # --- at rest ---
 
 
-def _drag(side, e=0.0):
-    """Petroff's friction torque over the speed [N.m.s], of an eccentric journal."""
-    R, L, c, mu = _numbers(side)
-    return 2.0 * math.pi * mu * R**3 * L / (c * math.sqrt(1.0 - e * e))
-
-
 def test_a_concentric_ring_turns_as_the_friction_of_both_films_says():
     film = LawAlone(_ring(), SPEED, "")
     seen = film.outputs(0j)
-    (R_i, L_i, c_i, mu_i), (R_o, L_o, c_o, mu_o) = _numbers("inner"), _numbers("outer")
+    (R_i, L_i, c_i, mu_i), (R_o, L_o, c_o, mu_o) = of_side("inner"), of_side("outer")
     ratio = 1.0 / (1.0 + c_i / c_o * L_o / L_i * (R_o / R_i) ** 3 * mu_o / mu_i)
     assert seen["ratio"] == pytest.approx(ratio, rel=1e-12)
     assert seen["ring_speed"] == pytest.approx(ratio * SPEED, rel=1e-12)
-    torque = _drag("inner") * (1.0 - ratio) * SPEED
+    torque = drag("inner") * (1.0 - ratio) * SPEED
     assert seen["torque"] == pytest.approx(torque, rel=1e-12)
     assert seen["power"] == pytest.approx(torque * (1.0 - ratio) * SPEED, rel=1e-12)
     assert seen["outer_power"] == pytest.approx(torque * ratio * SPEED, rel=1e-12)
-
-
-def _ocvirk(side, z, turning):
-    """The force of a short film on a journal at z that does not whirl, in closed form [N]."""
-    R, L, c, mu = _numbers(side)
-    e, along = abs(z) / c, z / abs(z)
-    scale = mu * R * L**3 / c**2 * turning
-    radial = -(e**2) / (1.0 - e**2) ** 2
-    across = math.pi * e / (4.0 * (1.0 - e**2) ** 1.5)
-    return scale * complex(radial, across) * along
-
-
-def _series(load):
-    """Journal, ring [m] and speed of the ring where two films in series carry a load downwards and
-    the ring's weight."""
-
-    def left(u):
-        d, x, w = complex(*u[:2]) * 1e-5, complex(*u[2:4]) * 1e-5, u[4] * SPEED
-        inner = _ocvirk("inner", d - x, SPEED + w)
-        outer = _ocvirk("outer", x, w)
-        driven, braked = (
-            _drag("inner", abs(d - x) / RING["clearance"]) * (SPEED - w),
-            _drag("outer", abs(x) / RING["outer_clearance"]) * w,
-        )
-        driven += 0.5 * ((d - x) * inner.conjugate()).imag
-        braked -= 0.5 * (x * outer.conjugate()).imag
-        on_journal = inner - 1j * load
-        on_ring = outer - inner - 1j * RING["ring_mass"] * G
-        torque = (driven - braked) / (_drag("inner") * SPEED)
-        return [
-            *(on_journal.real / load, on_journal.imag / load),
-            *(on_ring.real / load, on_ring.imag / load, torque),
-        ]
-
-    u = fsolve(left, [0.5, -0.5, 0.4, -0.4, 0.2], xtol=1e-13)
-    assert np.abs(left(u)).max() < 1e-9
-    return complex(*u[:2]) * 1e-5, complex(*u[2:4]) * 1e-5, u[4] * SPEED
-
-
-def _rigid(mass=0.1, e=0.0, **more):
-    """A body amid a light shaft in two such bearings, whose load is half its weight."""
-    body = table("[body]", node=2, mass=mass, I_d=1e-5, I_p=1e-5, e=e)
-    light = table("material", young=2.1e13, density=1.0)
-    rings = "".join(table("[floating_ring_bearing]", node=n, **{**RING, **more}) for n in (1, 3))
-    return shaft(0.0, 0.02, 0.04, diameter=0.007, material=light) + body + rings
 
 
 def _run(text, speed=SPEED, tolerance=1e-4, **options):
@@ -133,8 +67,8 @@ def _mass(rotor):
 
 
 def test_a_run_begins_where_both_films_carry_the_load_in_series():
-    run = _run(_rigid())
-    d, x, w = _series(_mass(run) * G)
+    run = _run(rigid_in_rings())
+    d, x, w = in_series(_mass(run) * G)
     name = "floating_ring_bearing[1]"
     assert complex(run.motion.q[0]) == pytest.approx(d, rel=1e-6)
     ring = complex(run.read(f"{name}.ring_x"), run.read(f"{name}.ring_y"))
@@ -144,7 +78,7 @@ def test_a_run_begins_where_both_films_carry_the_load_in_series():
         abs(d - x) / RING["clearance"], rel=1e-6
     )
     # without gravity both are in the middle
-    still = _run(f"gravity = 0.0\n{_rigid()}")
+    still = _run(f"gravity = 0.0\n{rigid_in_rings()}")
     assert abs(still.read(f"{name}.ring_y")) < 1e-9 * RING["clearance"]
 
 
@@ -200,7 +134,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 def _pressed(side, z, velocity, turning):
     """The force of a short film on its journal: what is positive of its pressure summed up [N]."""
-    R, L, c, mu = _numbers(side)
+    R, L, c, mu = of_side(side)
     moved = (2.0 * velocity - 1j * turning * z) / c
     theta = np.angle(moved) + 0.5 * math.pi * _NODES
     e = np.exp(1j * theta)
@@ -215,9 +149,9 @@ def _slope(y, mass, push):
     v, u, w = v * SPEED, u * SPEED, y[8] * SPEED
     inner = _pressed("inner", d - x, v - u, SPEED + w)
     outer = _pressed("outer", x, u, w)
-    driven = _drag("inner", abs(d - x) / c) * (SPEED - w)
+    driven = drag("inner", abs(d - x) / c) * (SPEED - w)
     driven += 0.5 * ((d - x) * inner.conjugate()).imag
-    braked = _drag("outer", abs(x) / RING["outer_clearance"]) * w
+    braked = drag("outer", abs(x) / RING["outer_clearance"]) * w
     braked -= 0.5 * (x * outer.conjugate()).imag
     a = (inner + push) / mass - 1j * G
     b = (outer - inner) / RING["ring_mass"] - 1j * G
@@ -235,7 +169,7 @@ def _rhs(mass, push):
 
 def test_a_pushed_rotor_moves_as_cvode_integrates_its_equations():
     """From rest, pushed for a millisecond; the journal, the ring and its speed thereafter."""
-    run = _run(_rigid(), tolerance=1e-4)
+    run = _run(rigid_in_rings(), tolerance=1e-4)
     name, c = "floating_ring_bearing[1]", RING["clearance"]
     mass, push = _mass(run), 2.0
 
@@ -271,7 +205,7 @@ def _lost(run):
 @pytest.mark.parametrize("method", [{}, {"method": "radau5"}], ids=["default", "radau5"])
 def test_the_ledger_closes_as_rings_whirl(method):
     run = Simulation(
-        parse_rotor(f"gravity = 0.0\n{_rigid(e=5e-7)}"),
+        parse_rotor(f"gravity = 0.0\n{rigid_in_rings(e=5e-7)}"),
         choose("controlled", tolerance=1e-3, **method),
         speed=1000.0,
         warn=lambda _: None,
@@ -283,7 +217,7 @@ def test_the_ledger_closes_as_rings_whirl(method):
 
 
 def test_a_free_rotor_is_braked_by_the_inner_films():
-    run = _run(_rigid(), drive_torque=0.0)
+    run = _run(rigid_in_rings(), drive_torque=0.0)
     torque = 2 * run.read("floating_ring_bearing[1].torque")
     inertia = 2 * run.read("energy.kinetic") / SPEED**2
     run.advance(1e-4, 0.0)
@@ -291,7 +225,7 @@ def test_a_free_rotor_is_braked_by_the_inner_films():
 
 
 def test_fmu_has_the_bits_of_the_simulation(machine_of):
-    text = _rigid(e=1e-6, points=12, short=False)
+    text = rigid_in_rings(e=1e-6, points=12, short=False)
     names = [f"floating_ring_bearing[1].{n}" for n in ("fx", "ring_y", "ratio", "power")]
     names.append("energy.rings")
     simulation = _run(text, tolerance=1e-3)
@@ -330,9 +264,9 @@ def test_rings_that_cannot_be_are_refused(more, message):
 
 def test_what_a_ring_cannot_stand_on_is_refused():
     with pytest.raises(QuantityError, match=r"floating_ring_bearing\[1\].*housing"):
-        parse_rotor(_rigid(housing="pedestal"))
+        parse_rotor(rigid_in_rings(housing="pedestal"))
     with pytest.raises(QuantityError, match=r"floating_ring_bearing\[1\]: its own mass"):
-        parse_rotor(_rigid() + "[base]\n")
+        parse_rotor(rigid_in_rings() + "[base]\n")
 
 
 def _overload(run):
@@ -343,8 +277,8 @@ def _overload(run):
 
 def test_films_that_do_not_carry_are_said():
     with pytest.raises(EquilibriumError, match=r"does not carry them at 0 rad/s"):
-        _run(_rigid(), 0.0)
-    heavy = f"gravity = 1e5\n{_rigid()}"
+        _run(rigid_in_rings(), 0.0)
+    heavy = f"gravity = 1e5\n{rigid_in_rings()}"
     with pytest.raises(EquilibriumError, match="no static equilibrium under gravity"):
         _run(heavy)
 
@@ -352,7 +286,7 @@ def test_films_that_do_not_carry_are_said():
 @pytest.mark.slow
 def test_a_film_that_is_loaded_ever_harder_ends_the_run():
     with pytest.raises(StepFailure, match=r"oil film at node . is thinner than its roughness"):
-        _overload(_run(_rigid()))
+        _overload(_run(rigid_in_rings()))
 
 
 def test_each_film_has_its_own_numbers():
