@@ -58,6 +58,10 @@ def test_unbalance_is_held_against_the_range(command, tmp_path):
         (["stability", "--rated", "-5rpm"], "--rated -5rpm: must be above 0"),
         (["stability", "--rated", "fast"], "--rated fast: must be a number"),
         (["stability", "--rated", "50Hz", "--level", "3"], "--level 3: must be 1 or 2"),
+        (
+            ["stability", "--rated", "50Hz", "--level", "2", "--node", "4"],
+            "--node 4: is of level 1; at level 2 each cross coupling has its own node",
+        ),
         (["stability", "--rated", "50Hz", "--stage", "3:1"], "--stage 3:1: must be NODE:POWER"),
         (["stability", "--rated", "50Hz", "--cross-coupling", "x"], "must be NODE:STIFFNESS"),
         (["stability", "--rated", "50Hz", "--cross-coupling", "99:1"], "node 99: must be from 1"),

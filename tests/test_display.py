@@ -123,7 +123,7 @@ def _answers():
     )
     yield acceptance.critical_map(rig(), [1e6, 1e7, 1e9], count=2)
     yield acceptance.level_1(rig(), 100.0, node=4, anticipated=1e5, stiffness=[0.0, 1e5])
-    yield acceptance.level_2(rig(), 100.0, node=4, cross_couplings={4: 1e5})
+    yield acceptance.level_2(rig(), 100.0, cross_couplings={4: 1e5})
     yield acceptance.critical_peaks(rig(), 400.0, [4])
     yield acceptance.unbalance_check(rig(), 100.0, 200.0, [4])
     yield answers.modes(rig(), 100.0, count=2)

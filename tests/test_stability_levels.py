@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import Stage, level_1, level_2, modes
+from rotor_fmu.model.linear.machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal
 
 from tests.test_acceptance import CLOSE, ROOT, ROSS, RPM, SHAFT, support
@@ -126,7 +128,7 @@ def test_both_levels_are_of_the_same_mode(q):
     becomes another one by cross coupling."""
     rotor = parse_rotor(ANISOTROPIC)
     of_1 = level_1(rotor, 1152.0, node=4, anticipated=q, stiffness=[q])
-    of_2 = level_2(rotor, 1152.0, node=4, cross_couplings={4: q} if q else None)
+    of_2 = level_2(rotor, 1152.0, cross_couplings={4: q} if q else None)
     assert of_2.cases[0].log_dec == pytest.approx(of_1.log_dec_alone, rel=1e-9)
     assert of_2.cases[-1].log_dec == pytest.approx(of_1.log_dec_anticipated, rel=1e-6)
 
@@ -157,3 +159,87 @@ def test_a_seal_that_makes_another_mode_grow_is_seen():
     alone, with_seal = level_2(rotor, 50.0).cases
     assert alone.log_dec > 0 > with_seal.log_dec
     assert with_seal.log_dec == pytest.approx(modes(rotor, 50.0).log_dec.min(), rel=1e-6)
+
+
+OVERHUNG = """
+name = "overhung"
+[material]
+young = 2.1e11
+density = 7850.0
+[[section]]
+length = 0.6
+elements = 8
+outer = 0.08
+bore = 0.02
+[[section]]
+length = 0.15
+elements = 3
+outer_left = 0.08
+outer_right = 0.05
+[[disc]]
+node = 12
+diameter = 0.35
+width = 0.05
+bore = 0.05
+""" + "".join(
+    f"[[linear_bearing]]\nnode = {node}\nkxx = 5e7\nkyy = 9e7\ncxx = 3e4\ncyy = 4e4\n"
+    for node in (2, 8)
+)
+
+
+def test_the_first_forward_mode_of_an_overhung_rotor_stays_the_one_it_is():
+    """Also where cross coupling between the bearings would make a higher mode grow first: as many
+    see it who look at eigenvalues with the coupling where the impeller is."""
+    rotor, speed = parse_rotor(OVERHUNG), 9000 * RPM
+    bare = modes(rotor, speed)
+    clear = int(np.flatnonzero(bare.forwardness > 0.5)[0])
+    for node in (None, 5):
+        result = level_1(rotor, speed, node=node, stiffness=[0.0])
+        assert result.node == (node or 12)
+        assert result.frequency[0] == pytest.approx(bare.damped[clear], rel=1e-9)
+        assert result.log_dec[0] == pytest.approx(bare.log_dec[clear], rel=1e-9)
+    threshold = level_1(rotor, speed).threshold
+    for q in (0.3 * threshold, 0.999 * threshold, 1.001 * threshold):
+        seen = modes(replace(rotor, parts=(*rotor.parts, coupling(12, q))), speed)
+        expected = seen.log_dec[np.flatnonzero(seen.forwardness > 0.5)[0]]
+        *_, with_all = level_2(rotor, speed, cross_couplings={12: q}).cases
+        assert with_all.log_dec == pytest.approx(expected, rel=1e-6)
+        assert (with_all.log_dec > 0) == (q < threshold)
+
+
+def test_cross_coupling_is_put_where_the_stages_are_only_if_all_stand_beyond_the_bearings():
+    rotor, speed = parse_rotor(OVERHUNG), 9000 * RPM
+    for stages, node in (({10: 2e5, 12: 1e5}, 10), ({5: 1e5, 12: 2e5}, 5), ({5: 1e5}, 5)):
+        result = level_1(rotor, speed, anticipated=stages, stiffness=[0.0])
+        assert result.node == node
+        assert result.anticipated == pytest.approx(sum(stages.values()))
+
+
+def test_cross_coupling_does_not_move_a_journal_in_its_film():
+    """Both levels are those of the machine on bearings with the coefficients that its films have
+    where gravity alone holds it."""
+    text = (ROOT / "examples" / "oil_film" / "rotor.toml").read_text()
+    rotor, speed, q = parse_rotor(text), 300.0, 1e3
+    machine = LinearMachine(rotor)
+    linear, names = machine.at(speed), machine.supports.interfaces
+    fixed = {
+        where: LinearBearing(
+            node=part.node,
+            **{
+                letter + axes: -float(tangent[names.index(where)][i, j])
+                for letter, tangent in (("k", linear.laws.by_d), ("c", linear.laws.by_v))
+                for axes, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
+            },
+        )
+        for where, part in rotor.named_parts()
+        if isinstance(part, JournalBearing)
+    }
+    assert len(fixed) == 2
+    kept = tuple(fixed.get(where, part) for where, part in rotor.named_parts())
+    same = replace(rotor, parts=kept)
+    for node in (2, 4):
+        one, other = (level_1(r, speed, node=node, anticipated=q) for r in (rotor, same))
+        assert one.log_dec_anticipated == pytest.approx(other.log_dec_anticipated, rel=1e-6)
+        assert one.threshold == pytest.approx(other.threshold, rel=1e-6)
+        cases = [level_2(r, speed, cross_couplings={node: q}).cases[-1] for r in (rotor, same)]
+        assert cases[0].log_dec == pytest.approx(cases[1].log_dec, rel=1e-6)

@@ -4,8 +4,8 @@ The standard asks for the first forward mode. What that is where modes are nearl
 bearings that differ in x and y, their sense of whirl does not say: a little cross coupling turns
 it. And a machine is not stable because one of its modes is. So:
 
-1. Of the rotor on its bearings alone it is the lowest mode that does not whirl backward. Where
-   cross coupling, raised at one node, makes another mode grow before that one, it is the other.
+1. Of the rotor on its bearings alone it is the lowest mode that does not whirl backward. Where that
+   and its neighbour are nearly planar, it is the one of both that cross coupling makes grow first.
 2. It is followed by its eigenvalue while seals and cross coupling are added.
 3. Where another of the lowest modes grows, and this one does not, the one that grows is it: already
    of the rotor alone.
@@ -13,31 +13,29 @@ it. And a machine is not stable because one of its modes is. So:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
 from ..parts.linear_bearing import Coefficients, LinearBearing
 from ..quantities import quantities
 from ..structure.assembly import assemble
-from .machine import LinearError
-from .modes import BACKWARD, FORWARD, Modes, modes
+from .linearized import Linear, LinearError
+from .machine import LinearMachine
+from .modes import BACKWARD, FORWARD, Modes, modes_of
 
 SPAN = 10.0  # of the cross coupling that is expected: as far as a growing mode is looked for
 _COUNT = 8
 _HALVINGS = 6
+_IN_DOUBT = 0.5  # of forwardness: what whirls less clearly, a little cross coupling may turn
 _LITTLE = 1e-6  # of the rotor's mass times its frequency squared
 _LITTLE_SHARE = 1e-3  # of parts, whose cross coupling may be a small part of what they are
 _ROUNDING = 1e-9  # of an eigenvalue, beside its residual: a real part that says nothing
-
-
-def cross_coupling(node: int, q: float) -> LinearBearing:
-    """Return a cross-coupled stiffness [N/m] at a node (from 1)."""
-    return LinearBearing(node=node, kxx=0.0, kyy=0.0, kxy=q, kyx=-q, cxx=0.0, cyy=0.0)
 
 
 class _Followed:
@@ -87,72 +85,102 @@ class _Followed:
 class FirstForward:
     """The first forward mode of a rotor on its bearings at a speed, and with what is added to it.
 
+    Cross coupling acts about the equilibrium without it: it is none of a part that would carry.
+
     Attributes
     ----------
     scale : float
         The rotor's mass times the mode's natural frequency squared [N/m].
     threshold : float or None
-        Cross coupling at the node from which the rotor is unstable [N/m], None where there is none
-        up to ten times the one that is expected and ten times `scale`.
+        Cross coupling from which the rotor is unstable [N/m], None where there is none up to ten
+        times the one that is expected and ten times `scale`.
     """
 
     def __init__(
-        self, rotor: Rotor, speed: float, node: int, expected: float, contacts: str | None
+        self,
+        rotor: Rotor,
+        speed: float,
+        shares: Mapping[int, float],
+        expected: float,
+        contacts: str | None,
     ) -> None:
-        """Find the mode; node: from 1, of the cross coupling; expected: as much of it [N/m], or 0.
-        Raises `LinearError` where no mode can be it."""
-        self._rotor, self._speed, self._node = rotor, speed, node
-        first = modes(rotor, speed, count=_COUNT, contacts=contacts)
-        self._contacts = first.contacts
+        """Find the mode; shares: of cross coupling, by node (from 1) [1]; expected: as much of it
+        [N/m], or 0. Raises `LinearError` where no mode can be it."""
+        self._rotor, self._speed, self._shares = rotor, speed, shares
+        self._machine = LinearMachine(rotor, contacts)
+        self._alone = self._machine.at(speed)
+        first = modes_of(self._machine, self._alone, _COUNT)
         at = _place(first)
-        root = complex(first.eigenvalues[at])
         self._is_double = bool(first.is_degenerate[at])
         self.scale = float(assemble(rotor).mass_sum[::2].sum()) * float(first.natural[at]) ** 2
-        self._coupled = _Followed(self._with_coupling, {0.0: root})
+        self._coupled = _Followed(self._with_coupling, {0.0: complex(first.eigenvalues[at])})
         if self._is_double:
             self._coupled.split(_LITTLE * self.scale)
-        self.threshold = self._threshold(expected)
+        driven, self.threshold = self._threshold(expected)
+        if self.threshold and _is_other_of_pair(first, at, driven(0.0)):
+            self._coupled = driven
 
     def coupled(self, q: float) -> complex:
-        """Return the eigenvalue [1/s] with a cross coupling [N/m] at the node."""
+        """Return the eigenvalue [1/s] with a cross coupling [N/m]."""
         return _or_growing(self._coupled(q), self._coupled.modes(q))
 
-    def with_parts(self, parts: Sequence[LinearBearing]) -> complex:
-        """Return the eigenvalue [1/s] with further bearings and seals."""
-        followed = _Followed(lambda share: self._modes(parts, share), {0.0: self._coupled(0.0)})
-        if self._is_double and parts:
+    def with_parts(self, parts: Sequence[LinearBearing], q: float = 0.0) -> complex:
+        """Return the eigenvalue [1/s] with further bearings and seals, and a cross coupling
+        [N/m]."""
+        if not parts:
+            return self.coupled(q)
+
+        def find(share: float) -> Modes:
+            added = tuple(_times(part, share) for part in parts)
+            rotor = replace(self._rotor, parts=(*self._rotor.parts, *added))
+            machine = LinearMachine(rotor, self._machine.contacts)
+            return self._modes(machine, machine.at(self._speed), share * q)
+
+        followed = _Followed(find, {0.0: self._coupled(0.0)})
+        if self._is_double:
             followed.split(_LITTLE_SHARE)
-        return _or_growing(followed(1.0 if parts else 0.0), followed.modes(1.0))
+        return _or_growing(followed(1.0), followed.modes(1.0))
 
     def _with_coupling(self, q: float) -> Modes:
-        return self._modes([cross_coupling(self._node, q)])
+        return self._modes(self._machine, self._alone, q)
 
-    def _modes(self, parts: Sequence[LinearBearing], share: float = 1.0) -> Modes:
-        added = tuple(_times(part, share) for part in parts)
-        rotor = replace(self._rotor, parts=(*self._rotor.parts, *added))
-        return modes(rotor, self._speed, count=_COUNT, contacts=self._contacts)
+    def _modes(self, machine: LinearMachine, linear: Linear, q: float) -> Modes:
+        """Return the modes with a cross coupling: F_x = -q y, F_y = q x at each of its nodes."""
+        size = machine.expand.shape[0]
+        x = np.array([4 * (node - 1) for node in self._shares])
+        values = q * np.array(list(self._shares.values()))
+        one_way = sp.csr_array((values, (x, x + 1)), shape=(size, size))
+        added = machine.expand.T @ (one_way - one_way.T) @ machine.expand
+        return modes_of(machine, linear._replace(own_K=(linear.own_K + added).tocsc()), _COUNT)
 
-    def _threshold(self, expected: float) -> float | None:
+    def _threshold(self, expected: float) -> tuple[_Followed, float | None]:
+        """Return the first mode that grows over the cross coupling, and from where on."""
         if self._coupled(0.0).real >= 0:
-            return 0.0
+            return self._coupled, 0.0
         high = expected or 1e-3 * self.scale
         limit = max(SPAN * expected, 10 * self.scale)
         low = 0.0
-        while self._coupled(high).real < 0 and not self._follow_growing(high):
+        while not self.coupled(high).real > 0:
             if high >= limit:
-                return None
+                return self._coupled, None
             low, high = high, 1.5 * high
-        return float(brentq(lambda q: -self._coupled(q).real, low, high, rtol=1e-10))
+        driven = self._coupled
+        if not driven(high).real > 0:
+            driven = _Followed(self._with_coupling, {high: self.coupled(high)})
+            for smaller in sorted((k for k in self._coupled.known if k < high), reverse=True):
+                driven(smaller)
+        return driven, float(brentq(lambda q: -driven(q).real, low, high, rtol=1e-10))
 
-    def _follow_growing(self, q: float) -> bool:
-        """Whether another mode grows because of the cross coupling q, which is followed then."""
-        growing = _or_growing(self._coupled(q), self._coupled.modes(q))
-        if not growing.real > 0:
-            return False
-        before, self._coupled = self._coupled, _Followed(self._with_coupling, {q: growing})
-        for smaller in sorted((k for k in before.known if k < q), reverse=True):
-            self._coupled(smaller)
-        return True
+
+def _is_other_of_pair(found: Modes, place: int, root: complex) -> bool:
+    """Whether an eigenvalue is that of the mode beside the one at a place, where both are so nearly
+    planar that their sense of whirl is in doubt."""
+    doubtful = np.abs(found.forwardness) < _IN_DOUBT
+    others = np.flatnonzero(doubtful & (np.arange(len(doubtful)) != place))
+    if not doubtful[place] or not len(others):
+        return False
+    near = others[np.argmin(np.abs(found.damped[others] - found.damped[place]))]
+    return int(np.argmin(np.abs(found.eigenvalues - root))) == near
 
 
 def _or_growing(root: complex, found: Modes) -> complex:

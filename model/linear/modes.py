@@ -112,13 +112,17 @@ def modes(
     return machine_modes(LinearMachine(rotor, contacts), speed, count)
 
 
-@on_one_thread
 def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     """Return `modes` of a machine that is linear already."""
     check_speed(speed)
     if count < 1:
         raise LinearError(f"count = {count}: must be at least 1")
-    linear = machine.at(speed)
+    return modes_of(machine, machine.at(speed), count)
+
+
+@on_one_thread
+def modes_of(machine: LinearMachine, linear: Linear, count: int) -> Modes:
+    """Return `modes` of a machine at a speed, by its matrices there."""
     inverse = _Inverse(linear, machine.structure.numbers[0].lowest_omega)
     values, states = _eigen(inverse, count)
     residuals = inverse.residuals(values, states)
@@ -129,7 +133,7 @@ def machine_modes(machine: LinearMachine, speed: float, count: int) -> Modes:
     result = result[np.argsort(np.abs(values[result]))][:count]
     values, shapes = values[result], states[: inverse.size, result]
     degenerate = _untangle(values, shapes, machine)
-    return _as_modes(machine, speed, values, shapes, degenerate, decays, residuals[result])
+    return _as_modes(machine, linear.speed, values, shapes, degenerate, decays, residuals[result])
 
 
 def check_speed(speed: float) -> None:

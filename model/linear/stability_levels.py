@@ -8,24 +8,26 @@ edition, part 1, 2.6.5; API 684, 2nd edition, chapter 3), in SI units
 
 with the power P [W], the speed Omega [rad/s], the impeller's diameter D and its discharge's width H
 [m], and the densities at discharge and suction. It acts as F_x = -q y, F_y = q x. Level 1 puts the
-sum QA of all stages at one node and asks for a level 2 where the rotor becomes unstable at
-Q0 < 2 QA, or where its logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. Both are
-of one mode: see `first_forward`.
+sum QA of all stages at one node, midway between the bearings or, of an overhung rotor, at its
+stage, and asks for a level 2 where the rotor becomes unstable at Q0 < 2 QA, or where its
+logarithmic decrement with QA is below 0.1. Level 2 asks for 0.1. Both are of one mode: see
+`first_forward`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..machine.rotor import Rotor
+from ..parts.base import Body
 from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
-from .first_forward import SPAN, FirstForward, cross_coupling
+from .first_forward import SPAN, FirstForward
 from .machine import LinearError
 from .undamped import UndampedMachine
 
@@ -115,7 +117,7 @@ def level_1(
     speed: float,
     *,
     node: int | None = None,
-    anticipated: float = 0.0,
+    anticipated: float | Mapping[int, float] = 0.0,
     stiffness: Sequence[float] | np.ndarray | None = None,
     seals: bool = False,
     contacts: str | None = None,
@@ -129,9 +131,11 @@ def level_1(
     speed : float
         Maximum continuous speed [rad/s], above 0.
     node : int, optional
-        Node (from 1) of the cross coupling. By default that in the middle between the bearings.
-    anticipated : float
-        QA, the cross coupling that is expected [N/m].
+        Node (from 1) of the cross coupling. By default that in the middle between the bearings;
+        where all stages (or, without stages, all bodies on the shaft) stand beyond the bearings,
+        that of the largest.
+    anticipated : float or mapping of int to float
+        QA, the cross coupling that is expected [N/m], or what each stage has of it by its node.
     stiffness : sequence of float, optional
         Cross-coupled stiffnesses [N/m]. By default from 0 to the larger of 10 QA and 1.2 Q0.
     seals : bool
@@ -149,24 +153,27 @@ def level_1(
     LinearError
         If the speed, the node or a stiffness cannot be, or the machine has no forward mode.
     """
-    _check(speed, anticipated)
+    stages = anticipated if isinstance(anticipated, Mapping) else {}
+    expected = sum(stages.values()) if isinstance(anticipated, Mapping) else anticipated
+    _check(speed, expected)
     bare = rotor if seals else without_seals(rotor)
-    at = _node(rotor, speed, node, contacts)
-    mode = FirstForward(bare, speed, at, anticipated, contacts)
+    at = _stage_node(rotor, stages, contacts) if node is None else node
+    _check_nodes(rotor, (at, *stages))
+    mode = FirstForward(bare, speed, {at: 1.0}, expected, contacts)
     threshold = mode.threshold
     if stiffness is None:
-        end = max(SPAN * anticipated, 1.2 * (threshold or 0.0)) or mode.scale
+        end = max(SPAN * expected, 1.2 * (threshold or 0.0)) or mode.scale
         stiffness = np.linspace(0.0, end, _POINTS)
     values = np.array(stiffness, dtype=float)
     if not np.isfinite(values).all():
         raise LinearError("stiffness: all cross-coupled stiffnesses must be finite")
     seen = [_case(f"{q:g} N/m", mode.coupled(float(q))) for q in values]
-    step = _STEP * (anticipated or threshold or mode.scale)
-    alone, little, with_qa = (log_dec(mode.coupled(q)) for q in (0.0, step, anticipated))
+    step = _STEP * (expected or threshold or mode.scale)
+    alone, little, with_qa = (log_dec(mode.coupled(q)) for q in (0.0, step, expected))
     return StabilityLevel1(
         speed=speed,
         node=at,
-        anticipated=anticipated,
+        anticipated=expected,
         stiffness=values,
         log_dec=np.array([case.log_dec for case in seen]),
         frequency=np.array([case.frequency for case in seen]),
@@ -182,35 +189,34 @@ def level_2(
     rotor: Rotor,
     speed: float,
     *,
-    node: int | None = None,
     cross_couplings: Mapping[int, float] | None = None,
     contacts: str | None = None,
 ) -> StabilityLevel2:
     """Return the first forward mode of the rotor on its bearings, with each of its seals, with all
     of them, with the cross coupling of its stages, and with all together.
 
-    cross_couplings: stiffness [N/m] by node (from 1); speed, node, contacts: see `level_1`, whose
-    mode this is. Raises `LinearError`.
+    cross_couplings: stiffness [N/m] by node (from 1), each at its own; speed, contacts: see
+    `level_1`, whose mode this is. Raises `LinearError`.
     """
-    _check(speed, 0.0)
     bare = without_seals(rotor)
     seals = {where: part for where, part in rotor.named_parts() if isinstance(part, Seal)}
     given = cross_couplings or {}
-    at = _node(rotor, speed, node, contacts)
-    for each in given:
-        _node(rotor, speed, each, contacts)
-    coupled = tuple(cross_coupling(number, q) for number, q in given.items())
-    variants: list[tuple[str, tuple[LinearBearing, ...]]] = [("rotor and bearings", ())]
-    variants += [(f"with {name}", (seal,)) for name, seal in seals.items()]
+    total = sum(given.values())
+    _check(speed, total)
+    _check_nodes(rotor, given)
+    variants: list[tuple[str, tuple[LinearBearing, ...], float]] = [("rotor and bearings", (), 0.0)]
+    variants += [(f"with {name}", (seal,), 0.0) for name, seal in seals.items()]
     if len(seals) > 1:
-        variants.append(("with all seals", tuple(seals.values())))
-    if coupled:
-        variants.append(("with the cross coupling", coupled))
-    if coupled and seals:
-        variants.append(("with all", (*seals.values(), *coupled)))
-    mode = FirstForward(bare, speed, at, sum(given.values()), contacts)
+        variants.append(("with all seals", tuple(seals.values()), 0.0))
+    if given:
+        variants.append(("with the cross coupling", (), total))
+    if given and seals:
+        variants.append(("with all", tuple(seals.values()), total))
+    shares = {node: q / total for node, q in given.items() if total}
+    shares = shares or {_stage_node(rotor, {}, contacts): 1.0}
+    mode = FirstForward(bare, speed, shares, total, contacts)
     return StabilityLevel2(
-        speed, tuple(_case(name, mode.with_parts(parts)) for name, parts in variants)
+        speed, tuple(_case(name, mode.with_parts(parts, q)) for name, parts, q in variants)
     )
 
 
@@ -223,12 +229,10 @@ def _case(name: str, root: complex) -> StabilityCase:
     return StabilityCase(name, log_dec(root), root.imag)
 
 
-def _node(rotor: Rotor, speed: float, node: int | None, contacts: str | None) -> int:
-    """Return a node that is there, or by default the one in the middle."""
-    at = middle_node(rotor, speed, contacts) if node is None else node
-    if not 1 <= at <= len(rotor.nodes):
-        raise LinearError(f"node = {at}: must be from 1 to {len(rotor.nodes)}")
-    return at
+def _check_nodes(rotor: Rotor, nodes: Iterable[int]) -> None:
+    for node in nodes:
+        if not 1 <= node <= len(rotor.nodes):
+            raise LinearError(f"node = {node}: must be from 1 to {len(rotor.nodes)}")
 
 
 def without_seals(rotor: Rotor) -> Rotor:
@@ -236,12 +240,27 @@ def without_seals(rotor: Rotor) -> Rotor:
     return replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
 
 
-def middle_node(rotor: Rotor, speed: float, contacts: str | None = None) -> int:
-    """Return the node (from 1) nearest to the middle between the outer bearings."""
+def _stage_node(rotor: Rotor, stages: Mapping[int, float], contacts: str | None) -> int:
+    """Return the node (from 1) where the cross coupling of all stages is put: see `level_1`."""
+    z = rotor.nodes
     bearings = UndampedMachine(rotor, contacts, rigid_pedestals=False).bearings
-    z = [rotor.nodes[part.node - 1] for part in bearings.values()]  # type: ignore[attr-defined]
-    middle = (min(z) + max(z)) / 2
-    return 1 + min(range(len(rotor.nodes)), key=lambda i: abs(rotor.nodes[i] - middle))
+    held = [z[part.node - 1] for part in bearings.values()]  # type: ignore[attr-defined]
+    _check_nodes(rotor, stages)
+    on_shaft = dict(stages) or _bodies(rotor)
+    if on_shaft and not any(min(held) <= z[node - 1] <= max(held) for node in on_shaft):
+        return max(on_shaft, key=lambda node: on_shaft[node])
+    middle = (min(held) + max(held)) / 2
+    return 1 + min(range(len(z)), key=lambda i: abs(z[i] - middle))
+
+
+def _bodies(rotor: Rotor) -> dict[int, float]:
+    """Return the mass [kg] of the bodies on each node (from 1)."""
+    result: dict[int, float] = {}
+    for where, part in rotor.named_parts():
+        for element in part.elements(where, rotor.material.density):
+            if isinstance(element, Body):
+                result[element.node] = result.get(element.node, 0.0) + element.mass
+    return result
 
 
 def _check(speed: float, anticipated: float) -> None:

@@ -78,7 +78,7 @@ def machine_report(rotor: Rotor, asked: Question) -> Report:
         rotor, low, high, probes, unbalances=unbalances, clearances=asked.clearances
     )
     scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
-    level_1 = acceptance.level_1(rotor, high, anticipated=sum((asked.couplings or {}).values()))
+    level_1 = acceptance.level_1(rotor, high, anticipated=asked.couplings or 0.0)
     level_2 = acceptance.level_2(rotor, high, cross_couplings=asked.couplings)
     rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0))
     conclusions = _conclusions(check, level_1, level_2, rub)

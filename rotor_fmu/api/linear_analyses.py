@@ -201,9 +201,10 @@ class LinearAnalyses:
             1 for the logarithmic decrement over the cross coupling, 2 for what each seal does.
         node : int, optional
             With level 1, node (from 1) of the cross coupling. By default midway between the
-            bearings.
-        anticipated : float
-            With level 1, the cross coupling that is expected, QA [N/m].
+            bearings, or at the largest stage where all stand beyond them.
+        anticipated : float or mapping of int to float
+            With level 1, the cross coupling that is expected, QA [N/m], or each stage's by its
+            node.
         cross_couplings : mapping of int to float, optional
             With level 2, cross coupling [N/m] by node (from 1).
         contacts : str, optional

@@ -68,7 +68,8 @@ def stability(
     node: Annotated[
         int | None,
         typer.Option(
-            help="With level 1: node of the cross coupling; default: midway between the bearings."
+            help="With level 1: node of the cross coupling; default: midway between the bearings, "
+            "or at the largest stage where all stand beyond them."
         ),
     ] = None,
     contacts: Contacts = None,
@@ -88,9 +89,13 @@ def stability(
     if level == 1:
         check_nodes(machine, "--node", () if node is None else (node,))
         result = acceptance.level_1(
-            machine, speed, node=node, anticipated=sum(couplings.values()), contacts=contacts
+            machine, speed, node=node, anticipated=couplings or 0.0, contacts=contacts
         )
     else:
+        if node is not None:
+            raise InputError(
+                f"--node {node}: is of level 1; at level 2 each cross coupling has its own node"
+            )
         result = acceptance.level_2(machine, speed, cross_couplings=couplings, contacts=contacts)
     return print_answer(result, result.table(), result.figure(), out, "stability")
 
