@@ -14,6 +14,7 @@ from rotor_fmu.model.linear import (
     level_1,
     level_2,
     placed_unbalances,
+    static,
     unbalance_check,
 )
 from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
@@ -259,3 +260,65 @@ def test_a_critical_speed_just_within_the_largest_margin_is_seen():
 def test_impossible_input_is_named(ask, expected):
     with pytest.raises(LinearError, match=expected):
         ask()
+
+
+def example(name):
+    return parse_rotor((ROOT / "examples" / name / "rotor.toml").read_text())
+
+
+@pytest.mark.parametrize("name", ["rolling_bearing", "oil_film"])
+def test_the_own_stiffness_of_a_bearing_is_that_of_its_force_where_the_machine_rests(name):
+    """By the loads and the displacements of two small further forces on the shaft, at the speed
+    of the crossing."""
+    rotor = example(name)
+    for crossing in critical_map(rotor, [1e5, 1e6, 1e7, 1e8], count=1).crossings:
+        node = dict(rotor.named_parts())[crossing.bearing].node
+
+        def at_rest(x, y, node=node, crossing=crossing):
+            seen = static(rotor, crossing.speed, loads=[(node, x, y)])
+            i = seen.supports.index(crossing.bearing)
+            moved = np.array([seen.x[node - 1], seen.y[node - 1]])
+            return moved, np.array([seen.load_x[i], seen.load_y[i]])
+
+        (before, no_load), *after = at_rest(0.0, 0.0), at_rest(0.01, 0.0), at_rest(0.0, 0.01)
+        moved = np.column_stack([moved - before for moved, _ in after])
+        loaded = np.column_stack([load - no_load for _, load in after])
+        stiffness = np.diag(loaded @ np.linalg.inv(moved))
+        axis = "xy".index(crossing.axis)
+        assert crossing.stiffness == pytest.approx(stiffness[axis], rel=2e-3)
+
+
+def test_the_own_stiffness_of_a_damper_is_that_of_its_springs():
+    """Two of them under 10 kg, 250 rad/s, as the example says."""
+    crossings = critical_map(example("squeeze_film"), [1e5, 1e6], count=1).crossings
+    assert {c.bearing for c in crossings} == {"squeeze_film_damper[1]", "squeeze_film_damper[2]"}
+    for crossing in crossings:
+        assert crossing.stiffness == pytest.approx(312500.0)
+        assert crossing.speed == pytest.approx(250.0, rel=1e-3)
+
+
+def test_in_films_the_unbalance_is_placed_by_what_they_bear_as_the_shaft_turns():
+    (placed,) = placed_unbalances(example("oil_film"), 1, 600.0)
+    shaft = 7850.0 * math.pi / 4 * 0.02**2 * 0.5
+    assert placed.mass == pytest.approx(4.0 + shaft, rel=1e-6)
+    assert placed.node == 4
+
+
+def test_a_peak_without_damping_is_one_whose_factor_is_infinite():
+    rotor = parse_rotor(SHAFT + support(1, 3e6) + support(7, 3e6))
+    expected = critical_map(rotor, [1e6, 3e6], count=1).speeds[1, 0]
+    seen = critical_peaks(rotor, 1.2 * expected, [4], unbalances=[(4, 1e-5, 0.0)])
+    assert [c.axis for c in seen] == ["x", "y"]
+    for critical in seen:
+        assert critical.peak.speed == pytest.approx(expected, rel=1e-6)
+        assert critical.peak.amplification > 1e6
+        assert required_margin(critical.peak.amplification, is_above=True) == 0.26
+
+
+def test_a_node_that_does_not_move_has_no_peaks_of_rounding():
+    """The middle of a symmetric rotor, its unbalances against each other."""
+    rotor = example("squeeze_film")
+    result = unbalance_check(
+        rotor, 500.0, 500.0, [1, 2], unbalances=[(1, 1e-5, 0.0), (3, 1e-5, math.pi)]
+    )
+    assert not [c for c in result.criticals if c.node == 2]

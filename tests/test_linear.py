@@ -1,6 +1,7 @@
 """Linear answers against textbooks and closed forms."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from rotor_fmu.model.linear import (
     unbalance_response,
 )
 from rotor_fmu.model.machine.rotor import Rotor
-from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.parts.body import PointMass
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
@@ -22,6 +23,7 @@ from rotor_fmu.model.parts.support import Support
 from rotor_fmu.model.parts.unbalance import Unbalance
 
 RPM = math.pi / 30
+ROOT = Path(__file__).parents[1]
 # Friswell, Penny, Garvey, Lees: Dynamics of Rotating Machines (2010), section 5.9
 STEEL = Material(young=211e9, density=7810.0, poisson=211e9 / (2 * 81.2e9) - 1)
 
@@ -260,3 +262,13 @@ def test_impossible_wishes_are_refused():
     ):
         with pytest.raises(LinearError):
             wish()
+
+
+def test_a_mode_that_does_not_oscillate_in_between_meets_no_speed_there():
+    """Of the turbocharger, whose floating rings overdamp modes that oscillate at other speeds."""
+    text = (ROOT / "examples" / "turbocharger" / "rotor.toml").read_text()
+    result = campbell(parse_rotor(text), np.linspace(7.1, 11310.0, 13), count=12)
+    assert len(result.critical) >= 3
+    for critical in result.critical:
+        seen = modes(parse_rotor(text), critical.speed, count=18).damped
+        assert np.abs(seen / critical.speed - 1).min() < 1e-6

@@ -25,6 +25,7 @@ from scipy.optimize import brentq, minimize_scalar
 HALF_POWER = math.sqrt(0.5)
 DAMPED = 2.5  # amplification factor below which a peak is critically damped
 _PRECISE = 1e-10  # of a speed
+_UNDAMPED = 1e-8  # of a speed: a peak that is not as wide has no damping but rounding
 
 
 @dataclass(frozen=True)
@@ -41,13 +42,13 @@ class Peak:
     @property
     def amplification(self) -> float:
         """AF = Nc / (N2 - N1); where one of both is missing the other one's distance counts twice;
-        NaN where both are [1]."""
+        NaN where both are; infinite without damping [1]."""
         width = self.above - self.below
         if math.isnan(self.below):
             width = 2 * (self.above - self.speed)
         elif math.isnan(self.above):
             width = 2 * (self.speed - self.below)
-        return self.speed / width
+        return math.inf if width < _UNDAMPED * self.speed else self.speed / width
 
     @property
     def is_one_sided(self) -> bool:

@@ -174,7 +174,8 @@ def _critical(
     for mode in np.flatnonzero((places[0] >= 0) & (places[1] >= 0)):
         before = _excess(a, places[0][mode], harmonic)
         after = _excess(b, places[1][mode], harmonic)
-        if before != 0.0 and before * after <= 0:
+        # one that was found again did not oscillate in between
+        if before != 0.0 and before * after <= 0 and follow.onward(a, b, places[0])[mode] >= 0:
             there, at = _meeting(follow, a, places[0], int(mode), b.speed, harmonic)
             if at >= 0 and there.damping_ratio[at] < _PEAKING:
                 log_dec = float(there.log_dec[at])

@@ -13,12 +13,13 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
-from ..parts.base import Part
 from .machine import LinearError
-from .undamped import UndampedMachine, direct_stiffness
+from .undamped import UndampedMachine
 
 _MODES = 4
 _SAMPLES = 60  # speeds at which the bearings' own stiffness is listed
+_ALIKE = 1e-9  # relative difference of two stiffnesses that are one
+_NO_STIFFNESS = 1e7  # about which the map of bearings is drawn that have none [N/m]
 
 
 class BearingStiffness(NamedTuple):
@@ -108,14 +109,14 @@ def critical_map(
     lines = _Lines(UndampedMachine(rotor, contacts, rigid_pedestals), synchronous)
     speeds = np.array([lines(k, count) for k in values])
     top = 1.1 * float(np.nanmax(speeds, initial=0.0))
-    own = _own_stiffness(lines.bearings, np.linspace(0.0, top, _SAMPLES))
+    own = _own_stiffness(lines.machine, np.linspace(0.0, top, _SAMPLES))
     return CriticalMap(
         stiffness=values,
         speeds=speeds,
         synchronous=synchronous,
-        bearings=tuple(lines.bearings),
+        bearings=tuple(lines.machine.bearings),
         own=own,
-        crossings=tuple(_crossings(lines, values, speeds)),
+        crossings=tuple(_crossings(lines, own, values, speeds)),
         rigid=first_rigid_critical(rotor, contacts),
     )
 
@@ -132,7 +133,7 @@ class _Lines:
     """The critical speeds over the stiffness, each solved for once."""
 
     def __init__(self, machine: UndampedMachine, is_synchronous: bool) -> None:
-        self.bearings = machine.bearings
+        self.machine = machine
         self._solve = machine.forward_criticals if is_synchronous else machine.natural_frequencies
         self._known: dict[float, np.ndarray] = {}
 
@@ -145,65 +146,64 @@ class _Lines:
 
 
 def mean_stiffness(rotor: Rotor, contacts: str | None = None) -> float:
-    """Return the geometric mean of the direct stiffnesses of the bearings at standstill [N/m]."""
-    bearings = UndampedMachine(rotor, contacts, rigid_pedestals=False).bearings.values()
-    values = np.array([direct_stiffness(part, 0.0) for part in bearings])
-    return float(np.exp(np.log(values[values > 0]).mean())) if (values > 0).any() else 1e7
+    """Return the geometric mean of the direct stiffnesses of the bearings [N/m], at standstill; of
+    those that hold the machine only as it turns, at the first critical speed on rigid bearings."""
+    machine = UndampedMachine(rotor, contacts, rigid_pedestals=False)
+    for speed in (0.0, first_rigid_critical(rotor, contacts)):
+        values = machine.own_stiffness(speed)
+        if (values > 0).any():
+            return float(np.exp(np.log(values[values > 0]).mean()))
+    return _NO_STIFFNESS
 
 
-def _own_stiffness(parts: dict[str, Part], speeds: np.ndarray) -> tuple[BearingStiffness, ...]:
+def _own_stiffness(machine: UndampedMachine, speeds: np.ndarray) -> tuple[BearingStiffness, ...]:
+    """Return the stiffness that each bearing has itself, in y only where that is another one."""
+    every = np.array([machine.own_stiffness(speed) for speed in speeds])
     result = []
-    for name, part in parts.items():
-        both = np.array([direct_stiffness(part, speed) for speed in speeds])
-        for i, axis in enumerate("xy"):
-            if i == 0 or (both[:, 1] != both[:, 0]).any():
-                result.append(BearingStiffness(name, axis, speeds, both[:, i]))
+    for name, both in zip(machine.bearings, np.moveaxis(every, 1, 0), strict=True):
+        x, y = both.T
+        result.append(BearingStiffness(name, "x", speeds, x))
+        if not np.allclose(x, y, rtol=_ALIKE, atol=0.0, equal_nan=True):
+            result.append(BearingStiffness(name, "y", speeds, y))
     return tuple(result)
 
 
-def _crossings(lines: _Lines, stiffness: np.ndarray, speeds: np.ndarray) -> list[Crossing]:
+def _crossings(
+    lines: _Lines, own: Sequence[BearingStiffness], stiffness: np.ndarray, speeds: np.ndarray
+) -> list[Crossing]:
     """Return where each bearing's own stiffness meets the lines."""
-    result = []
-    for name, part in lines.bearings.items():
-        for i, axis in enumerate("xy"):
-            if i == 1 and _is_isotropic(part, np.nanmax(speeds)):
-                continue
-            for mode in range(speeds.shape[1]):
-                result += [
-                    Crossing(name, axis, mode, k, float(lines(k, mode + 1)[mode]))
-                    for k in _meetings(
-                        stiffness,
-                        speeds[:, mode],
-                        _excess(lines, part, i, mode),
-                    )
-                ]
-    return result
+    places = {name: i for i, name in enumerate(lines.machine.bearings)}
+    return [
+        Crossing(of.bearing, of.axis, mode, k, float(lines(k, mode + 1)[mode]))
+        for of in own
+        for mode in range(speeds.shape[1])
+        for k in _meetings(
+            stiffness,
+            speeds[:, mode],
+            _excess(lines, places[of.bearing], "xy".index(of.axis), mode),
+        )
+    ]
 
 
-def _is_isotropic(part: Part, highest: float) -> bool:
-    return all(len(set(direct_stiffness(part, s))) == 1 for s in np.linspace(0, highest, _SAMPLES))
+def _excess(lines: _Lines, place: int, axis: int, mode: int) -> Callable[[float], float]:
+    """Return the function of a stiffness: the logarithm of the bearing's own stiffness, at the
+    critical speed with it, over it; NaN where it has none."""
 
-
-def _excess(lines: _Lines, part: Part, axis: int, mode: int) -> Callable[[float, float], float]:
-    """Return the function of a stiffness, and of the critical speed there if it is known: the
-    logarithm of the bearing's own stiffness at that speed over it."""
-
-    def excess(k: float, speed: float = np.nan) -> float:
-        if np.isnan(speed):
-            speed = lines(k, mode + 1)[mode]
-        own = direct_stiffness(part, speed)[axis]
-        return float(np.log(own / k)) if own > 0 else -np.inf
+    def excess(k: float) -> float:
+        own = lines.machine.own_stiffness(float(lines(k, mode + 1)[mode]))[place, axis]
+        return math.log(own / k) if own > 0 else math.nan
 
     return excess
 
 
 def _meetings(
-    stiffness: np.ndarray, speeds: np.ndarray, excess: Callable[..., float]
+    stiffness: np.ndarray, speeds: np.ndarray, excess: Callable[[float], float]
 ) -> list[float]:
-    known = np.flatnonzero(np.isfinite(speeds))
-    values = [excess(stiffness[i], speeds[i]) for i in known]
-    return [
-        brentq(excess, stiffness[a], stiffness[b], rtol=1e-12)
+    known = stiffness[np.isfinite(speeds)]
+    values = [excess(k) for k in known]
+    found = [
+        brentq(excess, a, b, rtol=1e-12)
         for a, b, before, after in zip(known, known[1:], values, values[1:], strict=False)
-        if np.isfinite([before, after]).all() and before * after <= 0 and before != 0
+        if before * after <= 0 and before != 0
     ]
+    return [k for k in found if math.isfinite(excess(k))]

@@ -25,7 +25,7 @@ from ..machine.rotor import Rotor
 from ..structure.assembly import assemble
 from .machine import LinearError
 from .static import static
-from .undamped import UndampedMachine
+from .undamped import UndampedMachine, without_seals
 
 FACTOR = 2.0  # of the residual unbalance, for the analysis
 _RESIDUAL = 6350e-6 * math.pi / 30  # kg.m rad/s per kg
@@ -78,7 +78,7 @@ def placed_unbalances(
     if not 1 <= mode <= len(shapes):
         raise LinearError(f"mode = {mode}: must be from 1 to {len(shapes)}")
     weighed = replace(rotor, gravity=_GRAVITY, gravity_angle=0.0, inclination=0.0)
-    bearings = _bearing_masses(weighed, undamped)
+    bearings = _bearing_masses(weighed, undamped, speed)
     places = _places(rotor, shapes[mode - 1], bearings)
     return [
         PlacedUnbalance(node, factor * residual_unbalance(mass, speed), phase, mass)
@@ -86,9 +86,10 @@ def placed_unbalances(
     ]
 
 
-def _bearing_masses(rotor: Rotor, undamped: UndampedMachine) -> dict[int, float]:
-    """Return the mass that rests on the bearings of each node [kg], seals aside."""
-    loads = static(rotor, 0.0, contacts=undamped.contacts)
+def _bearing_masses(rotor: Rotor, undamped: UndampedMachine, speed: float) -> dict[int, float]:
+    """Return the mass that rests on the bearings of each node at a speed [rad/s], seals aside
+    [kg]."""
+    loads = static(without_seals(rotor), speed, contacts=undamped.contacts)
     result: dict[int, float] = {}
     for name, x, y in zip(loads.supports, loads.load_x, loads.load_y, strict=True):
         if name in undamped.bearings:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -29,7 +29,7 @@ from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
 from .first_forward import SPAN, FirstForward
 from .machine import LinearError
-from .undamped import UndampedMachine
+from .undamped import UndampedMachine, without_seals
 
 LEAST_LOG_DEC = 0.1
 LEAST_RATIO = 2.0
@@ -233,11 +233,6 @@ def _check_nodes(rotor: Rotor, nodes: Iterable[int]) -> None:
     for node in nodes:
         if not 1 <= node <= len(rotor.nodes):
             raise LinearError(f"node = {node}: must be from 1 to {len(rotor.nodes)}")
-
-
-def without_seals(rotor: Rotor) -> Rotor:
-    """Return the machine without its seals."""
-    return replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))
 
 
 def _stage_node(rotor: Rotor, stages: Mapping[int, float], contacts: str | None) -> int:

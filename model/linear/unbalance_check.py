@@ -23,7 +23,12 @@ _POINTS = 301
 # Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin
 # that may be required, 26 %, with their points of half the power.
 LOOKED_AT = 1.5
-_AROUND = np.array([-6, -4, -3, -2, -1.5, -1, -0.6, -0.3, 0, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
+# About a damped critical speed, in its half-widths. Not there itself: an undamped mode that
+# unbalance does not drive has a peak of rounding there.
+_ABOVE = np.array([0.1, 0.3, 0.6, 1, 1.5, 2, 3, 4, 6])
+_AROUND = np.concatenate([-_ABOVE[::-1], _ABOVE])
+_UNDAMPED = 1e-6  # logarithmic decrement: a sharper peak is not looked at more closely
+_ROUNDING = 1e-10  # of the largest displacement: a smaller one has no peaks
 _CLEARANCE = 0.75  # of a clearance, which the motion may take
 _MODES = 12
 
@@ -186,7 +191,7 @@ def _criticals(
         for axis in (0, 1):
             seen = peaks(partial(response.axis, node, axis), speeds)
             result += [ProbeCritical(node, "xy"[axis], peak, None) for peak in seen]
-    return sorted(result, key=lambda c: (c.peak.speed, c.node, c.axis))
+    return sorted(result, key=lambda c: (float(f"{c.peak.speed:.6g}"), c.node, c.axis))
 
 
 def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
@@ -195,7 +200,9 @@ def _speeds(rotor: Rotor, top: float, contacts: str | None) -> np.ndarray:
     first = lowest_speed(rotor, top, contacts)
     grid = np.linspace(max(first, top / _POINTS), top, _POINTS)
     found = campbell(rotor, np.linspace(first, 1.2 * top, 13), count=_MODES, contacts=contacts)
-    about = [c.speed * (1 + max(c.log_dec, 0.0) / (2 * math.pi) * _AROUND) for c in found.critical]
+    about = [
+        c.speed * (1 + max(c.log_dec, _UNDAMPED) / (2 * math.pi) * _AROUND) for c in found.critical
+    ]
     return np.unique(
         np.concatenate([s[(s > 0) & (s >= first) & (s <= top)] for s in (grid, *about)])
     )
@@ -254,7 +261,9 @@ class _Response:
 
     def axis(self, node: int, axis: int, speed: float) -> float:
         """Return the amplitude of a node in x or y [m]."""
-        return float(abs(self._at(speed)[2 * (node - 1), axis]))
+        motion = np.abs(self._at(speed))
+        result = float(motion[2 * (node - 1), axis])
+        return result if result > _ROUNDING * motion[::2].max() else 0.0
 
     def major(self, speed: float, node: int) -> float:
         """Return the major semi-axis of a node [m]."""

@@ -10,13 +10,15 @@ without G it gives the natural frequencies at standstill.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.linalg
 
+from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, Interface, Part, Spring
-from ..parts.linear_bearing import LinearBearing, Seal
-from ..parts.support import Support
+from ..parts.linear_bearing import Seal
 from .machine import OPEN, PINNED, LinearError, LinearMachine
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
@@ -37,13 +39,16 @@ class UndampedMachine:
 
     def __init__(self, rotor: Rotor, contacts: str | None, rigid_pedestals: bool) -> None:
         self.contacts = LinearMachine(rotor, contacts).contacts
-        machine = LinearMachine(rotor, OPEN)
-        named = _bearings(rotor, self.contacts)
+        self._loaded = LinearMachine(without_seals(rotor), self.contacts)
+        machine = LinearMachine(without_seals(rotor), OPEN)
+        named = _bearings(without_seals(rotor), self.contacts)
         names = (*machine.supports.springs, *machine.supports.interfaces)
         held = [i for i, name in enumerate(names) if name in named]
         if not held:
             raise LinearError("the machine has no bearing whose stiffness could be varied")
         self.bearings = {names[i]: named[names[i]] for i in held}
+        self._held = np.array(held)
+        self._own: dict[float, np.ndarray] = {}
         self._matrices = machine.undamped(held, rigid_pedestals)
         mass = float(machine.structure.mass_sum[::2].sum())
         self.rigid_stiffness = _RIGID * mass * float(machine.structure.numbers[0].lowest_omega) ** 2
@@ -72,12 +77,29 @@ class UndampedMachine:
             return speeds[0]
         return np.sort(np.concatenate(speeds))
 
+    def own_stiffness(self, speed: float) -> np.ndarray:
+        """Return the direct stiffness in x and y of each bearing [N/m] where gravity holds the
+        machine at a speed [rad/s], shape (bearings, 2); of a pinned contact that of the wall. NaN
+        where nothing is found that holds it."""
+        if speed not in self._own:
+            try:
+                laws = self._loaded.at(speed).laws
+                interfaces = -np.diagonal(laws.by_d, axis1=1, axis2=2)
+            except LinearError:
+                interfaces = np.full((len(self._loaded.supports.interfaces), 2), np.nan)
+            springs = self._loaded.structure.springs.stiffness
+            result = np.concatenate([np.column_stack([springs, springs]), interfaces])[self._held]
+            for i, part in enumerate(self.bearings.values()):
+                if isinstance(part, ContactQuantities):
+                    result[i] = part.k
+            self._own[speed] = result
+        return self._own[speed]
+
     def planar_shapes(self, speed: float) -> np.ndarray:
         """Return the deflections of the modes at standstill along the nodes, the largest 1, by
         ascending frequency, shape (m, n); with the mean of both direct stiffnesses that each
         bearing has at a speed [rad/s]."""
-        own = np.array([np.mean(direct_stiffness(b, speed)) for b in self.bearings.values()])
-        own = np.minimum(own, self.rigid_stiffness)
+        own = np.minimum(self.own_stiffness(speed).mean(axis=1), self.rigid_stiffness)
         inverse = self._inverse(own, self._matrices.M.astype(complex))
         _, shapes = _solve(_half(inverse, _ACROSS)[0])
         w = shapes[: 2 * self._nodes : 2].T
@@ -112,8 +134,6 @@ def _bearings(rotor: Rotor, contacts: str) -> dict[str, Part]:
     """Return by their names the parts that hold the machine, seals aside."""
     result = {}
     for where, part in rotor.named_parts():
-        if isinstance(part, Seal):
-            continue
         for element in part.elements(where, rotor.material.density):
             is_contact = isinstance(element, Interface) and element.law.has_wall
             is_of_ring = isinstance(element, Interface) and element.ring != GROUND
@@ -123,11 +143,6 @@ def _bearings(rotor: Rotor, contacts: str) -> dict[str, Part]:
     return result
 
 
-def direct_stiffness(part: Part, speed: float) -> tuple[float, float]:
-    """Return the stiffness of a bearing in x and y at a speed [rad/s], without what couples them
-    [N/m]; of a clearance contact that of the wall."""
-    if isinstance(part, LinearBearing):
-        K, _ = part.matrices(speed)
-        return float(K[0, 0]), float(K[1, 1])
-    value = part.stiffness if isinstance(part, Support) else getattr(part, "k", np.nan)
-    return float(value), float(value)
+def without_seals(rotor: Rotor) -> Rotor:
+    """Return the machine without its seals."""
+    return replace(rotor, parts=tuple(p for p in rotor.parts if not isinstance(p, Seal)))

@@ -23,6 +23,7 @@ _DERIVED = (
     *("residual", "conclusion"),
 )
 _MOST_SPEEDS = 12  # of a table of the response
+_ROUNDING = 1e-10  # of the largest amplitude: a smaller one does not peak
 
 
 class Table(NamedTuple):
@@ -155,6 +156,7 @@ def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
         *(f"{name} [{unit}]" for name in ("x", "y", "major", "minor")),
         *("phase x [deg]", "phase y [deg]"),
     )
+    moves = result.major > _ROUNDING * result.major.max(axis=1, keepdims=True)
     rows = [
         (
             node,
@@ -165,13 +167,14 @@ def unbalance_table(result: UnbalanceResponse, nodes: Sequence[int]) -> Table:
             *(math.degrees(of[i, node - 1]) for of in (result.phase_x, result.phase_y)),
         )
         for node in nodes
-        for i in _json_values(result.major[:, node - 1])
+        for i in _peaks(np.where(moves, result.major, 0.0)[:, node - 1])
     ]
     what = "" if len(result.speeds) <= _MOST_SPEEDS else " where it peaks"
     return Table(f"Response to unbalance{what}, contacts {result.contacts}", heads, rows)
 
 
-def _json_values(major: np.ndarray) -> Sequence[int]:
+def _peaks(major: np.ndarray) -> Sequence[int]:
+    """Return the places where an amplitude peaks, or all of a few."""
     if len(major) <= _MOST_SPEEDS:
         return range(len(major))
     inner = np.flatnonzero((major[1:-1] > major[:-2]) & (major[1:-1] >= major[2:])) + 1
