@@ -30,10 +30,6 @@ class Field(NamedTuple):
     dtype: np.dtype
     extents: tuple[str, ...]
 
-    def shape(self, sizes: Mapping[str, int]) -> tuple[int, ...]:
-        """Return its shape for these sizes."""
-        return tuple(eval(extent, {}, dict(sizes)) for extent in self.extents)
-
 
 @dataclass(frozen=True)
 class Group:
@@ -72,6 +68,8 @@ class Layout:
         self.fields = [f for group in groups for _, fields in group.members() for f in fields]
         self._slot = {f.path: 1 + len(size_names) + i for i, f in enumerate(self.fields)}
         self.header_length = 1 + len(size_names) + len(self.fields)
+        counts = ", ".join(" * ".join(f"({e})" for e in f.extents) or "1" for f in self.fields)
+        self._counts: Callable[..., list[int]] = eval(f"lambda {', '.join(size_names)}: [{counts}]")
         self.view_in_python: Callable[[np.ndarray], Any] = self._view(_array)
         self.view: Callable[[Any], Any] = (
             Kernel(self.view_in_python, self._made) if IS_COMPILED else self.view_in_python
@@ -81,9 +79,11 @@ class Layout:
         """Return where each array begins [bytes], and under "" where the block ends."""
         at = _padded(self.header_length * _HEADER_TYPE.itemsize)
         where = {}
-        for field in self.fields:
+        for field, count in zip(
+            self.fields, self._counts(*(sizes[name] for name in self.size_names)), strict=True
+        ):
             where[field.path] = at
-            at += _padded(int(np.prod(field.shape(sizes))) * field.dtype.itemsize)
+            at += _padded(count * field.dtype.itemsize)
         return where | {"": at}
 
     def new(self, sizes: Mapping[str, int]) -> np.ndarray:
