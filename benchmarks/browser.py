@@ -15,7 +15,7 @@ from pathlib import Path
 
 from selenium import webdriver
 
-from rotor_fmu.report.page import write_report
+from rotor_fmu.report.run_page import write_report
 from tests.recordings import recorded
 
 REPETITIONS, ZOOMS = 5, ("in", "in", "in", "in", "in", "in", "all")

@@ -23,7 +23,7 @@ from rotor_fmu.model.settings import Settings, choose
 from rotor_fmu.model.simulation import Simulation
 from rotor_fmu.model.time_loop.monitors import monitor_bounces, monitor_losses, monitor_work
 
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TURNS = 5

@@ -16,7 +16,7 @@ from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.library.build import library
 from rotor_fmu.library.platforms import WASM
-from rotor_fmu.live.page import solver_page
+from rotor_fmu.live.live_page import solver_page
 
 from .browser import PATIENCE, browser
 from .native_master import CMaster

@@ -26,7 +26,7 @@ from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
 from papers.integrators.order_five import METHODS, TABLE, Row, head, table
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TOLERANCES = tuple(10.0**-i for i in range(1, 8))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
 
 from .compare import OWN, rows
 from .growth import REDUCED

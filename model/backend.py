@@ -15,7 +15,7 @@ import numpy as np
 from .kernels import library
 from .kernels.cache import warn_once
 from .kernels.jit import IS_COMPILED, IS_SWITCHED_OFF, has_to_compile, interpreted
-from .time_loop import entries
+from .time_loop import entry_points
 
 VARIABLE = "ROTOR_FMU_KERNELS"
 
@@ -29,7 +29,7 @@ class Backend(Enum):
 
 
 class EntryPoints(NamedTuple):
-    """The functions of `time_loop.entries` for one block, which has to outlive them."""
+    """The functions of `time_loop.entry_points` for one block, which has to outlive them."""
 
     start: Callable[[float, float, float], int]
     advance: Callable[[float, float, float], int]
@@ -69,7 +69,7 @@ def _has_numba() -> bool:
     return True
 
 
-def waits_for_compiler(entry: Any = entries.advance) -> bool:
+def waits_for_compiler(entry: Any = entry_points.advance) -> bool:
     """Return whether the first call of an entry in this process compiles it, with all that it
     calls."""
     return selected_backend() is Backend.NUMBA and has_to_compile(entry)
@@ -92,12 +92,12 @@ def bound_unless_compiled(entry: Any, block: np.ndarray) -> Callable[..., Any]:
     return bound(entry, block, Backend.LIBRARY if is_made else Backend.PYTHON)
 
 
-def entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
+def bound_entry_points(block: np.ndarray, backend: Backend | None = None) -> EntryPoints:
     """Return the functions for a block, run by `backend`, by default the selected one."""
     return EntryPoints(
-        bound(entries.start, block, backend),
-        bound(entries.advance, block, backend),
-        bound(entries.survey, block, backend),
-        bound(entries.refresh_outputs, block, backend),
-        bound(entries.differentiate, block, backend),
+        bound(entry_points.start, block, backend),
+        bound(entry_points.advance, block, backend),
+        bound(entry_points.survey, block, backend),
+        bound(entry_points.refresh_outputs, block, backend),
+        bound(entry_points.differentiate, block, backend),
     )

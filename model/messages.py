@@ -1,6 +1,6 @@
 """The messages about a run, each sentence once: a code is its place in `SENTENCES`, behind those of
-the settings (see `spelling`). `{where}` stands for the machine's own list of contact states,
-`{names}` for that of its contacts.
+the settings (see `message_templates`). `{where}` stands for the machine's own list of contact
+states, `{names}` for that of its contacts.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .settings import messages as settings
-from .spelling import choice
-from .stability import sentences as whirls
+from .message_templates import choice
+from .settings import settings_messages as settings
+from .stability import whirl_messages as whirls
 from .warnings import FINER, RUN_WARNINGS, UNFINISHED
 
 GOOD = settings.GOOD
@@ -23,7 +23,7 @@ _DIVERGED = f"{_WHERE}the solution diverged (node {{d}} past {{.3g}} m or not fi
 
 
 def _positional(template: str, **texts: str) -> str:
-    """Return a template with named places as a sentence of `spelling`."""
+    """Return a template with named places as a sentence of `message_templates`."""
     for name, text in texts.items():
         template = template.replace(f"{{{name}}}", text)
     return re.sub(r"\{\w*:([^{}]*)\}", r"{\1}", template)

@@ -7,17 +7,17 @@ import math
 import numpy as np
 
 from . import messages
+from .film_capacity import carried_by, is_held, load_on
 from .kernels.functions import modulus
 from .kernels.jit import interpreted, jit
-from .overload import carried_by, is_held, load_on
+from .message_templates import MOST_ARGUMENTS, spell
 from .settings.resolver import radius_at_infinity
-from .spelling import MOST_ARGUMENTS, spell
 from .stability.matrices import OPEN
-from .stability.memory import WHIRL
 from .stability.resolution import is_stable, resolving_step, seen_growth
+from .stability.survey_block import WHIRL
 from .stability.whirls import HIDDEN, RESOLVED, rounded_down
 from .step.laws import first_broken, relative
-from .step.status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
+from .step.step_status import BROKEN, ENDED_EARLY, NOT_CONVERGED, UNFINISHED
 from .time_loop import early_return, equilibrium
 from .time_loop.control import CONTROLLED, varies
 

@@ -10,16 +10,16 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from . import messages, outcomes
-from .backend import Backend, entry_points, selected_backend
+from .backend import Backend, bound_entry_points, selected_backend
 from .errors import UserInputError
 from .kernels.jit import INTERPRETED_WARNING, interpreted
 from .kernels.library import RAISED
 from .machine.rotor import Rotor
+from .message_templates import MOST_ARGUMENTS, Message, choice, spell
 from .settings import DEFAULT_PRESET, PRESETS, Settings
-from .spelling import MOST_ARGUMENTS, Message, choice, spell
 from .stability.whirls import Whirl, growing_whirls
-from .step.status import DONE
 from .step.step import Motion
+from .step.step_status import DONE
 from .structure.assembly import interface_names
 from .structure.reduction import assembled
 from .structure.structure import Structure
@@ -118,7 +118,7 @@ class Simulation:
         rows = taped.rows if channels else 0
         self._block = new_block(structure, len(self.names), len(channels), rows)
         self._run: RunData = LAYOUT.view_in_python(self._block)
-        self._entry_points = entry_points(self._block)
+        self._entry_points = bound_entry_points(self._block)
         self._run.recorder.channels[:] = channels
         self._run.recorder.head[0].least = taped.angle
         self._run.method.numbers[0] = settings.numbers

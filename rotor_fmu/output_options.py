@@ -15,7 +15,7 @@ from typing import Annotated, Any, get_type_hints
 
 from .display import restored
 from .errors import RunFailed
-from .status import FAILED
+from .run_status import FAILED
 
 
 def with_output_options(command: Callable[..., Mapping[str, Any]]) -> Callable[..., None]:

@@ -17,7 +17,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 from .parts import dropped
 from .parts.equations import Equations, solved

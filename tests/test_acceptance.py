@@ -18,7 +18,7 @@ from rotor_fmu.model.linear import (
     unbalance_check,
 )
 from rotor_fmu.model.linear.amplification import Peak, margin, peaks, required_margin
-from rotor_fmu.model.linear.placement import residual_unbalance, vibration_limit
+from rotor_fmu.model.linear.unbalance_placement import residual_unbalance, vibration_limit
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 

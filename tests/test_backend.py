@@ -57,8 +57,8 @@ from pathlib import Path
 import numpy as np
 from rotor_fmu.model import backend
 from rotor_fmu.model.linear import LinearMachine
-from rotor_fmu.model.periodic import entries
-from rotor_fmu.model.periodic.condensed import Condensed
+from rotor_fmu.model.periodic import entry_points
+from rotor_fmu.model.periodic.linear_structure import Condensed
 from rotor_fmu.runs.job import load_rotor
 
 random = np.random.default_rng(3)
@@ -85,7 +85,7 @@ for file in sorted(Path(sys.argv[1]).rglob("*.toml")):
         data.lengths.seen[...] *= np.tile(laws.length.max(), data.lengths.seen.shape)
         data.lengths.among[...] *= 1e-8
         data.work.places[...] = np.arange(3 * b)
-        backend.bound(entries.step_through, block)(200.0)
+        backend.bound(entry_points.step_through, block)(200.0)
         read += [*data.period, *data.work]
     seen[file.name] = [number.hex() for array in read for number in np.ravel(array).astype(float)]
 print(json.dumps([backend.selected_backend().value, "numba" in sys.modules, seen]))

@@ -16,7 +16,7 @@ from rotor_fmu.cli import main
 from rotor_fmu.fmi.interface import interface
 from rotor_fmu.fmi.packing.documents import documents
 from rotor_fmu.linear.machine_warnings import machine_warnings
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 from .mutations import one_line, outcomes
 from .parts.machines import shaft

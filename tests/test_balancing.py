@@ -9,11 +9,11 @@ from rotor_fmu.model.parts.bearing import Bearing
 from rotor_fmu.model.parts.disc import Disc
 from rotor_fmu.model.parts.linear_bearing import LinearBearing
 
-from rotor_fmu.acceptance.balancing import balance
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear.answers import unbalance_response
-from rotor_fmu.vibration.balancing import correction
+from rotor_fmu.trial_balancing import balance
+from rotor_fmu.vibration.influence_coefficients import correction
 
 
 def without_contact():

@@ -14,7 +14,7 @@ from rotor_fmu.model.linear import (
     rolling_curves,
     static,
 )
-from rotor_fmu.model.linear.rolling import RollingAlone
+from rotor_fmu.model.linear.rolling_bearing_curves import RollingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.rolling_bearing import RollingBearing

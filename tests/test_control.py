@@ -10,14 +10,14 @@ from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.time_loop import paper_control
+from rotor_fmu.model.time_loop import adaptive_control
 
 from .machines import balanced, first_order, overhung
 
-error_indicator = interpreted(paper_control.error_indicator)
+error_indicator = interpreted(adaptive_control.error_indicator)
 next_step, shorter_step = (
-    interpreted(paper_control.next_step),
-    interpreted(paper_control.shorter_step),
+    interpreted(adaptive_control.next_step),
+    interpreted(adaptive_control.shorter_step),
 )
 
 OMEGA = 150.0

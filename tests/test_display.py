@@ -12,7 +12,6 @@ from matplotlib.text import Text
 from rotor_fmu.model.machine.toml import rig, rig_toml
 from rotor_fmu.model.structure.beam import shaft_element
 
-from rotor_fmu.acceptance.balancing import Balancing, CorrectionPlane, Vibration
 from rotor_fmu.display import (
     choose,
     current,
@@ -27,14 +26,15 @@ from rotor_fmu.linear import acceptance, answers
 from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
-from rotor_fmu.live.page import page_data
-from rotor_fmu.report import signal_plots
-from rotor_fmu.report.measuring_points import Recorded
-from rotor_fmu.report.page import runs_page
-from rotor_fmu.report.signal_plots import bode, orbit
-from rotor_fmu.report.view import View
+from rotor_fmu.live.live_page import page_data
+from rotor_fmu.plotting import signal_plots
+from rotor_fmu.plotting.signal_plots import bode, orbit
+from rotor_fmu.plotting.view import View
+from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.runs import run_plots
 from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, Vibration
+from rotor_fmu.vibration.measuring_points import Recorded
 
 from .recordings import recorded, write_study
 

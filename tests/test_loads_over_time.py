@@ -15,7 +15,7 @@ from scipy.signal import lsim
 import rotor_fmu as rf
 from rotor_fmu.cosimulation.member import Member
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.runs.signals import Driver, Signals
+from rotor_fmu.runs.input_signals import Driver, Signals
 
 from .machines import balanced, losses
 from .parts.machines import bearings, rigid

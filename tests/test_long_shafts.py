@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rotor_fmu.model.kernels.band import product, to_band, to_dense
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.structure import assembly, long_shafts, reduction
+from rotor_fmu.model.structure import assembly, reduction, sparse_modes
 
 SHAFT = "gravity = 9.81\n[material]\nyoung = 2.1e11\ndensity = 7800.0\n[shaft]\neta_v = 1e-5\n"
 BEARING = "[[linear_bearing]]\nnode = {}\nkxx = 1e7\nkyy = 1e7\ncxx = 100.0\ncyy = 100.0\n"
@@ -38,7 +38,7 @@ def sparse_from_ten(monkeypatch):
 def test_the_lowest_frequency_is_that_of_dense_matrices(held, sparse_from_ten, monkeypatch):
     rotor = shaft(40, *HELD[held])
     by_sparse = assembly.assemble(rotor).numbers[0].lowest_omega
-    monkeypatch.setattr(assembly, "LONG", long_shafts.LONG)
+    monkeypatch.setattr(assembly, "LONG", sparse_modes.LONG)
     by_dense = assembly.assemble(rotor).numbers[0].lowest_omega
     assert by_sparse == pytest.approx(by_dense, rel=1e-6)
 
@@ -47,7 +47,7 @@ def test_the_lowest_frequency_is_that_of_dense_matrices(held, sparse_from_ten, m
 def test_component_modes_span_what_those_of_dense_matrices_do(monkeypatch):
     structure = assembly.assemble(shaft(40, *HELD["pinned"]))
     retained, basis = reduction.component_modes(structure, 8)
-    monkeypatch.setattr(reduction, "LONG", long_shafts.LONG)
+    monkeypatch.setattr(reduction, "LONG", sparse_modes.LONG)
     same, expected = reduction.component_modes(structure, 8)
     assert np.array_equal(retained, same)
     apart = basis - expected @ np.linalg.lstsq(expected, basis, rcond=None)[0]
@@ -61,7 +61,7 @@ def test_a_band_matrix_times_vectors_is_the_dense_product(columns):
     dense = to_dense(to_band(dense + dense.T, 3))
     x = rng.normal(size=(9, *columns))
     np.testing.assert_allclose(product(to_band(dense, 3), x), dense @ x, rtol=1e-12, atol=1e-12)
-    np.testing.assert_array_equal(long_shafts.sparse(to_band(dense, 3)).toarray(), dense)
+    np.testing.assert_array_equal(sparse_modes.sparse(to_band(dense, 3)).toarray(), dense)
 
 
 def test_six_hundred_elements_have_the_frequency_of_forty():

@@ -14,10 +14,10 @@ from rotor_fmu.model.quantities import QuantityError
 
 import rotor_fmu as rf
 from rotor_fmu.errors import InputError
-from rotor_fmu.fmi.packing.machine_picture import machine_figure
 from rotor_fmu.machine_file.declared_tables import own_tables, part_tables
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 from rotor_fmu.machine_file.schema import schema
+from rotor_fmu.plotting.machine_drawing import machine_figure
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"

@@ -8,9 +8,9 @@ import pytest
 
 from rotor_fmu import vibration
 from rotor_fmu.files import write_text
-from rotor_fmu.report.measuring_points import Recorded
-from rotor_fmu.report.page import runs_page
-from rotor_fmu.report.study import study_page
+from rotor_fmu.report.run_page import runs_page
+from rotor_fmu.report.study_page import study_page
+from rotor_fmu.vibration.measuring_points import Recorded
 
 from .browser import ENTER, LEFT, NASTY, Page, look
 from .recordings import recorded, write_study
@@ -32,7 +32,7 @@ def pages(tmp_path_factory):
     for name, runs in shown.items():
         write_text(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
     write_study(folder / "study")
-    from rotor_fmu.plotting.reading import read_study
+    from rotor_fmu.saved_results.folders import read_study
 
     write_text(study_page(*read_study(folder / "study")), folder / "study.html")
     return folder

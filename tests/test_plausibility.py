@@ -8,8 +8,8 @@ from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.simulation import RotorWarning
 
 import rotor_fmu as rf
+from rotor_fmu.machine_file.loading import machine_text
 from rotor_fmu.machine_file.plausibility import questions
-from rotor_fmu.machine_file.reading import machine_text
 
 ROOT = Path(__file__).parents[1]
 GOOD = [

@@ -5,8 +5,8 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
-from rotor_fmu.plotting.reading import read_run
-from rotor_fmu.report.signal_plots import KINDS
+from rotor_fmu.plotting.signal_plots import KINDS
+from rotor_fmu.saved_results.folders import read_run
 
 from .recordings import recorded
 

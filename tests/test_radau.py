@@ -16,7 +16,7 @@ from rotor_fmu.model.stability.resolution import resolving_step_in_stages
 from rotor_fmu.model.structure.assembly import assemble
 from rotor_fmu.model.time_loop.recorder import Record
 
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 from . import test_free_spin, test_oscillations
 from .machines import losses, overhung

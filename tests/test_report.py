@@ -14,14 +14,14 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
-from rotor_fmu.plotting.reading import read_study
 from rotor_fmu.report.criticals import criticals_of
-from rotor_fmu.report.measuring_points import Recorded
 from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
-from rotor_fmu.report.page import runs_page, write_report
-from rotor_fmu.report.signals import extremes
-from rotor_fmu.report.study import study_page
+from rotor_fmu.report.run_page import runs_page, write_report
+from rotor_fmu.report.signal_data import extremes
+from rotor_fmu.report.study_page import study_page
 from rotor_fmu.runs.recording import Recording
+from rotor_fmu.saved_results.folders import read_study
+from rotor_fmu.vibration.measuring_points import Recorded
 
 from .recordings import recorded, write_study
 from .test_turning_both_ways import swept

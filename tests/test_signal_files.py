@@ -9,7 +9,7 @@ from rotor_fmu.model.machine.toml import rig
 
 from rotor_fmu.cli import main
 from rotor_fmu.fmi.interface import interface
-from rotor_fmu.runs.signals import read_signals
+from rotor_fmu.runs.input_signals import read_signals
 
 from .test_command_line import input_error_by
 

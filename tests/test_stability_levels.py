@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import Stage, level_1, level_2, modes
-from rotor_fmu.model.linear.machine import LinearMachine
+from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.linear_bearing import LinearBearing, Seal

@@ -7,17 +7,17 @@ import warnings
 import pytest
 from rotor_fmu.model.kernels.library import RAISED
 from rotor_fmu.model.machine.toml import rig, rig_toml
+from rotor_fmu.model.message_templates import NOTES, Message
 from rotor_fmu.model.messages import CODES, SENTENCES
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import RotorNote, RotorWarning, Simulation, StepFailure
-from rotor_fmu.model.spelling import NOTES, Message
-from rotor_fmu.model.step import status as of_step
+from rotor_fmu.model.step import step_status as of_step
 from rotor_fmu.model.time_loop import early_return, equilibrium
 
 import rotor_fmu as rf
 from rotor_fmu.fmi.log import read_message, with_code
 from rotor_fmu.library.build import C_SOURCES
-from rotor_fmu.status import status_of
+from rotor_fmu.run_status import status_of
 
 COARSE = "doubtful: too-coarse-in-contact"
 UNSTABLE = """

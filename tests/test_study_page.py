@@ -5,8 +5,8 @@ import math
 import pytest
 
 from rotor_fmu.files import write_text
-from rotor_fmu.plotting.reading import read_study
-from rotor_fmu.report.study import study_page
+from rotor_fmu.report.study_page import study_page
+from rotor_fmu.saved_results.folders import read_study
 
 from .browser import Page
 from .recordings import write_study

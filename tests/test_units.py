@@ -16,7 +16,7 @@ import rotor_fmu as rf
 from rotor_fmu.cli.nodes import clearances_of, cross_couplings
 from rotor_fmu.cli.speeds import number_range
 from rotor_fmu.errors import InputError
-from rotor_fmu.machine_file.reading import machine_text, si_text
+from rotor_fmu.machine_file.loading import machine_text, si_text
 from rotor_fmu.machine_file.schema import schema
 from rotor_fmu.units import in_si
 

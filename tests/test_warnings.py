@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from rotor_fmu.model import messages, spelling
+from rotor_fmu.model import message_templates, messages
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
@@ -49,22 +49,24 @@ def sim():
 def test_no_warning_holds_at_the_start(sim):
     record = sim._run.memory.record[0]
     assert all(math.isnan(record[warning.since]) for warning in RUN_WARNINGS)
-    assert last(sim, np.zeros(spelling.MOST_ARGUMENTS)) == messages.GOOD
+    assert last(sim, np.zeros(message_templates.MOST_ARGUMENTS)) == messages.GOOD
 
 
 @pytest.mark.parametrize("warning", RUN_WARNINGS, ids=lambda warning: warning.since)
 def test_the_library_returns_the_code_of_the_warning_that_holds(sim, warning):
-    arguments = np.zeros(spelling.MOST_ARGUMENTS)
+    arguments = np.zeros(message_templates.MOST_ARGUMENTS)
     sim._run.memory.record[0][warning.since] = 0.25
     code = -last(sim, arguments)
     assert messages.CODES[code] == warning.code
-    assert spelling.spell(messages.SENTENCES[code], arguments) == warning.words.format(0.25)
+    assert message_templates.spell(messages.SENTENCES[code], arguments) == warning.words.format(
+        0.25
+    )
 
 
 def test_of_several_warnings_the_library_returns_the_one_that_began_last(sim):
     for time, warning in zip((3.0, 5.0, 4.0), RUN_WARNINGS, strict=False):
         sim._run.memory.record[0][warning.since] = time
-    arguments = np.zeros(spelling.MOST_ARGUMENTS)
+    arguments = np.zeros(message_templates.MOST_ARGUMENTS)
     code = -last(sim, arguments)
     assert messages.CODES[code] == RUN_WARNINGS[1].code
     assert arguments[0] == 5.0

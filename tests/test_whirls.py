@@ -11,7 +11,7 @@ from rotor_fmu.model.parts.clearance_contact import ClearanceContact
 from rotor_fmu.model.schemes.family import chung_hulbert, hht, newmark
 from rotor_fmu.model.settings import PRESETS, choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
-from rotor_fmu.model.stability import memory, resolution
+from rotor_fmu.model.stability import resolution, survey_block
 
 from benchmarks.growth import refined, with_bearings
 
@@ -67,7 +67,7 @@ def test_of_many_bearings_each_alone_is_surveyed_by_fewer_dofs_and_has_the_same_
     rotor = with_bearings(refined(rig(), 60), 14)
     rotor = rotor.with_parts(Bearing, *(replace(b, mu=0.6) for b in rotor.bearings))
     few = Simulation(rotor, speed=SPEED, warn=lambda message: None)
-    monkeypatch.setattr(memory, "_PAYS", 0.0)
+    monkeypatch.setattr(survey_block, "_PAYS", 0.0)
     all_of_them = Simulation(rotor, speed=SPEED, warn=lambda message: None)
     n, coarse = all_of_them._run.survey.basis.shape
     assert all_of_them._run.survey.alone.shape[0] == 0

@@ -90,7 +90,7 @@ def add_machines(tree: Path) -> None:
     """Add pages on which the rig and the drop run, and links to them on the first page."""
     from rotor_fmu.files import write_text
     from rotor_fmu.fmi.packing.machine_files import machine_of
-    from rotor_fmu.live.page import solver_page
+    from rotor_fmu.live.live_page import solver_page
 
     folder = tree / _COPIED / "try"
     folder.mkdir(parents=True)

@@ -16,7 +16,12 @@ from pythonfmu import DefaultExperiment
 try:
     from rotor_fmu_slave import BEGUN, Listed, TableSlave, hold  # beside it in the FMU
 except ImportError:
-    from rotor_fmu.cosimulation.slave import BEGUN, Listed, TableSlave, hold  # in the source
+    from rotor_fmu.cosimulation.partner_slave import (  # in the source
+        BEGUN,
+        Listed,
+        TableSlave,
+        hold,
+    )
 
 hold(globals())  # pythonfmu's wrapper drops a reference to them with each instance
 

@@ -12,7 +12,7 @@ from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
 SPEED, CLEARANCE = 1000.0, 0.25e-3  # rad/s, m

@@ -21,7 +21,7 @@ from pythonfmu import DefaultExperiment
 try:
     from rotor_fmu_slave import BEGUN, Listed, Refused, TableSlave, hold  # beside it in the FMU
 except ImportError:
-    from rotor_fmu.cosimulation.slave import (  # in the source
+    from rotor_fmu.cosimulation.partner_slave import (  # in the source
         BEGUN,
         Listed,
         Refused,

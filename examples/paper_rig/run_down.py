@@ -12,7 +12,7 @@ import numpy as np
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
 SPEED, RATE, STOP = 400.0, -10.0, 40.0  # rad/s, rad/s2, s

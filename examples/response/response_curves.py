@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import rotor_fmu as rf
-from rotor_fmu.figure_style import BLUE, new_figure, save
+from rotor_fmu.plotting.figure_style import BLUE, new_figure, save
 
 HERE = Path(__file__).resolve().parent
 

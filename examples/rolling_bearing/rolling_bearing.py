@@ -16,7 +16,7 @@ from rotor_fmu.model.parts.rolling_bearing import RollingBearing, cage_ratio
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 
-from rotor_fmu.figure_style import BLUE, GREY, ORANGE, new_panels, save
+from rotor_fmu.plotting.figure_style import BLUE, GREY, ORANGE, new_panels, save
 
 HERE = Path(__file__).resolve().parent
 SPEED = 2.0 * math.pi * 20.0  # rad/s

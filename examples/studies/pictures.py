@@ -15,7 +15,7 @@ from matplotlib.colors import LogNorm
 from scipy.optimize import brentq
 
 from rotor_fmu import studies
-from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
+from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, save
 from rotor_fmu.studies.analysis import analyse, design_of, drawn_rows
 from rotor_fmu.studies.dataset import about_of
 from rotor_fmu.studies.design import Design

@@ -47,7 +47,7 @@ def _digests() -> tuple[str, str]:
     kernels = {
         file
         for package in _ENTRIES
-        for file in imported(_MODEL / package / "entries.py", f"{_NAME}.{package}")
+        for file in imported(_MODEL / package / "entry_points.py", f"{_NAME}.{package}")
     }
     return files, syntax_digest(sorted(kernels, key=_path))
 

@@ -1,19 +1,19 @@
 """Linear analyses of a machine: modes, Campbell diagram, response to unbalance, deflection, and the
 checks of API 617 and 684."""
 
-from .bearing import BearingCurves, bearing_curves, bearings
 from .campbell import Campbell, CriticalSpeed, campbell
 from .critical_map import CriticalMap, critical_map, mean_stiffness
-from .damper import DamperCurves, damper_curves
-from .floating_ring import RingCurves, ring_curves
-from .machine import CONTACTS, LinearError, LinearMachine, lowest_speed
+from .damper_curves import DamperCurves, damper_curves
+from .floating_ring_curves import RingCurves, ring_curves
+from .journal_bearing_curves import BearingCurves, bearing_curves, bearings
+from .linear_machine import CONTACTS, LinearError, LinearMachine, lowest_speed
 from .modes import Modes, modes
-from .placement import placed_unbalances
-from .rolling import RollingCurves, rolling_curves
+from .rolling_bearing_curves import RollingCurves, rolling_curves
 from .stability_levels import StabilityLevel1, StabilityLevel2, Stage, level_1, level_2
 from .static import Static, static
 from .unbalance import UnbalanceResponse, unbalance_response
 from .unbalance_check import UnbalanceCheck, critical_peaks, unbalance_check
+from .unbalance_placement import placed_unbalances
 
 __all__ = [
     "CONTACTS",

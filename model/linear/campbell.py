@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq, linear_sum_assignment
 
 from ..machine.rotor import Rotor
-from .machine import LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine
 from .modes import DEFAULT_COUNT, Modes, machine_modes
 from .spectrum import Spectrum
 

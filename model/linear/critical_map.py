@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..machine.rotor import Rotor
-from .machine import LinearError
+from .linear_machine import LinearError
 from .undamped import UndampedMachine
 
 _MODES = 4

@@ -25,9 +25,9 @@ from ..machine.rotor import Rotor
 from ..parts.linear_bearing import Coefficients, LinearBearing
 from ..quantities import quantities
 from ..structure.assembly import assemble
-from .linearized import Linear, LinearError
-from .machine import LinearMachine
+from .linear_machine import LinearMachine
 from .modes import BACKWARD, FORWARD, Modes, modes_of
+from .system_at_speed import Linear, LinearError
 
 SPAN = 10.0  # of the cross coupling that is expected: as far as a growing mode is looked for
 _COUNT = 8

@@ -20,7 +20,7 @@ import scipy.linalg
 import scipy.signal
 
 from ..machine.rotor import Rotor
-from .machine import LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
 from .static import check_node
 

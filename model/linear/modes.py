@@ -16,9 +16,9 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
 
 from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
-from .linearized import Linear, LinearError
-from .machine import LinearMachine
+from .linear_machine import LinearMachine
 from .spectrum import Spectrum
+from .system_at_speed import Linear, LinearError
 
 FORWARD, BACKWARD, PLANAR, MIXED = "forward", "backward", "planar", "mixed"
 _DENSE = 220  # states up to which all eigenvalues cost less than a few

@@ -28,7 +28,7 @@ from ..parts.base import Body
 from ..parts.linear_bearing import LinearBearing, Seal
 from .critical_map import first_rigid_critical
 from .first_forward import SPAN, FirstForward
-from .machine import LinearError
+from .linear_machine import LinearError
 from .undamped import UndampedMachine, without_seals
 
 LEAST_LOG_DEC = 0.1

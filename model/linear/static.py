@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..machine.rotor import Rotor
-from .machine import LinearError, LinearMachine
+from .linear_machine import LinearError, LinearMachine
 from .modes import check_speed
 
 

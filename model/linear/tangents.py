@@ -9,7 +9,7 @@ import numpy as np
 from ..backend import bound_unless_compiled
 from ..kernels.jit import interpreted
 from ..step.laws import law_breaks
-from ..step.sampled_laws import block_of, vibrate_laws
+from ..step.laws_along_motion import block_of, vibrate_laws
 from ..structure.structure import starts_of
 
 

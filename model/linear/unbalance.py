@@ -15,7 +15,7 @@ import numpy as np
 
 from ..machine.rotor import Rotor
 from . import orbit
-from .machine import LinearMachine
+from .linear_machine import LinearMachine
 from .modes import check_speed
 from .static import check_node
 

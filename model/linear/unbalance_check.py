@@ -14,10 +14,10 @@ from ..machine.rotor import Rotor
 from . import orbit
 from .amplification import Margin, Peak, margin, peaks
 from .campbell import campbell
-from .machine import LinearError, lowest_speed
-from .placement import vibration_limit
+from .linear_machine import LinearError, lowest_speed
 from .static import check_node
 from .unbalance import SteadyWhirl
+from .unbalance_placement import vibration_limit
 
 _POINTS = 301
 # Of the maximum continuous speed, how far critical speeds are looked for: beyond the largest margin

@@ -19,7 +19,7 @@ from ..contact.wall import ContactQuantities
 from ..machine.rotor import Rotor
 from ..parts.base import GROUND, Interface, Part, Spring
 from ..parts.linear_bearing import Seal
-from .machine import OPEN, PINNED, LinearError, LinearMachine
+from .linear_machine import OPEN, PINNED, LinearError, LinearMachine
 
 _REAL = 1e-6  # share of an eigenvalue below which its imaginary part is rounding
 _APART = 1e-9  # of a matrix: what is smaller couples nothing

@@ -16,6 +16,7 @@ from difflib import get_close_matches
 from itertools import accumulate
 from typing import Any, NamedTuple, TypeVar
 
+from ..message_templates import spell
 from ..parts.base import BASE, GROUND, Element, Interface, Mount, Part, Port, Release
 from ..parts.bearing import Bearing
 from ..parts.disc import Coupling, Disc
@@ -32,11 +33,10 @@ from ..quantities import (
     quantity,
     switch,
 )
-from ..spelling import spell
-from .operation import Operation
+from .operating_speeds import Operation
 
 AnyPart = TypeVar("AnyPart", bound=Part)
-# See `spelling`.
+# See `message_templates`.
 HYSTERETIC_AT_REST = (
     "shaft.eta_h = {g}: must be 0 unless shaft.rotating_damping is true (hysteretic damping has no "
     "stationary form in the time domain)"

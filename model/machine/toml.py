@@ -12,7 +12,7 @@ from ..parts import PARTS
 from ..parts.base import Part
 from ..quantities import ANY, Quantity, QuantityError, check
 from .mesh import Mesh
-from .operation import Operation
+from .operating_speeds import Operation
 from .rotor import Rotor
 from .shaft_tables import Materials, sections_between, sections_in_turn
 from .table_reader import a_table, make, number, refuse_unknown, tables_of

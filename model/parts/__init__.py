@@ -1,10 +1,10 @@
 """One file a part. A new kind of part is a file here and the line that imports it."""
 
 from .base import Part
+from .base_and_start import Base, Start
 from .bearing import Bearing
 from .body import Body, PointMass
 from .clearance_contact import ClearanceContact
-from .conditions import Base, Start
 from .disc import Coupling, Disc
 from .floating_ring_bearing import FloatingRingBearing
 from .heated_contact import HeatedContact

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.film import PAD, STANDS, bearing_of, bearing_with
-from ..contact.film_wall import breaks
-from ..contact.film_zone import VECTORS
 from ..contact.wall import contact_quantity
+from ..film.bearing_film import PAD, STANDS, bearing_of, bearing_with
+from ..film.rough_contact import breaks
+from ..film.zone_pressure import VECTORS
 from ..kernels.jit import jit
 from ..quantities import (
     NOT_NEGATIVE,

@@ -15,15 +15,15 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..contact.floating_ring import answer, stiffness, torque_of
+from ..film.floating_ring import answer, stiffness, torque_of
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import SPEED, Output, QuantityError, check_all, places, quantity, switch
 from .base import GROUND, Element, Interface, Part, Shape
 from .film_law import LOSSES as FILM_LOSSES
 from .film_law import POINTS, check_film, film_table, whole_circle
+from .floating_ring_states import STATE, WEIGHT, follow, keep, ring_of_states, settle
 from .law import Law
-from .ring_motion import STATE, WEIGHT, follow, keep, ring_of_states, settle
 
 _SLOW = 1e-4  # of the speed: the least frequency of a vibration
 

@@ -14,22 +14,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..contact.film import (
-    PAD,
-    STANDS,
-    TILTS,
-    film_force,
-    film_tangent,
-    pad_count,
-)
-from ..contact.film_state import film_state
-from ..contact.film_wall import wall_energy, wall_state, wall_tangent
+from ..film.bearing_film import PAD, STANDS, TILTS, film_force, film_tangent, pad_count
+from ..film.film_outputs import film_state
+from ..film.rough_contact import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import angle, modulus
 from ..kernels.jit import interpreted, jit, jit_not_inlined
 from ..quantities import ANY, QuantityError, Rule, check_all, places, quantity
 from .base import GROUND, Element, Interface, Part, Shape
 from .clearance_contact import STORES
-from .film_heat import HeatQuantities, check_viscosity, oil_of
 from .film_law import (
     LOSSES,
     OUTPUTS,
@@ -40,6 +32,7 @@ from .film_law import (
     film_table,
     whole_circle,
 )
+from .film_viscosity import HeatQuantities, check_viscosity, oil_of
 from .law import Kinematics, Law, Weights
 from .speed_table import speed_table
 from .tilting_pads import (

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from ..contact.film import NEVER, bearing_of, film_force, film_tangent
-from ..contact.film_state import film_state
-from ..contact.film_wall import wall_energy, wall_state, wall_tangent
+from ..film.bearing_film import NEVER, bearing_of, film_force, film_tangent
+from ..film.film_outputs import film_state
+from ..film.rough_contact import wall_energy, wall_state, wall_tangent
 from ..kernels.functions import modulus
 from ..kernels.jit import jit, jit_not_inlined
 from ..quantities import NOT_NEGATIVE, Output, QuantityError, check_all, places, quantity, switch

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ..contact.film import pad_count
-from ..contact.tilting import (
+from ..film.bearing_film import pad_count
+from ..film.tilting_pads import (
     CONVERGED,
     ITERATIONS,
     REACH,

@@ -20,8 +20,7 @@ import numpy as np
 
 from ..quantities import QuantityError
 from .arclength import TOLERANCE
-from .condensed import Condensed, Harmonics
-from .corners import Samples
+from .force_corners import Samples
 from .fourier import (
     add_real,
     amplitudes,
@@ -31,6 +30,7 @@ from .fourier import (
     resized,
     series_of,
 )
+from .linear_structure import Condensed, Harmonics
 
 _STEP = 1e-6  # of a central difference by omega, as a share of its scale
 _ONE_SIDED = 1e-7  # of a difference by the parameter, as a share of its scale

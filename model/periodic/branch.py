@@ -16,12 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from . import arclength
-from .accuracy import Accuracy, refined
 from .arclength import Lost, Point, Steps
 from .balance import Orbit, Problem, last_share
 from .floquet import multipliers
 from .fourier import amplitudes
-from .handover import Motions, fitted, shot
+from .harmonic_count import Accuracy, refined
+from .method_switch import Motions, fitted, shot
 from .shooting import Shooting
 
 BIFURCATIONS = FOLD, DOUBLING, TORUS, BRANCHING, GRAZING = (

@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from . import arclength
-from .accuracy import Accuracy
 from .arclength import Lost, Point
 from .balance import Orbit
 from .branch import CLOSED, Branch, Passed, Solution, Tracer, with_motion
+from .checkpoint import Ended, Journal, Start
 from .fourier import amplitudes, basis, repeated, resized, shifted
-from .handover import Motions
-from .journal import Ended, Journal, Start
+from .harmonic_count import Accuracy
+from .method_switch import Motions
+from .problem import Machines, Note, Response
 from .shooting import Shooting
-from .task import Machines, Note, Response
 
 LOST = "lost: "
 JOINED = "joins a branch of a shorter period"

@@ -19,11 +19,11 @@ import numpy as np
 import scipy.linalg
 
 from .balance import Orbit
-from .condensed import Condensed
-from .corners import crossings
-from .entries import Lengths
+from .entry_points import Lengths
+from .force_corners import crossings
 from .fourier import basis
 from .laws import Along
+from .linear_structure import Condensed
 
 _C = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
 _SEEN = np.array([*_C[:2], 1.0 - 1e-7])  # where in a step the tangents are looked at

@@ -12,11 +12,11 @@ import numpy as np
 
 from .. import backend
 from ..parts import LAWS
-from ..parts.law_alone import BY_D, BY_V
+from ..parts.law_probe import BY_D, BY_V
 from ..parts.linear_bearing import LINEAR_BEARING
-from ..step.sampled_laws import Samples, block_of, call_laws, fill, find_openings
+from ..step.laws_along_motion import Samples, block_of, call_laws, fill, find_openings
 from ..structure.structure import Structure, sizes_of_laws, starts_of
-from . import entries
+from . import entry_points
 
 _KEPT = 4  # blocks, one for each number of samples that is asked for
 _STEP = 1e-6  # of a central difference, as a share of the variable's scale
@@ -108,11 +108,11 @@ class LawsAlong:
         owners, levels = zip(*corners, strict=True) if corners else ((), ())
         return np.array(owners, int), np.array(levels, float)
 
-    def block_of_steps(self, **sizes: int) -> tuple[np.ndarray, entries.OrbitData]:
+    def block_of_steps(self, **sizes: int) -> tuple[np.ndarray, entry_points.OrbitData]:
         """Return a block for steps of three points, and what is in it."""
         sizes |= {"interfaces": self.count, "samples": 3, "states": self.states}
-        block = entries.LAYOUT.new(sizes | sizes_of_laws(self._laws))
-        run: entries.OrbitData = entries.LAYOUT.view_in_python(block)
+        block = entry_points.LAYOUT.new(sizes | sizes_of_laws(self._laws))
+        run: entry_points.OrbitData = entry_points.LAYOUT.view_in_python(block)
         fill(run.machine, self._laws, self._interfaces)
         return block, run
 

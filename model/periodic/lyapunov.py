@@ -19,9 +19,9 @@ from ..machine.rotor import Rotor
 from ..one_thread import on_one_thread
 from ..simulation import Simulation
 from ..step.laws import relative
-from .condensed import Condensed
 from .floquet import Paces, Path, modes_along, passed, tangents_along
-from .task import check_parts
+from .linear_structure import Condensed
+from .problem import check_parts
 
 LEAST_TURNS = 4
 _RESOLVED = 8.0  # samples a period of the fastest motion that is looked at

@@ -11,8 +11,8 @@ import math
 
 import numpy as np
 
-from .condensed import Condensed
-from .corners import crossings
+from .force_corners import crossings
+from .linear_structure import Condensed
 
 POINTS = np.array([(4 - math.sqrt(6)) / 10, (4 + math.sqrt(6)) / 10, 1.0])  # Radau IIA
 _COARSEST, _FINEST = 6, 13  # halvings of the period

@@ -9,20 +9,20 @@ from collections.abc import Generator
 import numpy as np
 
 from ..machine.rotor import Rotor
+from ..message_templates import Message
 from ..one_thread import on_one_thread
-from ..spelling import Message
 from . import arclength
 from .arclength import Lost, Point
 from .balance import Orbit, Problem
 from .branch import Branch, solution
+from .branch_switching import follow_switched
+from .checkpoint import Journal, Start, Started
 from .continuation import LOST, Search, Tell, follow, is_known, start_at
-from .handover import Motions
-from .journal import Journal, Start, Started
-from .seeds import guesses
+from .method_switch import Motions
+from .problem import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
+from .self_excited import growing, rolling
 from .shooting import Shooting
-from .switching import follow_switched
-from .task import SPEED, Machines, Note, PeriodicError, Response, Task, check, machines_of
-from .whirl import growing, rolling
+from .starting_points import guesses
 
 _LINEAR_POINTS = 401  # of a machine without nonlinear parts
 _BEYOND, _MOST_STARTS = 0.02, 12  # of the range: where a lost branch is taken up again

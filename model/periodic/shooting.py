@@ -21,8 +21,7 @@ import numpy as np
 from . import mesh
 from .arclength import Lost
 from .balance import Orbit, Problem
-from .condensed import Condensed, Harmonics
-from .entries import Lengths
+from .entry_points import Lengths
 from .floquet import (
     Modes,
     Paces,
@@ -36,6 +35,7 @@ from .floquet import (
     weights,
 )
 from .fourier import amplitudes, series_of
+from .linear_structure import Condensed, Harmonics
 from .stepping import run
 
 _HARMONICS = 256  # at least, of the orbit that is given

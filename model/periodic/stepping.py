@@ -6,15 +6,15 @@ from __future__ import annotations
 import numpy as np
 
 from .. import backend
-from . import entries
-from .condensed import Condensed
+from . import entry_points
+from .linear_structure import Condensed
 
 
 def run(
     machine: Condensed,
     speed: float,
     mean: np.ndarray,
-    steps: entries.Lengths,
+    steps: entry_points.Lengths,
     by_loads: np.ndarray,
     begin: np.ndarray,
     near: np.ndarray,
@@ -24,11 +24,11 @@ def run(
     of a motion nearby."""
     sizes = {"steps": len(near), "lengths": len(steps.along), "modes": len(begin), "b": machine.b}
     block, data = machine.laws.block_of_steps(**sizes)
-    given = entries.Period(machine.B, mean, by_loads, near, np.zeros(len(near), bool), begin)
+    given = entry_points.Period(machine.B, mean, by_loads, near, np.zeros(len(near), bool), begin)
     for group, values in ((data.lengths, steps), (data.period, given)):
         for target, source in zip(group, values, strict=True):
             target[...] = source
     data.work.places[...] = np.arange(3 * machine.b)
-    backend.bound(entries.step_through, block)(float(speed))
+    backend.bound(entry_points.step_through, block)(float(speed))
     period = data.period
     return period.y.copy(), period.state.copy(), period.unsolved.copy()

@@ -11,11 +11,11 @@ import numpy as np
 
 from ..errors import UserInputError
 from ..kernels.jit import interpreted
+from ..message_templates import MOST_ARGUMENTS, Message, spell
 from ..schemes.family import Scheme
-from ..spelling import MOST_ARGUMENTS, Message, spell
 from ..time_loop.block import METHOD
 from ..time_loop.control import Control
-from . import messages, table
+from . import settings_messages, table
 from .resolver import COUNT, encoded, resolve, warning
 from .table import (
     DEFAULT_PRESET,
@@ -133,8 +133,8 @@ def _resolved(given: np.ndarray) -> np.void:
     """Return the record that settings give, `given` filled in; raises `SettingsError`."""
     numbers, arguments = np.zeros(1, METHOD).view(np.recarray), np.zeros(MOST_ARGUMENTS)
     code = interpreted(resolve)(given, numbers[0], arguments)
-    if code != messages.GOOD:
-        raise SettingsError(spell(messages.SENTENCES[code], arguments))
+    if code != settings_messages.GOOD:
+        raise SettingsError(spell(settings_messages.SENTENCES[code], arguments))
     return numbers[0]
 
 
@@ -193,6 +193,6 @@ def _warnings(
     for slot in slots:
         code = interpreted(warning)(given, own, numbers, arguments, slot)
         if code:
-            text = spell(messages.SENTENCES[code], arguments)
-            said.append(Message(text, messages.CODES[code]))
+            text = spell(settings_messages.SENTENCES[code], arguments)
+            said.append(Message(text, settings_messages.CODES[code]))
     return said

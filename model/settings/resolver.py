@@ -14,7 +14,7 @@ from ..schemes.family import alphas, second_order
 from ..schemes.radau import ERROR_CONSTANT, STAGES
 from ..stability.resolution import is_stable
 from ..time_loop.control import ADAPTIVE, CONTROLLED, REALTIME, varies
-from . import messages
+from . import settings_messages
 from .table import (
     BY_NAME,
     DEFAULTS,
@@ -94,37 +94,37 @@ def resolve(given, numbers, arguments):
         is_given = not math.isnan(given[1 + _SHAPE + i])
         if is_given and not _TAKES[method, i]:
             arguments[0], arguments[1], arguments[2] = i, given[1 + _SHAPE + i], method
-            return messages.NOT_TAKEN
+            return settings_messages.NOT_TAKEN
         if _TAKES[method, i] and method != base and not is_given:
             arguments[0], arguments[1] = method, i
-            return messages.NEEDED
+            return settings_messages.NEEDED
     for slot in range(COUNT):
         if math.isnan(given[1 + slot]):
             given[1 + slot] = _PRESETS[preset, slot]
         is_used = not _SHAPE <= slot < _SHAPE + _SHAPES or _TAKES[method, slot - _SHAPE]
         if _IS_NUMBER[slot] and is_used and not _is_in_range(given[1 + slot], slot):
             arguments[0] = given[1 + slot]
-            return messages.OUT_OF_RANGE + slot
+            return settings_messages.OUT_OF_RANGE + slot
     mode = int(_MODES[int(given[1 + _MODE])])
     h, h_min, h_max = given[1 + _H], given[1 + _H_MIN], given[1 + _H_MAX]
     if varies(mode) and not (h_min <= h <= h_max):
         arguments[0], arguments[1], arguments[2] = h, h_min, h_max
-        return messages.STEP_OUTSIDE
+        return settings_messages.STEP_OUTSIDE
     if mode == ADAPTIVE and not given[1 + _EPS_MIN] < given[1 + _EPS_MAX]:
         arguments[0], arguments[1] = given[1 + _EPS_MIN], given[1 + _EPS_MAX]
-        return messages.LIMITS_CROSSED
+        return settings_messages.LIMITS_CROSSED
     if method == _RADAU and mode != CONTROLLED:
         arguments[0], arguments[1] = method, given[1 + _MODE]
-        return messages.UNCONTROLLED
+        return settings_messages.UNCONTROLLED
     alpha_f, alpha_m = _alphas(given, method)
     if alpha_f - alpha_m <= -1.0:
         arguments[0] = alpha_f - alpha_m
-        return messages.BAD_DIFFERENCE
+        return settings_messages.BAD_DIFFERENCE
     _fill(numbers, given, mode, second_order(alpha_f, alpha_m))
     if method == _RADAU:
         numbers.is_fitted, numbers.stages = 0, STAGES
         numbers.error_constant = ERROR_CONSTANT
-    return messages.GOOD
+    return settings_messages.GOOD
 
 
 @jit
@@ -195,16 +195,16 @@ def warning(given, own, numbers, arguments, slot):
     method = int(given[1 + _METHOD])
     if slot == COUNT:
         if is_stable(numbers):
-            return messages.GOOD
+            return settings_messages.GOOD
         arguments[0], arguments[1], arguments[2] = method, numbers.alpha_f, numbers.alpha_m
         arguments[3] = radius_at_infinity(numbers)
-        return messages.UNSTABLE
+        return settings_messages.UNSTABLE
     mode, norm = int(given[1 + _MODE]), int(given[1 + _NORM])
     if slot == _FITTED and method == _RADAU and own[1 + slot] > 0.0:
         arguments[0], arguments[1] = given[1 + slot], method
-        return messages.FITTED_IN_STAGES
+        return settings_messages.FITTED_IN_STAGES
     if math.isnan(own[1 + slot]) or not _IS_IDLE[mode, norm, slot]:
-        return messages.GOOD
+        return settings_messages.GOOD
     arguments[0], arguments[1] = given[1 + slot], mode
     arguments[2] = 1.0 + norm if _MODES[mode] == ADAPTIVE else 0.0
-    return messages.IDLE + slot
+    return settings_messages.IDLE + slot

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..schemes.family import ALPHA, RHO, Range
+from ..time_loop.adaptive_control import INCREMENT_NORM, LI_ZENG_WIBERG, MIXED_NORM, ZIENKIEWICZ_XIE
 from ..time_loop.control import ADAPTIVE, CONTROLLED, FIXED, REALTIME
-from ..time_loop.paper_control import INCREMENT_NORM, LI_ZENG_WIBERG, MIXED_NORM, ZIENKIEWICZ_XIE
 
 # The parameters that each method takes.
 METHODS = {

@@ -28,8 +28,8 @@ from .matrices import (
     take_tangents,
     take_vector,
 )
-from .memory import MOST_WHIRLS, WHIRL, Survey
 from .resolution import is_stable, resolving_step, resolving_step_in_stages
+from .survey_block import MOST_WHIRLS, WHIRL, Survey
 
 # Less than this share of a growth left by the integrator is called hidden; what a step that
 # resolves it must leave, and more of it where a tolerance is small.

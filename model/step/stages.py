@@ -36,8 +36,8 @@ from .excitation import add_applied, circulation, free_fall_acceleration, spin_o
 from .laws import first_broken, relative, sides
 from .stage_matrices import condense, factorize_systems, solve_systems
 from .stage_problem import solve_stages
-from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 from .step import add_internal, by_axis, is_sane
+from .step_status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 
 
 class Stages(NamedTuple):

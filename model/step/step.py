@@ -22,7 +22,7 @@ from .excitation import add_applied, circulation, free_fall_acceleration
 from .interface_problem import solve_interfaces
 from .laws import first_broken, kinematics, law_force, law_rates, relative, side_of, sides
 from .linear_step import balance, balance_back, correct, predict, weights
-from .status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
+from .step_status import BROKEN, DONE, NOT_CONVERGED, NOT_FINITE
 
 # What becomes of a step; broken: it ends where a law means nothing.
 

@@ -39,13 +39,13 @@ from ..parts.base import (
     outputs_of,
 )
 from ..parts.housing import HousingQuantities
-from ..parts.law_alone import numbers_of
+from ..parts.law_probe import numbers_of
 from ..quantities import QuantityError
 from .beam import shaft_element
 from .bow import bows_of
 from .ledger import law_entries
-from .long_shafts import LONG, lowest_square_free, lowest_square_held, sparse
 from .parameters import prepare
+from .sparse_modes import LONG, lowest_square_free, lowest_square_held, sparse
 from .structure import (
     HOUSING,
     INTERFACE,
@@ -306,7 +306,7 @@ def _lowest_omega(
 def _lowest_square(rotor: Rotor, M: np.ndarray, others: np.ndarray, free: np.ndarray) -> float:
     """Of the frequencies of a shaft that is held [rad2/s2], however stiff it is; others: the
     stiffness of all else; free: the dofs that may move."""
-    from .elastic import factorized, strains
+    from .strain_solver import factorized, strains
 
     across, stiffness = strains(rotor)
     inverse = np.linalg.inv(stiffness)

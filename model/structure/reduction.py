@@ -19,7 +19,7 @@ from ..machine.rotor import Rotor
 from ..machine.speed_tables import SpeedRange, tables_of
 from ..one_thread import on_one_thread
 from .assembly import assemble, machine_elements, moved, soft_stiffness
-from .long_shafts import LONG, held_modes, sparse
+from .sparse_modes import LONG, held_modes, sparse
 from .structure import WEIGHT, Structure
 
 # A frequency may move by this share; excited are those up to so many times the speed; of those that
@@ -61,7 +61,7 @@ def component_modes(structure: Structure, modes: int) -> tuple[np.ndarray, np.nd
 def held_shapes(
     K: np.ndarray, M: np.ndarray, rest: np.ndarray, retained: np.ndarray, modes: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what `long_shafts.held_modes` does, by dense matrices."""
+    """Return what `sparse_modes.held_modes` does, by dense matrices."""
     inner = np.ix_(rest, rest)
     inverse = np.linalg.inv(np.linalg.cholesky(M[inner]))
     _, vectors = np.linalg.eigh(inverse @ K[inner] @ inverse.T)

@@ -6,11 +6,11 @@ import numpy as np
 
 from ..kernels.band import product, to_dense
 from ..machine.rotor import Rotor
+from ..message_templates import Message
 from ..one_thread import on_one_thread
-from ..spelling import Message
 from .assembly import machine_elements, soft_stiffness
-from .long_shafts import LONG, sparse
 from .reduction import component_modes
+from .sparse_modes import LONG, sparse
 from .structure import Structure
 
 # Offered where a step takes less than this share of the work, and the frequencies that the speed

@@ -9,7 +9,7 @@ import numpy as np
 from ..kernels.block import Group, Layout
 from ..parts import LAWS
 from ..schemes.family import Scheme
-from ..stability.memory import Survey, coarse_shaft
+from ..stability.survey_block import Survey, coarse_shaft
 from ..step.interface_problem import InterfaceProblem
 from ..step.laws import MOST_LOSSES
 from ..step.stages import Stages

@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 from ..kernels.jit import jit
+from .adaptive_control import error_indicator, next_step, shorter_step
 from .error_control import next_length, next_stage_length, repeated_length, whirl_error
-from .paper_control import error_indicator, next_step, shorter_step
 
 FIXED, ADAPTIVE, CONTROLLED, REALTIME = 1, 2, 3, 4
 

@@ -19,8 +19,8 @@ from ..schemes.family import Scheme
 from ..step.excitation import free_fall_acceleration, static_spin
 from ..step.fitting import unfitted
 from ..step.laws import at_rest, law_tangent_called, relative
-from ..step.status import DONE, NOT_FINITE
 from ..step.step import try_step
+from ..step.step_status import DONE, NOT_FINITE
 
 HELD, NOT_HELD, NOT_CONVERGED_AT_REST, UNSTABLE, BEYOND, MOVED = 0, 1, 2, 3, 4, 5
 _ITERATIONS = 200

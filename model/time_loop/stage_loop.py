@@ -11,14 +11,14 @@ from ..schemes.radau import EXPECTED, STAGES, A, C, weight_at, weight_until
 from ..step.excitation import spin_of
 from ..step.laws import relative
 from ..step.stages import spin_of_stage, try_stages
-from ..step.status import DONE, NOT_CONVERGED
 from ..step.step import Motion
+from ..step.step_status import DONE, NOT_CONVERGED
 from .energy import powers
 from .error_control import radians_of, tolerated_error
 from .memory import move_loads, spin_at
 from .monitors import monitor_revolution
 from .recorder import is_due, rows_within, write
-from .rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
+from .step_with_rotation import SPIN_ITERATIONS, SPIN_TOLERANCE
 
 # Of the tolerance, to which the interfaces' displacements are solved for in a step of a radian, and
 # the bounds of that.

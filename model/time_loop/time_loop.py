@@ -12,16 +12,15 @@ import math
 from ..kernels.functions import direction, scaled
 from ..kernels.jit import jit, jit_inlined
 from ..step.fitting import characteristic_frequency_after, unfitted
-from ..step.status import DONE, ENDED_EARLY, UNFINISHED
+from ..step.step_status import DONE, ENDED_EARLY, UNFINISHED
+from .communication_interval import begin_interval
 from .control import CONTROLLED, propose_step, retry_step, step_error, varies
 from .early_return import CLOSED, GOES_ON, is_watched, what_ends
 from .energy import has_power, port_power
 from .error_control import NOTHING, local_error, measure, steady_length, update_size
-from .interval import begin_interval
 from .memory import PEAK, move_loads, spin_now
 from .monitors import monitor_errors, monitor_step, monitor_work
 from .recorder import is_due, write
-from .rotation import turn
 from .sensitivities import begin_tangents, propagate
 from .stage_loop import (
     HARD,
@@ -31,6 +30,7 @@ from .stage_loop import (
     stage_error,
     turn_in_stages,
 )
+from .step_with_rotation import turn
 
 
 @jit_inlined

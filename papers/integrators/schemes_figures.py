@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from rotor_fmu.model.schemes import spectral
 from rotor_fmu.model.schemes.spectral import Method
 
-from rotor_fmu.figure_style import new_figure, save
+from rotor_fmu.plotting.figure_style import new_figure, save
 
 # Okabe and Ito with a grey in the place of the yellow, which is too faint for a line.
 _COLOURS = (

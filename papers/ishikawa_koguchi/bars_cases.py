@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from rotor_fmu.errors import writable_folder
-from rotor_fmu.figure_style import save
 from rotor_fmu.files import write_text
+from rotor_fmu.plotting.figure_style import save
 from rotor_fmu.runs.report import Column, Report
 
 from . import impact_plots as pictures

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.figure_style import save
 from rotor_fmu.files import unfinished, write_text
 from rotor_fmu.fmi.packing.python_fmu import package_name
+from rotor_fmu.plotting.figure_style import save
 from rotor_fmu.runs import run_plots
 from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare, write_json
 from rotor_fmu.runs.recording import Recording, load_recording

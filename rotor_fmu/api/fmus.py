@@ -8,9 +8,9 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..model.simulation import warn
+from ..run_status import messages_and_codes
 from ..runs.job import parse_starts
 from ..runs.recording import Recording
-from ..status import messages_and_codes
 from .machine import Machine, parse
 from .result import Result
 from .simulate import Signal, plan
@@ -79,7 +79,7 @@ def build_fmu(
     ...     rf.build_fmu(rf.load(), folder).name
     'RotorBearing.fmu'
     """
-    from ..fmi.packing.any_fmu import FmuKind
+    from ..fmi.packing.fmu_kinds import FmuKind
 
     kind = FmuKind(is_native, is_source, fmi)
     chosen_step = None if step is None else f"step = {step:g} s"

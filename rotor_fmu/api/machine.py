@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..machine_file.reading import si_text
+from ..machine_file.loading import si_text
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..model.simulation import RotorWarning
@@ -95,7 +95,7 @@ class Machine(LinearAnalyses):
         matplotlib.figure.Figure
             The drawing.
         """
-        from ..fmi.packing.machine_picture import machine_figure
+        from ..plotting.machine_drawing import machine_figure
 
         return shown(machine_figure(self.rotor))
 

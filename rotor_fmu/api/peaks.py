@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from ..runs.plot_data import peak_index, why_no_peak
 from ..runs.run_down import Run
 from ..runs.summary import PEAKS_AFTER
-from ..runs.views import peak_index, why_no_peak
 
 
 class Peak(NamedTuple):

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 def response(machine: Machine | Rotor | Path | str, **options: Any) -> ResponseResult:
     """Periodic motions of a machine with its contacts, over its speed or another parameter: see
-    `rotor_fmu.periodic.answers.answer` for the options.
+    `rotor_fmu.periodic.request.answer` for the options.
 
     >>> import rotor_fmu as rf
     >>> found = rf.response("examples/jeffcott_rub/jeffcott.toml", speed=(60, 240))
     >>> [(b.kind, round(b.value, 2)) for b in found.bifurcations]
     [('fold', 202.21), ('grazing', 138.5)]
     """
-    from ..periodic.answers import answer  # with SciPy, which runs do without
+    from ..periodic.request import answer  # with SciPy, which runs do without
 
     return answer(machine.rotor if isinstance(machine, Machine) else machine, **options)

@@ -15,9 +15,9 @@ import numpy as np
 from ..errors import InputError
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
-from ..report.measuring_points import Recorded
 from ..runs.recording import load_recording
 from ..runs.run_down import Run
+from ..vibration.measuring_points import Recorded
 from .machine import Machine
 from .peaks import Peaks, peaks_of
 from .pictures import png, shown
@@ -198,8 +198,8 @@ class Result(RecordedSignals):
         InputError
             If there is no such kind of picture.
         """
-        from ..report.signal_plots import KINDS
-        from ..report.view import View
+        from ..plotting.signal_plots import KINDS
+        from ..plotting.view import View
 
         if kind not in KINDS:
             raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
@@ -241,8 +241,8 @@ class Result(RecordedSignals):
         return f"<table>{rows}</table>{self._picture()}"
 
     def _picture(self) -> str:
+        from ..runs.plot_data import place_of
         from ..runs.run_plots import motion
-        from ..runs.views import place_of
 
         if len(self.t) < 3 or place_of(self.recording.columns) is None:
             return ""

@@ -14,10 +14,10 @@ from ..fmi.variables import Variable
 from ..model.settings import PRESETS
 from ..model.simulation import warn
 from ..model.time_loop.recorder import Record
+from ..runs.input_signals import Signals
 from ..runs.job import Job, make_job, parse_settings, verified
 from ..runs.recording import Recording
 from ..runs.run_down import Run, run_recorded, usual
-from ..runs.signals import Signals
 from .machine import Machine
 from .result import Result
 

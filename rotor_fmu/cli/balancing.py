@@ -10,8 +10,8 @@ import typer
 from ..errors import InputError
 from ..output_options import with_output_options
 from ..units import in_si
-from .answers import machine_in_units, print_answer
 from .shared import PictureFolder, RotorFile, Units
+from .show_result import machine_in_units, print_answer
 from .speeds import one_speed
 
 
@@ -50,7 +50,7 @@ def balance(
         raise InputError("--speed and --plane: must be given, such as --speed 1500rpm --plane 4")
     speeds, machine = [one_speed(text) for text in speed], machine_in_units(rotor, units)
     amount = None if trial is None else in_si("--trial", trial, "kg.m")
-    from ..acceptance.balancing import balance as balanced
+    from ..trial_balancing import balance as balanced
 
     result = balanced(machine, speeds, plane, measured=node, trial=amount)
     return print_answer(result, result.table(), result.figure(), out, "balance")

@@ -12,8 +12,8 @@ import typer
 from ..errors import InputError, writable_folder
 from ..files import write_text
 from ..output_options import with_output_options
-from .answers import machine_in_units, print_answer
 from .shared import PictureFolder, Units
+from .show_result import machine_in_units, print_answer
 from .speeds import number_range, speed_range
 
 if TYPE_CHECKING:

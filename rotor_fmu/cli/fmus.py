@@ -92,7 +92,7 @@ def build(
 ) -> dict[str, Any]:
     """Build the FMU of a machine, driven by its speed or by a torque, with or without Python."""
     # imported when it is called: the help needs none of it
-    from ..fmi.packing.any_fmu import FmuKind
+    from ..fmi.packing.fmu_kinds import FmuKind
     from ..linear.machine_warnings import machine_warnings
     from ..runs.job import load_rotor, parse_starts
 

@@ -11,8 +11,8 @@ import typer
 
 from ..errors import InputError
 from ..output_options import with_output_options
-from .answers import machine_in_units, print_answer
 from .shared import Contacts, PictureFolder, RotorFile, Units
+from .show_result import machine_in_units, print_answer
 from .speeds import One, one_speed, speed_range
 
 _POINTS = 801

@@ -9,8 +9,8 @@ import typer
 
 from ..errors import InputError
 from ..output_options import with_output_options
-from .answers import machine_in_units, name_films, print_answer
 from .shared import Contacts, PictureFolder, RotorFile, Units, check_count
+from .show_result import machine_in_units, name_films, print_answer
 from .speeds import (
     One,
     OperatingRange,
@@ -45,8 +45,8 @@ def modes(
     from ..linear import answers
 
     check_count(count, _MOST_MODES)
-    from ..figure_style import save
     from ..linear.mode_shapes import mode_shapes_figure
+    from ..plotting.figure_style import save
 
     result = answers.modes(machine, at, count=count, contacts=contacts)
     name_films(machine)

@@ -24,7 +24,7 @@ def page(
     # imported when it is called: the help needs none of it
     from ..fmi.packing.machine_files import machine_of
     from ..linear.machine_warnings import machine_warnings
-    from ..live.page import solver_page
+    from ..live.live_page import solver_page
     from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)

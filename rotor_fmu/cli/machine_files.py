@@ -21,7 +21,7 @@ def schema_command(
     as_page: Annotated[bool, typer.Option("--page", help="Print a page in Markdown.")] = False,
 ) -> None:
     """Print all tables and keys of a machine file, as a JSON schema for editors or as a page."""
-    from ..machine_file.page import page
+    from ..machine_file.reference_page import page
     from ..machine_file.schema import schema
 
     typer.echo(page() if as_page else json.dumps(schema(), indent=2))
@@ -89,7 +89,7 @@ def import_ross(
     out: Annotated[Path, typer.Option(help="The machine file to write.")] = Path("machine.toml"),
 ) -> dict[str, Any]:
     """Convert a rotor that ROSS saved into a machine file."""
-    from ..machine_file.reading import import_ross as read
+    from ..machine_file.loading import import_ross as read
     from ..model.machine.writing import toml_text
 
     result = read("FILE", file)

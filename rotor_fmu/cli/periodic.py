@@ -124,7 +124,7 @@ def response(
         "branches": branches,
     }
     from ..model.periodic.laws import waits_for_compiler
-    from ..periodic.answers import found, question
+    from ..periodic.request import found, question
 
     task = question(machine, **asked)
     writable_folder(out)
@@ -164,7 +164,7 @@ def write_response(
     result: ResponseResult, name: str, summary: dict[str, Any], folder: Path
 ) -> None:
     """Write the picture, the page and the numbers of a response; name: of the machine."""
-    from ..figure_style import save
+    from ..plotting.figure_style import save
 
     if result.points:
         save(result.figure(), folder / "response.png")
@@ -204,7 +204,7 @@ def _progress(length: float, before: int, axis: Shown) -> Iterator[Callable[[str
 
 def _usual(machine: Rotor, over: str | None) -> str:
     """Return the speeds of a machine's response as an option gives them."""
-    from ..operation import operating_speeds
+    from ..operating_speeds import operating_speeds
 
     speeds = operating_speeds(machine)
     return f"{speeds.rated!r}" if over else f"{speeds.highest / 8.0!r}:{speeds.highest!r}"

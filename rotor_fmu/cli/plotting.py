@@ -15,10 +15,10 @@ from ..output_options import with_output_options
 from ..runs import PLOTS
 from ..runs.job import write_json
 from ..units import in_si
-from .answers import machine_in_units
 from .completion import one_of, places
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings
 from .shared import Page, Units, check_page
+from .show_result import machine_in_units
 from .speeds import OperatingRange, Rated, operating_range
 
 if TYPE_CHECKING:
@@ -65,10 +65,10 @@ def plot(
     at = None if speed is None else in_si("--speed", speed, "rad/s")
     if at == 0:
         raise InputError(f"--speed {speed}: must not be 0")
-    from ..figure_style import save
-    from ..plotting.reading import read_run
-    from ..report.signal_plots import KINDS
-    from ..report.view import View
+    from ..plotting.figure_style import save
+    from ..plotting.signal_plots import KINDS
+    from ..plotting.view import View
+    from ..saved_results.folders import read_run
     from ..vibration import TooFewTurns
 
     recorded = read_run(run)
@@ -160,7 +160,7 @@ def _report_of_machine(
     out: Path,
 ) -> dict[str, Any]:
     """Write the page of a machine and its numbers beside it."""
-    from ..acceptance.page import Question, machine_report
+    from ..machine_report.report_page import Question, machine_report
 
     check_page(out)
     asked = Question(*ends, probes, mode, clearances, couplings)
@@ -192,7 +192,7 @@ def _check_runs(paths: list[Path], is_live: bool) -> bool:
     """Raise `InputError` for folders that no page can be of; return whether it is of a study."""
     if not paths:
         raise InputError("RUN_OR_STUDY: must be given, or a machine by --rotor")
-    from ..plotting.reading import is_study
+    from ..saved_results.folders import is_study
 
     for path in paths:
         if not path.exists():
@@ -208,9 +208,9 @@ def _check_runs(paths: list[Path], is_live: bool) -> bool:
 
 
 def _live_page(path: Path, units: str | None) -> str:
-    from ..live.page import solver_page
+    from ..live.live_page import solver_page
     from ..live.recorded_run import machine_of_run, settings_of_run
-    from ..plotting.reading import read_run
+    from ..saved_results.folders import read_run
 
     run = read_run(path)
     recorded = machine_of_run(run)
@@ -219,9 +219,9 @@ def _live_page(path: Path, units: str | None) -> str:
 
 
 def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
-    from ..plotting.reading import read_study, rows_of_quantiles
-    from ..plotting.selected import pages_of_runs
-    from ..report.study import study_page
+    from ..report.study_page import study_page
+    from ..saved_results.folders import read_study, rows_of_quantiles
+    from ..saved_results.selected_runs import pages_of_runs
 
     about, rows = read_study(paths[0])
     choose(units, about.get("units", ""))
@@ -231,8 +231,8 @@ def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
 
 def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
     """Return the page of one or two runs, which lie wherever they lie."""
-    from ..plotting.reading import read_run, read_summary, told_apart
-    from ..report.page import runs_page
+    from ..report.run_page import runs_page
+    from ..saved_results.folders import read_run, read_summary, told_apart
 
     runs = [read_run(path) for path in paths]
     told_apart(runs, paths)

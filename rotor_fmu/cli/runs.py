@@ -114,7 +114,7 @@ def _run(
     """Make a run, write its results and return its figures."""
     from ..runs import job as jobs
     from ..runs.ramp import RampGiven
-    from ..runs.verification import finer_job
+    from ..runs.verify_run import finer_job
 
     begun = time.perf_counter()
     kind = "run-up" if is_up else "run-down"
@@ -168,7 +168,7 @@ def _carry_out(job: Job, fmu: Path | None, label: str, verify: bool) -> _Outcome
 
 def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[str, Any]:
     """Write CSV file, recording, pictures and page, and return the figures of the run."""
-    from ..report.page import write_report
+    from ..report.run_page import write_report
     from ..runs.job import write_csv
     from ..runs.run_plots import write_run_pictures
     from ..runs.summary import summary
@@ -190,8 +190,8 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
 
 def _print(outcome: _Outcome, report: Mapping[str, Any], out: Path) -> None:
     """Print what the run came to."""
-    from ..report.verification import text_of
-    from ..runs.sentences import sentences
+    from ..report.verification_table import text_of
+    from ..runs.summary_sentences import sentences
 
     if outcome.apart:
         is_held = outcome.job.signals.is_held

@@ -18,13 +18,13 @@ from rich.console import Console
 from ..cells import cell
 from ..display import choose, current
 from ..errors import InputError, optional, writable_folder
+from ..machine_studies.machine_runs import MachineRuns
+from ..machine_studies.response_runs import ResponseRuns
+from ..machine_studies.study_file import read_study
 from ..output_options import with_output_options
+from ..run_status import FAILED
 from ..screen import progress_of, text_table
-from ..status import FAILED
 from ..studies.executors import ExecutorConfig, engine
-from ..studies.machine.response_runs import ResponseRuns
-from ..studies.machine.runs import MachineRuns
-from ..studies.reading import read_study
 from ..studies.runner import Progress, run_study
 from ..studies.study import Study
 from .shared import Units
@@ -254,16 +254,16 @@ def _analyse(definition: Study, out: Path) -> dict[str, Any]:
 
 def _check_diagram(definition: Study) -> None:
     """Raise `InputError` for a study of which there is no diagram."""
-    from ..studies.machine.diagram import sections_of
+    from ..machine_studies.diagram import sections_of
 
     sections_of(definition)
 
 
 def _draw(definition: Study, out: Path) -> list[str]:
     """Draw the bifurcation diagrams of a study."""
-    from ..figure_style import save
+    from ..machine_studies.diagram import diagrams
+    from ..plotting.figure_style import save
     from ..studies.dataset import open_dataset
-    from ..studies.machine.diagram import diagrams
 
     drawn = []
     for name, figure in diagrams(definition, open_dataset(out), typer.echo).items():

@@ -13,9 +13,9 @@ from ..errors import InputError, writable_folder
 from ..files import unfinished
 from ..output_options import with_output_options
 from ..units import in_si, split
-from .answers import machine_in_units, name_films, print_answer
 from .nodes import Clearances, check_nodes, clearances_of
 from .shared import Contacts, RotorFile, Units
+from .show_result import machine_in_units, name_films, print_answer
 from .speeds import OperatingRange, Range, Rated, operating_range, speed_range, usual_speeds
 
 _POINTS = 401

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..files import unfinished
 from ..fmi.variables import Variable
-from ..model.spelling import Message
+from ..model.message_templates import Message
 from .master import Connection, Side, march
 from .member import Member
 from .partner import build_partner, example_folder, listed_variables
@@ -63,7 +63,7 @@ class CoupledRun:
 class Coupling:
     """A partner's FMU and its connections with the rotor's.
 
-    The source is a Python script with a slave of `rotor_fmu.cosimulation.slave`, its table
+    The source is a Python script with a slave of `rotor_fmu.cosimulation.partner_slave`, its table
     `VARIABLES`, and two lists of pairs (output, input), each named `partner.NAME` or `rotor.NAME`:
     `CONNECTIONS` holds at every communication point, `INITIAL` is carried out in turn while both
     FMUs are in the initialization mode.

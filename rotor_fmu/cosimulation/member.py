@@ -12,7 +12,7 @@ import fmpy
 
 from ..errors import RunFailed
 from ..fmi.log import read_message
-from ..model.spelling import Message
+from ..model.message_templates import Message
 
 
 class Member:

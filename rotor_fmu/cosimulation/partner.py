@@ -14,7 +14,7 @@ from ..fmi.description import complete
 from ..fmi.packing.archive import repack, wrap
 from ..fmi.python import wrapper
 from ..fmi.variables import Variable
-from . import slave
+from . import partner_slave
 
 
 def example_folder(name: str = "") -> Path:
@@ -32,7 +32,7 @@ def lay_out(folder: Path, out: Path) -> None:
         shutil.copyfile(file, out / file.name)
 
 
-def listed_variables(table: Sequence[slave.Listed]) -> tuple[Variable, ...]:
+def listed_variables(table: Sequence[partner_slave.Listed]) -> tuple[Variable, ...]:
     """Return the variables of a partner's FMU from its table `VARIABLES`."""
     return tuple(
         Variable(name, "Real", causality, text, unit, start, low=low)
@@ -51,7 +51,7 @@ def build_partner(source: Path, table: tuple[Variable, ...], target: Path) -> Pa
         # named after its content, so that two versions can live in one process
         script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
         script.write_text(text, encoding="utf-8")
-        beside = {"rotor_fmu_wrapper.py": wrapper, "rotor_fmu_slave.py": slave}
+        beside = {"rotor_fmu_wrapper.py": wrapper, "rotor_fmu_slave.py": partner_slave}
         for name, module in beside.items():
             shutil.copyfile(str(module.__file__), folder / name)
         wrap(script, [folder / name for name in beside], folder / "raw.fmu")

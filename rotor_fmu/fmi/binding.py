@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from ..model.machine.rotor import Rotor
+from ..model.message_templates import Message
 from ..model.parts.base import BASE
 from ..model.simulation import Simulation
-from ..model.spelling import Message
 from ..model.time_loop.recorder import Record
 from .interface import ports
 from .solver_parameters import settings_of

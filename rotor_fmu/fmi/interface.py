@@ -10,7 +10,7 @@ from ..model.parts import PARTS
 from ..model.parts.base import BASE, Port
 from ..model.quantities import ANY, Quantity
 from ..model.time_loop.observe import observed
-from ..operation import operating_speeds
+from ..operating_speeds import operating_speeds
 from .coupling_parameters import coupling_variables
 from .solver_parameters import solver_parameters
 from .variables import Variable

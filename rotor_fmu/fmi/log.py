@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ..model.spelling import Message
+from ..model.message_templates import Message
 
 _CODE = re.compile(r" \[([a-z-]+)\]")
 

@@ -13,11 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..model.machine.rotor import HYSTERETIC_AT_REST, Rotor
+from ..model.message_templates import choice
 from ..model.messages import CODES, SENTENCES, closed_at
 from ..model.quantities import ANY, LARGEST, Quantity, Rule
-from ..model.settings import messages as of_settings
+from ..model.settings import settings_messages as of_settings
 from ..model.settings.table import NAMES, SETTINGS, Number
-from ..model.spelling import choice
 from ..model.structure.assembly import interface_names
 from ..model.structure.parameter_locations import parameter_locations
 from ..model.structure.reduction import assembled

@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..model.message_templates import Message
 from ..model.settings import DEFAULT_PRESET, PRESETS, Settings, SettingsError, settings_of_given
 from ..model.settings.table import BY_NAME, MOST_MODES, NAMES, SETTINGS, Choice, Number
-from ..model.spelling import Message
 from .variables import Variable
 
 AS_PRESET = "as the preset"

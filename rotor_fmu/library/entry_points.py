@@ -1,6 +1,7 @@
-"""The functions of the library: of addresses and numbers alone, each returning 0 where all is well:
-those of a run (`model.time_loop.entries`), of laws (`model.step.sampled_laws`) and of periodic
-motions (`model.periodic.entries`) a status, the others the code of a message (`messages`).
+"""The functions that the solver library exports. Their arguments are addresses and numbers alone,
+and they return 0 where all is well: otherwise those of a run (`model.time_loop.entry_points`), of
+laws (`model.step.laws_along_motion`) and of periodic motions (`model.periodic.entry_points`) a
+status, the others the code of a message (`messages`).
 
 block: of a run (`model.time_loop.block`), of laws or of periodic motions; given, own: the solver's
 settings (`settings.resolver`); arguments: the numbers of the message, at most `MOST_ARGUMENTS`.
@@ -16,11 +17,11 @@ from numba import literal_unroll, types
 
 from ..model import messages, outcomes
 from ..model.kernels.jit import jit
-from ..model.periodic import entries as periodic
+from ..model.periodic import entry_points as periodic
 from ..model.settings import resolver
-from ..model.step import sampled_laws
-from ..model.step.status import DONE
-from ..model.time_loop import entries
+from ..model.step import laws_along_motion
+from ..model.step.step_status import DONE
+from ..model.time_loop import entry_points
 from ..model.time_loop.block import LAYOUT
 from ..model.warnings import RUN_WARNINGS
 
@@ -103,19 +104,19 @@ FUNCTIONS = {
         rotor_settings_warning,
         (_BLOCK, _NUMBERS, _NUMBERS, _NUMBERS, types.int64),
     ),
-    "rotor_start": (_source(entries.start), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_advance": (_source(entries.advance), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_survey": (_source(entries.survey), (_BLOCK, _REAL, types.int64)),
-    "rotor_refresh_outputs": (_source(entries.refresh_outputs), (_BLOCK,)),
-    "rotor_retune": (_source(entries.retune), (_BLOCK, types.int64)),
-    "rotor_differentiate": (_source(entries.differentiate), (_BLOCK, types.int64)),
+    "rotor_start": (_source(entry_points.start), (_BLOCK, _REAL, _REAL, _REAL)),
+    "rotor_advance": (_source(entry_points.advance), (_BLOCK, _REAL, _REAL, _REAL)),
+    "rotor_survey": (_source(entry_points.survey), (_BLOCK, _REAL, types.int64)),
+    "rotor_refresh_outputs": (_source(entry_points.refresh_outputs), (_BLOCK,)),
+    "rotor_retune": (_source(entry_points.retune), (_BLOCK, types.int64)),
+    "rotor_differentiate": (_source(entry_points.differentiate), (_BLOCK, types.int64)),
     "rotor_no_rest": (rotor_no_rest, (_BLOCK, types.int64, _NUMBERS)),
     "rotor_growth": (rotor_growth, (_BLOCK, _NUMBERS)),
     "rotor_unstable": (rotor_unstable, (_BLOCK, _NUMBERS)),
     "rotor_hidden": (rotor_hidden, (_BLOCK, _NUMBERS)),
     "rotor_outcome": (rotor_outcome, (_BLOCK, types.int64, _NUMBERS)),
-    "rotor_call_laws": (_source(sampled_laws.call_laws), (_BLOCK, *4 * (_REAL,))),
-    "rotor_vibrate_laws": (_source(sampled_laws.vibrate_laws), (_BLOCK, _REAL, _REAL, _REAL)),
-    "rotor_find_openings": (_source(sampled_laws.find_openings), (_BLOCK,)),
+    "rotor_call_laws": (_source(laws_along_motion.call_laws), (_BLOCK, *4 * (_REAL,))),
+    "rotor_vibrate_laws": (_source(laws_along_motion.vibrate_laws), (_BLOCK, _REAL, _REAL, _REAL)),
+    "rotor_find_openings": (_source(laws_along_motion.find_openings), (_BLOCK,)),
     "rotor_step_through": (_source(periodic.step_through), (_BLOCK, _REAL)),
 }

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..display import current, speed_with_unit
-from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..model.linear.amplification import DAMPED
 from ..model.linear.critical_map import BearingStiffness, CriticalMap
 from ..model.linear.stability_levels import LEAST_LOG_DEC, StabilityLevel1, StabilityLevel2
 from ..model.linear.unbalance_check import ProbeCritical, UnbalanceCheck
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
 from .linear_plots import PURPLE, new_figure, shade, titled
 
 _DASHES = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (6, 2, 1, 2)))

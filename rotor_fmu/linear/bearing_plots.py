@@ -10,11 +10,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..display import current, speed_with_unit
-from ..figure_style import BLUE, ORANGE, PlainFigure
-from ..model.linear.bearing import ANGLES, BearingCurves
-from ..model.linear.damper import DamperCurves
-from ..model.linear.floating_ring import RingCurves
-from ..model.linear.rolling import RollingCurves
+from ..model.linear.damper_curves import DamperCurves
+from ..model.linear.floating_ring_curves import RingCurves
+from ..model.linear.journal_bearing_curves import ANGLES, BearingCurves
+from ..model.linear.rolling_bearing_curves import RollingCurves
+from ..plotting.figure_style import BLUE, ORANGE, PlainFigure
 from .bearing_tables import bearing_table, ring_table, rolling_table
 from .linear_plots import COLORS, PURPLE, new_figure, style
 

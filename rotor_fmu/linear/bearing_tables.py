@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from ..display import current, speed_with_unit
-from ..model.linear.bearing import BearingCurves
-from ..model.linear.damper import DamperCurves
-from ..model.linear.floating_ring import RingCurves
-from ..model.linear.rolling import RollingCurves
+from ..model.linear.damper_curves import DamperCurves
+from ..model.linear.floating_ring_curves import RingCurves
+from ..model.linear.journal_bearing_curves import BearingCurves
+from ..model.linear.rolling_bearing_curves import RollingCurves
 from .linear_tables import Table
 
 

@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 
 from ..display import current
 from ..errors import InputError, read_text
-from ..figure_style import BLUE, GREEN, GREY, ORANGE
 from ..model.linear import frequency_response as model
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
 from .acceptance_plots import plain_ticks
 from .answers import Displayed, Machine, displayed, rotor_of
 from .linear_plots import PURPLE, new_figure, titled

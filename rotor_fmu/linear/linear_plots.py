@@ -14,12 +14,12 @@ from matplotlib.lines import Line2D
 from scipy.interpolate import BPoly
 
 from ..display import current, frequency_unit, shown_speed
-from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.campbell import Campbell
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, PLANAR, Modes
 from ..model.linear.static import Static
 from ..model.linear.unbalance import UnbalanceResponse
-from .labels import write_labels
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
+from ..plotting.labels import write_labels
 from .linear_tables import turns
 
 PURPLE, RANGE = "#cc79a7", "#56b4e9"

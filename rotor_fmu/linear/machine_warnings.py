@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model.linear.machine import OPEN, LinearError, LinearMachine
+from ..model.linear.linear_machine import OPEN, LinearError, LinearMachine
 from ..model.linear.modes import modes
 from ..model.machine.rotor import Rotor
 from ..model.outcomes import grows_at_rest

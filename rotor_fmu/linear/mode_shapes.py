@@ -11,8 +11,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from ..display import current, frequency_unit, shown_speed
-from ..figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from ..model.linear.modes import BACKWARD, FORWARD, MIXED, Modes
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure
 from .linear_plots import deflection, titled
 from .linear_tables import turns
 

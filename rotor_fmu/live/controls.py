@@ -14,8 +14,8 @@ from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
 from ..model.quantities import ANY, Rule
 from ..model.structure.assembly import assemble
-from ..operation import operating_speeds
-from ..report.measuring_points import spoken
+from ..operating_speeds import operating_speeds
+from ..vibration.measuring_points import spoken
 
 # What the page sets by itself from the course of the speed, and what no host can set.
 NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)

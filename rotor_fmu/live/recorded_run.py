@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import InputError
 from ..fmi.packing.machine_files import Machine, machine_of
 from ..fmi.solver_parameters import REDUCTION
-from ..report.measuring_points import Recorded
+from ..vibration.measuring_points import Recorded
 from .controls import NO_CONTROLS
 
 _STRAIGHT = 1e-6  # of the largest speed: how far a ramp may be from a straight line

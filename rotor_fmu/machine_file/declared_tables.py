@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields
 from typing import Any
 
-from ..model.machine.operation import Operation
+from ..model.machine.operating_speeds import Operation
 from ..model.machine.rotor import Rotor
 from ..model.parts import PARTS
 from ..model.parts.base import Part

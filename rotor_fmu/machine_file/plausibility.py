@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Body
 from ..model.quantities import quantities
-from ..operation import operating_speeds
+from ..operating_speeds import operating_speeds
 
 
 class Usual(NamedTuple):

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..display import current
 from ..report.packed import COARSE, packed
-from ..report.page import page, template
 from ..report.report_tables import table
+from ..report.run_page import page, template
 
 if TYPE_CHECKING:
     from .result import ResponseResult

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..display import current
-from ..figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 from ..linear.linear_plots import titled
 from ..model.periodic.branch import BRANCHING, DOUBLING, FOLD, GRAZING, TORUS
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 from .result import pieces
 
 if TYPE_CHECKING:

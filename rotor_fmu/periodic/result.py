@@ -16,15 +16,15 @@ from ..display import Shown, current
 from ..errors import InputError
 from ..linear.linear_tables import Table
 from ..model.machine.rotor import Rotor
+from ..model.message_templates import Message
 from ..model.parts.base import Probe
 from ..model.periodic.arclength import Lost
 from ..model.periodic.branch import FOLD, Bifurcation, Solution
-from ..model.periodic.evaluation import at, folds_over, stays
 from ..model.periodic.folds import FoldCurve
-from ..model.periodic.seeds import Stay
-from ..model.periodic.task import Note, Response
+from ..model.periodic.problem import Note, Response
+from ..model.periodic.queries import at, folds_over, stays
+from ..model.periodic.starting_points import Stay
 from ..model.quantities import QuantityError
-from ..model.spelling import Message
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -17,12 +17,12 @@ import numpy as np
 
 from ..about import __version__
 from ..files import only_call
+from ..model.message_templates import Message
 from ..model.periodic.arclength import Point
 from ..model.periodic.balance import Orbit
 from ..model.periodic.branch import Bifurcation, Passed, Place, Solution
-from ..model.periodic.journal import Ended, Event, Journal, Start, Started
-from ..model.periodic.task import Note
-from ..model.spelling import Message
+from ..model.periodic.checkpoint import Ended, Event, Journal, Start, Started
+from ..model.periodic.problem import Note
 
 FILE, LOCK = "points.jsonl", "points.lock"
 _KINDS: Mapping[str, Callable[..., Any]] = {

@@ -1,1 +1,1 @@
-"""Reading recorded runs and studies for pictures and reports."""
+"""Pictures of machines and of recorded signals, and the common style of all pictures."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..display import current
 from ..model.linear.campbell import campbell
-from ..model.linear.machine import OPEN, PINNED, LinearError, LinearMachine, lowest_speed
+from ..model.linear.linear_machine import OPEN, PINNED, LinearError, LinearMachine, lowest_speed
 from ..model.machine.rotor import Rotor
-from .measuring_points import Recorded, hertz
+from ..vibration.measuring_points import Recorded, hertz
 
 _SPEEDS, _MODES, _MOST = 15, 8, 6
 _LEAST = 0.02  # of the highest speed: below lie rigid-body motions

@@ -12,10 +12,10 @@ import numpy as np
 
 from .. import vibration
 from ..display import current, shown_speed
-from ..status import FAILED, OK
+from ..run_status import FAILED, OK
 from ..vibration import TooFewTurns
-from .measuring_points import Recorded
-from .verification import headline_of, rows_of
+from ..vibration.measuring_points import Recorded
+from .verification_table import headline_of, rows_of
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
 _SUMMARY = {

@@ -9,8 +9,8 @@ import numpy as np
 from .. import vibration
 from ..display import current
 from ..vibration import Synchronous, TooFewTurns
+from ..vibration.measuring_points import MeasuringPoint, Recorded, hertz
 from .criticals import criticals_of
-from .measuring_points import MeasuringPoint, Recorded, hertz
 from .packed import COARSE, packed
 
 _ROWS = 2000  # of curves over speed

@@ -24,22 +24,22 @@ from ..fmi.solver_parameters import (
     settings_of,
 )
 from ..fmi.variables import Variable
+from ..machine_file.loading import machine_text
 from ..machine_file.plausibility import questions
-from ..machine_file.reading import machine_text
 from ..model.machine.rotor import Rotor
 from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.quantities import QuantityError
 from ..model.settings import PRESETS, Settings, SettingsError
 from ..model.simulation import EquilibriumError
 from ..output_options import json_text
-from ..status import FAILED, with_doubt
+from ..run_status import FAILED, with_doubt
 from ..units import in_si, split
 from . import PLOTS
+from .input_signals import Signals, make_signals, read_signals
 from .progress import shown
 from .ramp import RampGiven
 from .recording import Recording
 from .run_down import Plan, Run, run_direct, run_fmu, run_recorded
-from .signals import Signals, make_signals, read_signals
 
 # What a run leaves in its folder.
 RESULTS = (
@@ -262,7 +262,7 @@ def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run,
     """Make a run and compare it with the same run, solved more finely; the comparison is added to
     the recording, and the run is doubtful if it is not confirmed. Raises `InputError` if there is
     no finer run."""
-    from .verification import NOT_CONFIRMED, NOT_CONFIRMED_CODE, compare, finer_job
+    from .verify_run import NOT_CONFIRMED, NOT_CONFIRMED_CODE, compare, finer_job
 
     if run.status.startswith(FAILED):
         return run, recording

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from ..errors import InputError
 from ..model.machine.rotor import Rotor
-from ..operation import operating_speeds
+from ..operating_speeds import operating_speeds
 from ..units import in_si
-from .signals import Ramp
+from .input_signals import Ramp
 
 _UNITS = {"--from": "rad/s", "--to": "rad/s", "--rate": "rad/s2", "--hold": "s"}
 

@@ -21,15 +21,15 @@ from ..fmi.binding import build_simulation, load_names
 from ..fmi.log import read_message
 from ..fmi.variables import Variable
 from ..model.machine.rotor import Rotor
+from ..model.message_templates import Message
 from ..model.simulation import StepFailure
-from ..model.spelling import Message
 from ..model.structure.reduction_offer import reduction_offer
 from ..model.time_loop.recorder import Record, recordable
+from ..run_status import FAILED, messages_and_codes, status_of
 from ..short_repr import ShortRepr
-from ..status import FAILED, messages_and_codes, status_of
+from .input_signals import Driver, Signals
 from .progress import ReportProgress, silent
 from .recording import Recording
-from .signals import Driver, Signals
 
 _RECORDER_ROWS = 16384  # of one communication interval, some 250 turns
 _USUAL = {("", "phi"), ("", "w"), ("", "tau"), ("solver", "h_last"), ("solver", "error")}

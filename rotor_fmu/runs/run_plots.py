@@ -14,12 +14,8 @@ from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
 
 from ..display import current, shown_speed, speed_with_unit
-from ..figure_style import BLUE, GREY, ORANGE, new_figure, save
-from .recording import Recording
-from .run_down import Run
-from .sentences import spoken
-from .summary import PEAKS_AFTER
-from .views import (
+from ..plotting.figure_style import BLUE, GREY, ORANGE, new_figure, save
+from .plot_data import (
     TURN,
     contact_of,
     envelope,
@@ -32,6 +28,10 @@ from .views import (
     spectrum,
     time_share,
 )
+from .recording import Recording
+from .run_down import Run
+from .summary import PEAKS_AFTER
+from .summary_sentences import spoken
 
 _PSI_TICKS = (
     [0, 90, 180, 270, 360],

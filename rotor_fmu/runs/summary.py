@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..status import messages_and_codes
+from ..run_status import messages_and_codes
+from .plot_data import contact_of, peak_index, place_of, why_no_peak
 from .run_down import Run
-from .views import contact_of, peak_index, place_of, why_no_peak
 
 PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]

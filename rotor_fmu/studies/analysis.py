@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError
-from ..status import FAILED, OK
+from ..run_status import FAILED, OK
 from .dataset import about_of, open_dataset
 from .design import SENSITIVITY, Axis, Design, Distribution
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ..errors import InputError, optional
-from ..status import FAILED
+from ..run_status import FAILED
 from ..threads import ONE_THREAD
 from .study import Model, Result
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import RunFailed
-from ..status import FAILED
+from ..run_status import FAILED
 from .executors import Chunk, Done, Engine, run_chunk, worker_errors
 from .store import Row, Store
 from .study import Result, Study

@@ -32,8 +32,8 @@ class Column:
 
 @dataclass(frozen=True)
 class Result:
-    """The result of one run: its status (see `rotor_fmu.status`), and the cells by the names of the
-    columns, none of a failed run."""
+    """The result of one run: its status (see `rotor_fmu.run_status`), and the cells by the names of
+    the columns, none of a failed run."""
 
     status: str
     cells: Mapping[str, Cell]

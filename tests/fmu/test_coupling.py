@@ -16,7 +16,7 @@ from pythonfmu import DefaultExperiment
 try:
     from rotor_fmu_slave import BEGUN, TableSlave, hold
 except ImportError:
-    from rotor_fmu.cosimulation.slave import BEGUN, TableSlave, hold
+    from rotor_fmu.cosimulation.partner_slave import BEGUN, TableSlave, hold
 hold(globals())
 VARIABLES = (
     ("tau", "input", "N.m", 0.0, None, "torque on the rotor"),

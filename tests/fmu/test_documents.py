@@ -15,7 +15,7 @@ from rotor_fmu.about import __version__
 from rotor_fmu.fmi.description import default_experiment, summary
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 import scipy.linalg
-from rotor_fmu.model.linear.machine import LinearMachine
+from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.cosimulation.coupling import example_coupling

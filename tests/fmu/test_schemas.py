@@ -12,7 +12,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.cosimulation.coupling import example_coupling
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 from .test_hosts import needs
 

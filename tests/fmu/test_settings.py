@@ -5,8 +5,8 @@ import random
 import pytest
 from rotor_fmu.model import messages
 from rotor_fmu.model.machine.toml import rig
+from rotor_fmu.model.message_templates import choice, spell
 from rotor_fmu.model.settings import SettingsError
-from rotor_fmu.model.spelling import choice, spell
 
 from rotor_fmu.fmi.binding import build_simulation
 from rotor_fmu.fmi.interface import interface

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from rotor_fmu.files import write_text
 from rotor_fmu.fmi.packing.machine_files import machine_of
-from rotor_fmu.live.page import solver_page, solver_table
+from rotor_fmu.live.live_page import solver_page, solver_table
 
 from ..browser import NASTY, RIGHT, Page, look
 from .wasm import Native, rows_of

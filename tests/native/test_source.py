@@ -16,7 +16,7 @@ from fmpy.validation import validate_fmu
 from rotor_fmu.errors import InputError
 from rotor_fmu.fmi.machine_table import FILE
 from rotor_fmu.fmi.packing.source_fmu import build_source
-from rotor_fmu.library import source
+from rotor_fmu.library import c_source
 from rotor_fmu.library.platforms import PLATFORMS
 
 from .emulated import QEMU, bits_of, need
@@ -131,12 +131,12 @@ def test_the_c_is_made_once_for_a_version_of_the_kernels(monkeypatch, tmp_path):
         (folder / "wasm_kernels.c").write_text(f"/* {len(made)} */")
 
     monkeypatch.setenv("ROTOR_FMU_CACHE", str(tmp_path))
-    monkeypatch.setattr(source, "_write_kernels", write)
-    first = source.source_files()
-    assert source.source_files() == first
+    monkeypatch.setattr(c_source, "_write_kernels", write)
+    first = c_source.source_files()
+    assert c_source.source_files() == first
     assert len(made) == 1
-    monkeypatch.setattr(source, "emitted_digest", lambda: "of other kernels")
-    assert source.source_files()["wasm_kernels.c"] == b"/* 2 */"
+    monkeypatch.setattr(c_source, "emitted_digest", lambda: "of other kernels")
+    assert c_source.source_files()["wasm_kernels.c"] == b"/* 2 */"
     monkeypatch.undo()
     folders = sorted(folder.name for folder in (tmp_path / "native").iterdir())
     assert len(folders) == 2
@@ -180,11 +180,11 @@ def test_a_tool_that_is_missing_or_another_is_one_sentence(tmp_path, script, sai
 
 def test_zig_that_is_missing_is_named(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", tool(tmp_path, "echo 1.0.32"))
-    monkeypatch.setattr(source, "find_spec", lambda name: None if name == "ziglang" else name)
+    monkeypatch.setattr(c_source, "find_spec", lambda name: None if name == "ziglang" else name)
     with pytest.raises(
         InputError, match=r"ziglang is not installed: pip install 'rotor-fmu\[build"
     ):
-        source._tool()
+        c_source._tool()
 
 
 @pytest.mark.parametrize("beside", [["--native"], ["--platform", "here"]])

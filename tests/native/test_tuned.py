@@ -9,7 +9,7 @@ from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.structure.assembly import assemble
 
 from rotor_fmu.cosimulation.partner import example_folder
-from rotor_fmu.machine_file.reading import machine_text
+from rotor_fmu.machine_file.loading import machine_text
 
 from ..fmu.skins import Discarded, Extracted, Refused
 from .test_coupling_calls import H, Host

@@ -11,7 +11,7 @@ import pytest
 from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.library.build import library
 from rotor_fmu.library.platforms import WASM
-from rotor_fmu.live import page
+from rotor_fmu.live import live_page
 from rotor_fmu.runs.job import load_rotor
 
 from .wasm import Native, Wasmtime, rows_of
@@ -19,17 +19,17 @@ from .wasm import Native, Wasmtime, rows_of
 NODE = shutil.which("node")
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*/*.toml"))
 MACHINES = [file for file in EXAMPLES if file.parent.name != "studies"]
-SCRIPTS = Path(page.__file__).parent / "template"
+SCRIPTS = Path(live_page.__file__).parent / "template"
 # a run-down of half a second, what rubs changed
 COURSE = {"course.from": 400.0, "course.to": 395.0, "course.rate": 10.0}
 
 
 def run_in_node(machine, values, folder):
     """Rows, the plan and the reason of an early end, of the page's own scripts."""
-    (folder / "data.json").write_text(json.dumps(page.page_data(machine)))
+    (folder / "data.json").write_text(json.dumps(live_page.page_data(machine)))
     (folder / "values.json").write_text(json.dumps(values))
     (folder / "wasm").write_bytes(library(WASM).read_bytes())
-    (folder / "table").write_bytes(page.solver_table(machine))
+    (folder / "table").write_bytes(live_page.solver_table(machine))
     scripts = [SCRIPTS / name for name in ("solver.js", "plan.js")]
     command = [NODE, Path(__file__).with_name("page_run.mjs"), folder, *scripts]
     subprocess.run(command, check=True, capture_output=True, text=True)
@@ -59,7 +59,7 @@ def test_v8_wasmtime_and_the_processor_agree_in_every_bit(machine, tmp_path):
     rows, plan, failure = run_in_node(machine, changed(machine), tmp_path)
     assert failure == ""
     assert len(rows) == plan["rows"] == 501
-    table = page.solver_table(machine)
+    table = live_page.solver_table(machine)
     native = rows_of(Native(table), plan)
     assert native.tobytes() == rows.tobytes()
     moved = native[:, 1:].std(axis=0)

@@ -11,7 +11,7 @@ import pytest
 from rotor_fmu.model.machine.toml import parse_rotor, rig
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation, StepFailure
-from rotor_fmu.model.stability import memory
+from rotor_fmu.model.stability import survey_block
 from rotor_fmu.model.stability.eigenvalues import eigenvalues
 
 from rotor_fmu.fmi.log import with_code
@@ -204,7 +204,7 @@ def test_a_long_shaft_is_surveyed_by_its_modes(make, monkeypatch):
         coarse.advance(machine.t, 400.0)
         assert (machine.read() == observed(coarse, machine.computed)).all()
     machine.close()
-    monkeypatch.setattr(memory, "MOST_DOFS", 100)
+    monkeypatch.setattr(survey_block, "MOST_DOFS", 100)
     whole = Simulation(parse_rotor(toml), speed=400.0)
     bases = [simulation._run.survey.basis.shape[1] for simulation in (coarse, whole)]
     assert len(coarse.structure.weight) == 82

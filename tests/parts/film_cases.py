@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from rotor_fmu.model.linear.bearing import BearingAlone
+from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.rotor import Rotor
-from rotor_fmu.model.parts.conditions import Start
+from rotor_fmu.model.parts.base_and_start import Start
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.squeeze_film_damper import SqueezeFilmDamper
 from rotor_fmu.model.simulation import Simulation

@@ -4,12 +4,12 @@ import numpy as np
 from rotor_fmu.model.backend import bound_unless_compiled
 from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.parts import LAWS
-from rotor_fmu.model.step.sampled_laws import alone as one_alone
-from rotor_fmu.model.step.sampled_laws import block_of, call_laws
+from rotor_fmu.model.step.laws_along_motion import alone as one_alone
+from rotor_fmu.model.step.laws_along_motion import block_of, call_laws
 
 
 class StatedLaw:
-    """The functions of a law that stands alone (`model.parts.law_alone`)."""
+    """The functions of a law that stands alone (`model.parts.law_probe`)."""
 
     def __init__(self, alone):
         self.alone, self.law, self.speed = alone, alone._law, alone.speed

@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import bearing_curves, modes
-from rotor_fmu.model.linear.bearing import BearingAlone
+from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
-from rotor_fmu.model.parts.film_heat import oil_of
+from rotor_fmu.model.parts.film_viscosity import oil_of
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose

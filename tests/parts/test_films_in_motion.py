@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from rotor_fmu.model.linear import bearing_curves, modes
-from rotor_fmu.model.linear.bearing import BearingAlone
+from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights

@@ -12,7 +12,7 @@ from rotor_fmu.model.kernels.jit import interpreted
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.floating_ring_bearing import FloatingRingBearing
 from rotor_fmu.model.parts.law import Weights
-from rotor_fmu.model.parts.law_alone import LawAlone
+from rotor_fmu.model.parts.law_probe import LawAlone
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure

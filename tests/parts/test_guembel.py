@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear.bearing import BearingAlone
-from rotor_fmu.model.linear.film_in_plane import film_in_plane
+from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
+from rotor_fmu.model.linear.reynolds_2d import film_in_plane
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights

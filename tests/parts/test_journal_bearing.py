@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rotor_fmu.model.linear.bearing import BearingAlone, critical_mass
+from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone, critical_mass
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rotor_fmu.model.contact.film import bearing_of
-from rotor_fmu.model.contact.tilting import pad_balance
+from rotor_fmu.model.film.bearing_film import bearing_of
+from rotor_fmu.model.film.tilting_pads import pad_balance
 from rotor_fmu.model.linear import (
     LinearError,
     bearing_curves,
@@ -16,7 +16,7 @@ from rotor_fmu.model.linear import (
     static,
     unbalance_response,
 )
-from rotor_fmu.model.linear.bearing import BearingAlone
+from rotor_fmu.model.linear.journal_bearing_curves import BearingAlone
 from rotor_fmu.model.machine.toml import parse_rotor
 from rotor_fmu.model.parts.journal_bearing import JournalBearing
 from rotor_fmu.model.parts.law import Weights

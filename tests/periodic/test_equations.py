@@ -31,7 +31,7 @@ KINDS = {
 @pytest.mark.parametrize("is_autonomous", [False, True])
 def test_the_jacobian_is_the_derivative(kind, is_autonomous):
     from rotor_fmu.model.periodic.balance import Parameter, Problem
-    from rotor_fmu.model.periodic.condensed import Condensed
+    from rotor_fmu.model.periodic.linear_structure import Condensed
 
     text = rigid(parts=bearings(OMEGA**2, 0.2 * OMEGA) + KINDS[kind] + MORE, gravity=9.81)
     machine = Condensed(rf.parse(text).rotor)

@@ -4,10 +4,10 @@ bifurcations that are located by these."""
 import numpy as np
 import pytest
 import scipy.integrate
-from rotor_fmu.model.periodic.condensed import Condensed
-from rotor_fmu.model.periodic.corners import Samples
 from rotor_fmu.model.periodic.floquet import multipliers
+from rotor_fmu.model.periodic.force_corners import Samples
 from rotor_fmu.model.periodic.fourier import derivative
+from rotor_fmu.model.periodic.linear_structure import Condensed
 
 import rotor_fmu as rf
 

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from rotor_fmu.model.periodic.condensed import Condensed
 from rotor_fmu.model.periodic.fourier import basis
+from rotor_fmu.model.periodic.linear_structure import Condensed
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.simulation import Simulation
 

@@ -5,15 +5,15 @@ import numpy as np
 import pytest
 import scipy.integrate
 from rotor_fmu.model.periodic import mesh
-from rotor_fmu.model.periodic.accuracy import Accuracy
 from rotor_fmu.model.periodic.arclength import solve
+from rotor_fmu.model.periodic.branch_switching import follow_switched
+from rotor_fmu.model.periodic.checkpoint import Journal
 from rotor_fmu.model.periodic.continuation import Search, follow, start_at
-from rotor_fmu.model.periodic.evaluation import at, folds_over
 from rotor_fmu.model.periodic.fourier import shifted
-from rotor_fmu.model.periodic.journal import Journal
+from rotor_fmu.model.periodic.harmonic_count import Accuracy
+from rotor_fmu.model.periodic.problem import PeriodicError, Response, Task, machines_of
+from rotor_fmu.model.periodic.queries import at, folds_over
 from rotor_fmu.model.periodic.shooting import Shooting
-from rotor_fmu.model.periodic.switching import follow_switched
-from rotor_fmu.model.periodic.task import PeriodicError, Response, Task, machines_of
 
 import rotor_fmu as rf
 

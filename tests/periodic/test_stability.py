@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
-from rotor_fmu.model.periodic.condensed import Condensed
 from rotor_fmu.model.periodic.fourier import basis
+from rotor_fmu.model.periodic.linear_structure import Condensed
 
 import rotor_fmu as rf
 

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from rotor_fmu.model.message_templates import Message
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import StepFailure
-from rotor_fmu.model.spelling import Message
 
 from papers.integrators.tolerances import TAME, TOLERANCES
-from rotor_fmu.status import DOUBTFUL, status_of
+from rotor_fmu.run_status import DOUBTFUL, status_of
 
 from .machines import Case
 from .truth import Truth

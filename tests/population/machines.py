@@ -10,10 +10,10 @@ import numpy as np
 from rotor_fmu.model.linear import unbalance_response
 from rotor_fmu.model.machine.rotor import Rotor
 from rotor_fmu.model.machine.toml import parse_rotor
+from rotor_fmu.model.message_templates import Message
 from rotor_fmu.model.parts.base import BASE
 from rotor_fmu.model.settings import Settings
 from rotor_fmu.model.simulation import Simulation
-from rotor_fmu.model.spelling import Message
 
 from rotor_fmu.fmi.interface import ports
 

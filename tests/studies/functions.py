@@ -8,8 +8,8 @@ import time
 from dataclasses import dataclass
 
 from rotor_fmu import studies
+from rotor_fmu.machine_studies.study_file import read_study
 from rotor_fmu.studies.executors import Engine, SerialExecutor
-from rotor_fmu.studies.reading import read_study
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.study import Column, Result
 
@@ -61,7 +61,7 @@ def study_text(kind="saltelli", size=16):
 
 def ishigami_study(folder, model=None, text=None):
     """The study read from a file in a folder."""
-    from rotor_fmu.studies.reading import read_study  # which a worker need not import
+    from rotor_fmu.machine_studies.study_file import read_study  # which a worker need not import
 
     path = folder / "study.toml"
     path.write_text(text or study_text())

@@ -11,10 +11,10 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
+from rotor_fmu.machine_studies.coupled_runs import _OF_THE_DRIVE, drive_train, fmus
+from rotor_fmu.machine_studies.study_file import read_study
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.executors import ExecutorConfig, engine
-from rotor_fmu.studies.machine.coupled import _OF_THE_DRIVE, drive_train, fmus
-from rotor_fmu.studies.reading import read_study
 from rotor_fmu.studies.runner import run_study
 
 from .functions import conducted, here, quiet

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from rotor_fmu import studies
-from rotor_fmu.studies.machine.runs import machine_of
-from rotor_fmu.studies.reading import read_study
+from rotor_fmu.machine_studies.machine_runs import machine_of
+from rotor_fmu.machine_studies.study_file import read_study
 from rotor_fmu.studies.runner import run_study
 
 from .functions import here, quiet

@@ -11,12 +11,12 @@ from scipy.signal import lsim
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
+from rotor_fmu.machine_studies.metric_cells import cells
+from rotor_fmu.machine_studies.metrics import Metric
+from rotor_fmu.machine_studies.monitor import Samples, Window
+from rotor_fmu.machine_studies.run_excitation import Excitation
+from rotor_fmu.machine_studies.study_file import read_study
 from rotor_fmu.runs.recording import load_recording
-from rotor_fmu.studies.machine.metric_cells import cells
-from rotor_fmu.studies.machine.metrics import Metric
-from rotor_fmu.studies.machine.monitor import Samples, Window
-from rotor_fmu.studies.machine.run_excitation import Excitation
-from rotor_fmu.studies.reading import read_study
 from rotor_fmu.studies.runner import run_study
 
 from .functions import conducted, here, quiet

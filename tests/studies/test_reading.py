@@ -7,8 +7,8 @@ import pytest
 
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
+from rotor_fmu.machine_studies.study_file import read_study
 from rotor_fmu.studies.design import Axis, Design, Distribution
-from rotor_fmu.studies.reading import read_study
 
 VALUES = "values = [40e-6, 60e-6]"
 STUDY = """

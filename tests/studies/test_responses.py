@@ -7,9 +7,9 @@ import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError
+from rotor_fmu.machine_studies.diagram import diagrams
+from rotor_fmu.machine_studies.study_file import read_study
 from rotor_fmu.studies.dataset import open_dataset
-from rotor_fmu.studies.machine.diagram import diagrams
-from rotor_fmu.studies.reading import read_study
 from rotor_fmu.studies.runner import run_study
 
 from ..periodic.machines import OMEGA, rub

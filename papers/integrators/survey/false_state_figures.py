@@ -19,7 +19,7 @@ from rotor_fmu.model.schemes.family import (
 )
 from rotor_fmu.model.structure.dense import clearance_contacts
 
-from rotor_fmu.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
+from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure
 
 from ..false_state import bouncing, one_axis
 from ..false_state import cycles as false_state

@@ -8,7 +8,7 @@ from pathlib import Path
 from string import Template
 
 from rotor_fmu.cells import markdown_table
-from rotor_fmu.figure_style import save
+from rotor_fmu.plotting.figure_style import save
 
 from .. import order_five, tolerances
 from . import false_state_figures, survey_plots

@@ -5,7 +5,7 @@
 #include <stdint.h>
 
 enum { RAISED = 1 << 20 };
-/* Of rotor_advance, and what else ends it early is above this (`model/step/status.py`). */
+/* Of rotor_advance, and what else ends it early is above this (`model/step/step_status.py`). */
 enum { UNFINISHED = 3, ENDED_EARLY = 8 };
 
 int32_t rotor_resolve_settings_kernel(int64_t *, void **, uint8_t *, double *, double *);

@@ -61,7 +61,7 @@ def documents(
     rotor: Rotor, table: Sequence[Variable], name: str, needs_python: bool, fmi: int
 ) -> dict[str, bytes]:
     """Return the files of the FMU called `name`, by their path in it; fmi: the version of FMI."""
-    from .machine_picture import machine_picture  # with matplotlib, which no run needs
+    from ...plotting.machine_drawing import machine_picture  # with matplotlib, which no run needs
 
     picture = machine_picture(rotor)
     related = related_files(rotor, name)

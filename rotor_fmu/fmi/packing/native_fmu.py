@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ...library.build import library
+from ...library.macos_universal import universal
 from ...library.platforms import COMPONENT, PLATFORMS, Platform
-from ...library.universal import universal
 from ..description import Described
 from ..solver_parameters import NO_STARTS
 from .archive import write_archive

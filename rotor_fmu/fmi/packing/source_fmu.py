@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
-from ...library.source import source_files
+from ...library.c_source import source_files
 from ..description import Described
 from ..solver_parameters import NO_STARTS
 from .archive import write_archive, xml_bytes

@@ -1,0 +1,1 @@
+"""Oil films, for the laws of parts: pressure, load and its derivatives, tilting pads, rings."""

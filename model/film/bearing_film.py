@@ -1,0 +1,293 @@
+"""A bearing's oil film: the force of all its pads on the journal, and its tangent.
+
+A pad is an arc of a circle of the radius R + c_p, whose centre lies c_p - c beyond the bearing's,
+away from the pad's pivot: c_p = c / (1 - preload). So the journal's displacement from the pad's
+centre is d + (c_p - c) exp(i pivot), and the film is `film_zone`'s.
+
+A table of numbers, `Law.table`: the count of pads, a row of `PAD` for each, and the work array.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.functions import angle, direction, modulus
+from ..kernels.jit import jit, jit_not_inlined
+from ..quantities import places
+from .full_film import full_load, full_tangent, solve_full
+from .load_derivatives import zone_tangent
+from .short_film import short_load
+from .zone_pressure import VECTORS, Film, solve_zone, zone_bound, zone_load
+
+# first and last angle [rad]; the journal's displacement from the pad's centre when it is in the
+# bearing's, over the clearance; the pad's clearance over the bearing's; whether it is a circle and
+# whether its film fills it (a short one never ruptures then; of another what is below rupture of
+# its pressure does not count, or, where it is `NEVER`, all does); whether nothing leaves at its
+# sides; the direction of its pivot, whether it tilts about that, and, as it was put last, its tilt
+# [m] and the rate of that [m/s]: how far the pad's centre moves across its pivot; and how far it
+# moves outwards, with its pivot [m], [m/s]
+PAD = places(
+    (
+        *("first", "last", "x", "y", "clearance", "is_whole", "is_full", "is_sealed"),
+        *("pivot_x", "pivot_y", "is_tilting", "tilt", "rate", "give", "giving"),
+    )
+)
+NEVER = 2.0  # ruptures a film that fills its pad
+TILTS = (1.0, 0.0, 0.0, 0.0, 0.0)  # how the row of a pad that tilts ends
+STANDS = (1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # and that of one that stands, its pivot too
+_SEALED = 1e-4  # a of `film_zone` of a film from which nothing flows; it fixes a full one's level
+TURNS = (-1, 0, 1, 2)  # half circles that a pad, whose first angle is in [0, 2 pi), may meet
+
+
+class FilmBearing(NamedTuple):
+    """What the film of a part and the contact behind it are made of, whatever the part: the place
+    of its table, quantities of `parts.film_law.FilmQuantities`, and by how much the pressure around
+    the film is above that at which it ruptures [Pa]."""
+
+    table: int
+    journal_radius: float
+    length: float
+    clearance: float
+    viscosity: float
+    roughness: float
+    short: float
+    points: float
+    k: float
+    c: float
+    delta_c: float
+    exponent: float
+    mu: float
+    v_s: float
+    mu_rise: float
+    v_stribeck: float
+    ambient: float
+
+
+@jit
+def bearing_with(part, viscosity, ambient):
+    """Return the `FilmBearing` of a part with a viscosity [Pa.s] and an ambient pressure [Pa]."""
+    return FilmBearing(
+        *(part.table, part.journal_radius, part.length, part.clearance, viscosity),
+        *(part.roughness, part.short, part.points, part.k, part.c, part.delta_c, part.exponent),
+        *(part.mu, part.v_s, part.mu_rise, part.v_stribeck, ambient),
+    )
+
+
+@jit
+def bearing_of(part):
+    """Return the `FilmBearing` of a part of constant viscosity."""
+    return bearing_with(part, part.viscosity, 0.0)
+
+
+class Pad(NamedTuple):
+    """A pad's `Film`; clearance [m]; the journal from its centre [m], and its velocity [m/s];
+    turning: of that, what its tilting pad does [m/s]; load: factor of the integral of
+    P exp(i theta) [N.s]; pressure: of P [Pa.s]."""
+
+    film: Film
+    clearance: float
+    displacement: complex
+    velocity: complex
+    turning: float
+    load: float
+    pressure: float
+
+
+@jit
+def pad_count(bearing, tables):
+    """Return how many pads a bearing has."""
+    return int(tables[bearing.table])
+
+
+@jit
+def pad_of(bearing, tables, kinematics, i):
+    """Return the `Pad` number i, and the work array of its zones."""
+    at = bearing.table + 1 + len(PAD) * i
+    c = bearing.clearance * tables[at + PAD.clearance]
+    d = kinematics.displacement + bearing.clearance * complex(
+        tables[at + PAD.x], tables[at + PAD.y]
+    )
+    v, turning = kinematics.velocity, 0.0
+    if tables[at + PAD.is_tilting] > 0.0:
+        across = complex(-tables[at + PAD.pivot_y], tables[at + PAD.pivot_x])
+        turning = tables[at + PAD.rate]
+        d += tables[at + PAD.tilt] * across
+        v += turning * across
+        give, giving = tables[at + PAD.give], tables[at + PAD.giving]
+        if give != 0.0 or giving != 0.0:
+            outwards = complex(across.imag, -across.real)
+            d -= give * outwards
+            v -= giving * outwards
+    inverse = 1.0 / c
+    D, V = d * inverse, v * inverse
+    S = 2.0 * V + complex(kinematics.speed * D.imag, -kinematics.speed * D.real)
+    R, L = bearing.journal_radius, bearing.length
+    ratio = 2.0 * R / L
+    pressure = 6.0 * bearing.viscosity * (R * inverse) * (R * inverse)
+    a, mean = 2.5 * ratio * ratio, 2.0 / 3.0
+    if tables[at + PAD.is_sealed] > 0.0:  # the same all along its length
+        a, mean, pressure = _SEALED, 1.0, 0.8 * pressure
+    ambient = bearing.ambient / pressure if bearing.ambient > 0.0 else 0.0
+    if tables[at + PAD.is_full] == NEVER:
+        ambient = math.inf
+    film = Film(
+        *(D, S, a, bearing.roughness * inverse),
+        *(tables[at + PAD.first], tables[at + PAD.last], tables[at + PAD.is_whole] > 0.0),
+        *(tables[at + PAD.is_full] > 0.0, int(bearing.points), ambient),
+    )
+    work = bearing.table + 1 + len(PAD) * pad_count(bearing, tables)
+    size = VECTORS * (film.n + 1)
+    load = mean * L * R * pressure
+    return Pad(film, c, d, v, turning, load, pressure), tables[work : work + size]
+
+
+@jit
+def short_share(bearing):
+    """Return P over f / H^3 of Ocvirk's film [1]."""
+    ratio = bearing.length / bearing.journal_radius
+    return 0.125 * ratio * ratio
+
+
+@jit_not_inlined
+def solved(film, bound, work):
+    """Return the `Zone` within a `Bound`, its pressure filled into `work`, and the integral of
+    P exp(i theta) over it [1/s]; of a full film that of what is above its rupture."""
+    if film.is_full:
+        zone = solve_full(film, work)
+        return zone, full_load(film, zone, work)
+    zone = solve_zone(film, bound, work)
+    return zone, zone_load(film, zone, work)
+
+
+@jit_not_inlined
+def film_force(bearing, tables, kinematics):
+    """Return the film's force on the journal [N]."""
+    force = 0.0j
+    for i in range(pad_count(bearing, tables)):
+        pad, work = pad_of(bearing, tables, kinematics, i)
+        film = pad.film
+        if film.S == 0.0:
+            continue
+        sense = angle(film.S)
+        for turn in TURNS:
+            acts, bound = zone_bound(film, sense, turn)
+            if not acts:
+                continue
+            if bearing.short > 0.0:
+                load, _, _, _, _ = short_load(
+                    film.D, film.S, film.floor, bound.low[1], bound.high[0]
+                )
+                force -= pad.load * short_share(bearing) * load
+            else:
+                _, load = solved(film, bound, work)
+                force -= pad.load * load
+    return force
+
+
+@jit
+def sensed(film):
+    """Return the film, and the angle about which its pressure builds up; one that does not move at
+    all yields first where the journal would sink."""
+    if film.S != 0.0:
+        return film, angle(film.S), 1.0
+    along = film.D if film.D != 0.0 else -1.0j
+    moving = Film(
+        *(film.D, along, film.a, film.floor, film.first, film.last, film.is_whole),
+        *(film.is_full, film.n, film.ambient),
+    )
+    return moving, angle(along), 0.0
+
+
+@jit_not_inlined
+def finite_load(film, bound, work):
+    """Return the integral of P exp(i theta) over the zone within a `Bound` [1/s] and its
+    derivative, as `short_load` does."""
+    zone, load = solved(film, bound, work)
+    if film.is_full:
+        p_D, q_D, p_S, q_S = full_tangent(film, zone, work)
+    else:
+        p_D, q_D, p_S, q_S = zone_tangent(film, zone, work)
+    return load, p_D, q_D, p_S, q_S
+
+
+class FilmSlopes(NamedTuple):
+    """A film's force on its journal [N], and its derivatives by the journal's displacement, p_d,
+    q_d, and velocity, p_v, q_v, as pairs p z + q conj(z)."""
+
+    force: complex
+    p_d: complex
+    q_d: complex
+    p_v: complex
+    q_v: complex
+
+
+@jit_not_inlined
+def pad_slopes(bearing, pad, work, speed):
+    """Return the `FilmSlopes` of a pad, its journal turning at a speed [rad/s]."""
+    force = p_d = q_d = p_v = q_v = 0.0j
+    film, sense, moves = sensed(pad.film)
+    turn_d = complex(0.0, speed)
+    for turn in TURNS:
+        acts, bound = zone_bound(film, sense, turn)
+        if not acts:
+            continue
+        scale = pad.load
+        if bearing.short > 0.0:
+            scale *= short_share(bearing)
+            load, p_D, q_D, p_S, q_S = short_load(
+                film.D, film.S, film.floor, bound.low[1], bound.high[0]
+            )
+        else:
+            load, p_D, q_D, p_S, q_S = finite_load(film, bound, work)
+        force -= moves * scale * load
+        # dS = 2 dV - i omega dD
+        scale /= pad.clearance
+        p_d -= scale * (moves * p_D - p_S * turn_d)
+        q_d -= scale * (moves * q_D + q_S * turn_d)
+        p_v -= 2.0 * scale * p_S
+        q_v -= 2.0 * scale * q_S
+    return FilmSlopes(force, p_d, q_d, p_v, q_v)
+
+
+@jit_not_inlined
+def film_slopes(bearing, tables, kinematics):
+    """Return the `FilmSlopes` of a bearing."""
+    force = p_d = q_d = p_v = q_v = 0.0j
+    for i in range(pad_count(bearing, tables)):
+        pad, work = pad_of(bearing, tables, kinematics, i)
+        of_pad = pad_slopes(bearing, pad, work, kinematics.speed)
+        force += of_pad.force
+        p_d += of_pad.p_d
+        q_d += of_pad.q_d
+        p_v += of_pad.p_v
+        q_v += of_pad.q_v
+    return FilmSlopes(force, p_d, q_d, p_v, q_v)
+
+
+@jit
+def film_tangent(bearing, tables, kinematics, weights):
+    """Return the film's force on the journal [N] and its tangent p, q; see `parts.law`."""
+    at = film_slopes(bearing, tables, kinematics)
+    by_d, by_v = weights.displacement, weights.velocity
+    return at.force, by_d * at.p_d + by_v * at.p_v, by_d * at.q_d + by_v * at.q_v
+
+
+@jit_not_inlined
+def thinnest(pad):
+    """Return the thinnest film of a pad, as its surfaces are [m], its direction, and how that turns
+    by a displacement across it [1/m]: not at all at the pad's edge."""
+    film = pad.film
+    e = modulus(film.D)
+    along = film.D * (1.0 / e) if e > 0.0 else 1.0 + 0.0j
+    curvature = 1.0 / (pad.clearance * e) if e > 0.0 else 0.0
+    if film.is_whole:
+        return pad.clearance * (1.0 - e), along, curvature
+    middle = direction(0.5 * (film.first + film.last))
+    if abs(angle(along * middle.conjugate())) < 0.5 * (film.last - film.first):
+        return pad.clearance * (1.0 - e), along, curvature
+    first, last = direction(film.first), direction(film.last)
+    near, far = (film.D.conjugate() * first).real, (film.D.conjugate() * last).real
+    if near > far:
+        return pad.clearance * (1.0 - near), first, 0.0
+    return pad.clearance * (1.0 - far), last, 0.0

@@ -1,0 +1,109 @@
+"""What a bearing's oil film does at an instant beside its force: torque, flow, largest pressure."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.functions import angle, direction
+from ..kernels.jit import jit, jit_not_inlined
+from .bearing_film import TURNS, pad_count, pad_of, short_share, solved, thinnest
+from .short_film import blunted, shear, short_load
+from .zone_pressure import floored, vectors, zone_bound
+
+
+class FilmState(NamedTuple):
+    """What a film does at an instant: force on the journal [N], torque that brakes it [N.m], the
+    thinnest film [m] and its angle [rad], largest pressure [Pa], side flow [m3/s], and the power
+    with which it tilts its pads [W]."""
+
+    force: complex
+    torque: float
+    thinnest: float
+    where: float
+    largest: float
+    flow: float
+    tilted: float
+
+
+@jit_not_inlined
+def _sheared(D, upstream, first, last):
+    """Return the integral of the shear over a ruptured arc, where the film is in strips as wide as
+    it was at the angle `upstream` [1]."""
+    if last - first <= 0.0:
+        return 0.0
+    at = direction(upstream)
+    return (1.0 - (at.conjugate() * D).real) * shear(D, first, last)[1]
+
+
+@jit
+def _short_pressure(film, share, theta):
+    """Return the pressure P of Ocvirk's film [1/s] and H^3 at an angle."""
+    e = direction(theta)
+    h = floored(1.0 - (e.conjugate() * film.D).real, film.floor).thickness
+    return share * (e.conjugate() * film.S).real / (h * h * h), h * h * h
+
+
+@jit_not_inlined
+def film_state(bearing, tables, kinematics):
+    """Return the `FilmState` of a bearing."""
+    force = 0.0j
+    torque = flow = largest = tilted = 0.0
+    least, where = math.inf, 1.0 + 0.0j
+    R, L, speed = bearing.journal_radius, bearing.length, kinematics.speed
+    share = short_share(bearing)
+    for i in range(pad_count(bearing, tables)):
+        pad, work = pad_of(bearing, tables, kinematics, i)
+        film = pad.film
+        gap, direct, _ = thinnest(pad)
+        if gap < least:
+            least, where = gap, direct
+        D, _, _ = blunted(film.D, film.floor)
+        volume = pad.clearance * pad.clearance * pad.clearance
+        sheared, load = 0.0, 0.0j
+        reached = ended = film.first
+        begun = film.last
+        if film.S != 0.0:
+            sense = angle(film.S)
+            for turn in TURNS:
+                acts, bound = zone_bound(film, sense, turn)
+                if not acts:
+                    continue
+                first, last = bound.low[1], bound.high[0]
+                if bearing.short > 0.0:
+                    load += share * short_load(film.D, film.S, film.floor, first, last)[0]
+                    step = (last - first) / film.n
+                    for j in range(1, film.n):
+                        P, cube = _short_pressure(film, share, first + j * step)
+                        largest = max(largest, pad.pressure * P)
+                        flow += volume * pad.pressure * P * cube * step
+                else:
+                    zone, borne = solved(film, bound, work)
+                    load += borne
+                    first, last = zone.first, zone.last
+                    step = (last - first) / film.n
+                    at = vectors(film, work)
+                    for j in range(0 if film.is_full else 1, film.n):
+                        P, h = pad.pressure * at.P[j], at.thickness[j]
+                        if film.is_full:
+                            P = max(P, 0.0)
+                        largest = max(largest, P)
+                        flow += volume * P * h * h * h * step
+                sheared += shear(D, first, last)[0]
+                if film.is_whole:
+                    reached, begun = last, first + 2.0 * math.pi
+                    ended = last
+                else:
+                    upstream = reached if speed >= 0.0 else first
+                    sheared += _sheared(D, upstream, reached, first)
+                    reached, begun = last, film.last
+                    ended = last
+        sheared += _sheared(D, ended if speed >= 0.0 else begun, reached, begun)
+        load *= pad.load
+        force -= load
+        tilted -= (load * (pad.velocity - kinematics.velocity).conjugate()).real
+        torque += bearing.viscosity * R * R * R * L / pad.clearance * speed * sheared
+        torque += 0.5 * (pad.displacement * load.conjugate()).imag
+    # the side flow is 2 / 3 R / (mu L) times the integral of h^3 p
+    flow *= 2.0 * R / (3.0 * bearing.viscosity * L)
+    return FilmState(force, torque, least, angle(where), largest, flow, tilted)

@@ -1,0 +1,169 @@
+"""A ring that floats between two films: what acts on it, and how it follows the journal.
+
+The ring is at x, moves with v and turns with w; the journal, at d, turns with the speed omega:
+
+    m v' = F_o - F_i + m g,    J w' = T_i - T_o
+
+F_i: force of the inner film on the journal, at d - x from the ring's middle; F_o: of the outer one
+on the ring. A film between surfaces that both turn carries as one whose journal turns with the sum
+of their speeds, and is sheared by the difference: the torque that brakes the inner surface and the
+one that drives the outer one are
+
+    T = C (difference) -+ Im(z conj(F)) / 2,    C = 2 pi mu R^3 L / (c sqrt(1 - e^2))
+
+of a film at z, all around full of lubricant (Petroff's drag, of an eccentric journal).
+
+Changes are pairs of amplitudes (a, b) of z = a exp(i t) + conj(b) exp(-i t), at any frequency; at
+none b is conj(a), and a matrix of them is the real-linear map p z + q conj(z), p, q its first row.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..kernels.functions import inverse, modulus
+from ..kernels.jit import jit, jit_not_inlined
+from .bearing_film import film_slopes
+from .zone_pressure import floored
+
+_TINY = 1e-300
+
+
+class Sheared(NamedTuple):
+    """A film between two surfaces that turn: the journal's place z [m]; force on it [N], p_d, q_d,
+    p_v, q_v: see `film.FilmSlopes`; turned: the change of the force by the sum of the speeds
+    [N.s]; drag: C [N.m.s]; steep: its gradient, it changes by Re(conj(steep) z); difference: of
+    the speeds [rad/s]."""
+
+    z: complex
+    force: complex
+    p_d: complex
+    q_d: complex
+    p_v: complex
+    q_v: complex
+    turned: complex
+    drag: float
+    steep: complex
+    difference: float
+
+
+@jit_not_inlined
+def sheared(bearing, tables, moving):
+    """Return the `Sheared` film of a journal that is `moving` as `parts.law.Kinematics` say: speed:
+    the sum of the speeds of both surfaces, sliding_speed: the difference [rad/s]."""
+    at = film_slopes(bearing, tables, moving)
+    z = moving.displacement
+    c, R = bearing.clearance, bearing.journal_radius
+    e = modulus(z) / c
+    gap = floored(1.0 - e, bearing.roughness / c)
+    off = 1.0 - gap.thickness
+    inside = 1.0 / (1.0 - off * off)
+    drag = 2.0 * math.pi * bearing.viscosity * R * R * R * bearing.length / c * math.sqrt(inside)
+    steep = z * (drag * off * inside * gap.slope / (c * c * e)) if e > 0.0 else 0.0j
+    half = -0.5j * z  # S = 2 V - i (sum) D
+    turned = at.p_v * half + at.q_v * half.conjugate()
+    return Sheared(
+        *(z, at.force, at.p_d, at.q_d, at.p_v, at.q_v),
+        *(turned, drag, steep, moving.sliding_speed),
+    )
+
+
+@jit
+def torque_of(film, side):
+    """Return the torque on a surface of a film [N.m]: side -1.0, what brakes the inner one; 1.0,
+    what drives the outer one."""
+    return film.drag * film.difference + 0.5 * side * (film.z * film.force.conjugate()).imag
+
+
+class Matrix(NamedTuple):
+    """Of the change of a film's force by that of its place, of amplitudes (a, b)."""
+
+    aa: complex
+    ab: complex
+    ba: complex
+    bb: complex
+
+
+@jit
+def stiffness(film, by_d, by_v):
+    """Return the `Matrix` of a film, of a displacement by_d z and a velocity by_v z."""
+    return Matrix(
+        by_d * film.p_d + by_v * film.p_v,
+        by_d * film.q_d + by_v * film.q_v,
+        by_d * film.q_d.conjugate() + by_v * film.q_v.conjugate(),
+        by_d * film.p_d.conjugate() + by_v * film.p_v.conjugate(),
+    )
+
+
+@jit
+def torque_by(film, side, matrix, by_d):
+    """Return the changes of `torque_of` by the amplitudes a and b, of `stiffness`."""
+    back = film.z.conjugate()
+    quarter = complex(0.0, -0.25 * side)
+    steep = film.steep * (0.5 * film.difference)
+    by_a = by_d * (steep.conjugate() + quarter * film.force.conjugate())
+    by_b = by_d * (steep - quarter * film.force)
+    by_a += quarter * (film.z * matrix.ba - back * matrix.aa)
+    by_b += quarter * (film.z * matrix.bb - back * matrix.ab)
+    return by_a, by_b
+
+
+class Answer(NamedTuple):
+    """How a ring follows the journal: the change of the inner film's force, and the ring's place
+    and speed once what is left of the forces on it is balanced."""
+
+    matrix: Matrix
+    force: complex
+    moved: complex
+    turned: float
+
+
+@jit
+def _solved(A, G, by_a, by_b, spun, over, r_a, r_b, r_w):
+    """Return a, b and the change w of the ring's speed that balance what is left, r."""
+    g, back = G * spun, G.conjugate() * spun
+    r_a -= g * r_w
+    r_b -= back * r_w
+    a = -(A.bb * r_a - A.ab * r_b) * over
+    b = -(A.aa * r_b - A.ba * r_a) * over
+    return a, b, -(r_w + by_a * a + by_b * b) * spun
+
+
+@jit_not_inlined
+def answer(inner, outer, by_d, by_v, ring_d, ring_v, mass, inertia, left, left_torque):
+    """Return the `Answer` of a ring between its films.
+
+    The journal's displacement and velocity change by by_d z and by_v z, those of the ring by ring_d
+    y and ring_v y, its forces of inertia by mass y, its torque by inertia times its speed's change;
+    left, left_torque: on the ring [N], [N.m]; all factors complex. The place y of the answer is
+    for left, left_torque and a journal that does not move.
+    """
+    M = stiffness(inner, by_d, by_v)
+    N, Q = stiffness(inner, ring_d, ring_v), stiffness(outer, ring_d, ring_v)
+    of_inner, of_outer = torque_by(inner, 1.0, N, ring_d), torque_by(outer, -1.0, Q, ring_d)
+    by_a, by_b = -of_inner[0] - of_outer[0], -of_inner[1] - of_outer[1]
+    G = outer.turned - inner.turned
+    spin = 0.5 * (inner.z * inner.turned.conjugate() + outer.z * outer.turned.conjugate()).imag
+    spun = inverse(spin - inner.drag - outer.drag - inertia)
+    g, back = G * spun, G.conjugate() * spun
+    A = Matrix(
+        N.aa + Q.aa - mass - g * by_a,
+        N.ab + Q.ab - g * by_b,
+        N.ba + Q.ba - back * by_a,
+        N.bb + Q.bb - mass - back * by_b,
+    )
+    size = A.aa * A.bb - A.ab * A.ba
+    square = size.real * size.real + size.imag * size.imag
+    over = inverse(size) if square > _TINY else 0.0j
+    e_a, e_b = torque_by(inner, 1.0, M, by_d)
+    F, back = inner.turned, inner.turned.conjugate()
+    a, b, w = _solved(A, G, by_a, by_b, spun, over, -M.aa, -M.ba, e_a)
+    aa = M.aa - (N.aa * a + N.ab * b) + F * w
+    ba = M.ba - (N.ba * a + N.bb * b) + back * w
+    a, b, w = _solved(A, G, by_a, by_b, spun, over, -M.ab, -M.bb, e_b)
+    ab = M.ab - (N.aa * a + N.ab * b) + F * w
+    bb = M.bb - (N.ba * a + N.bb * b) + back * w
+    a, b, w = _solved(A, G, by_a, by_b, spun, over, left, left.conjugate(), left_torque + 0.0j)
+    moved = F * w - (N.aa * a + N.ab * b)
+    return Answer(Matrix(aa, ab, ba, bb), moved, a, w.real)

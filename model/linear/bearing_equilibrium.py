@@ -1,0 +1,265 @@
+"""A bearing with films, or a squeeze film damper, alone: where it rests under a load, and the mass
+that it carries without whirling."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..film.bearing_film import bearing_of, pad_count, pad_of, solved
+from ..film.tilting_pads import pad_balance, put, put_pivot
+from ..film.zone_pressure import vectors, zone_bound
+from ..kernels.jit import interpreted
+from ..machine.rotor import Rotor
+from ..parts import LAWS
+from ..parts.film_equilibrium import FilmAlone
+from ..parts.film_law import bearing_at
+from ..parts.floating_ring_bearing import FloatingRingBearing
+from ..parts.journal_bearing import JournalBearing
+from ..parts.law_probe import BY_D
+from ..parts.squeeze_film_damper import SqueezeFilmDamper
+from ..parts.tilting_pads import states_of_pad
+from ..step.laws_along_motion import alone
+from .system_at_speed import LinearError
+from .tangents import LawsAtRest
+
+_HALVINGS = 30
+_TURNS, _MOST_TURN = 8, 0.3  # steps of Newton's method, and their size [rad]
+_CLOSE = 1e-5  # of a displacement: what it makes of a load is not seen in a message
+
+
+class FilmAtRest(FilmAlone, ABC):
+    """A film that the solver library lets rest, if there is one: `interpreted`, each of its pads
+    takes milliseconds."""
+
+    def __init__(self, part: Any, speed: float, where: str) -> None:
+        super().__init__(part, speed, where)
+        one = alone(self._law, self._record, self._tables, len(self._states))
+        self._laws = LawsAtRest(*one)
+        laws = self._laws.machine.laws
+        self._record, self._tables = laws[LAWS.index(self._law)][0], laws[-1]
+        self._follows = True  # the library knows every law so
+
+    def _vibrating(self, d: complex, frequency: float) -> tuple[complex, np.ndarray, np.ndarray]:
+        place, states = np.array([d], complex), self._states
+        rest = self._laws.tangents(
+            *(place, self.speed, frequency), sliding=self._sliding, states=states
+        )
+        self._states = self._laws.states.copy()
+        return complex(rest.force[0]), rest.by_d[0], rest.by_v[0]
+
+    def rest(self, load: complex, start: complex | None = None) -> complex:
+        """Return where the journal rests under a load [N], looked for from `start` on [m]; raises
+        `LinearError` with the load where none is found or a film is thinner than its roughness."""
+        d = self.find_rest(load, start)
+        if d is None or self.is_broken(d):
+            raise self.no_equilibrium(load)
+        return d
+
+    @abstractmethod
+    def no_equilibrium(self, load: complex) -> LinearError:
+        """Return the error of a load [N] that is not carried."""
+
+
+class RingAlone(FilmAtRest):
+    """A floating ring bearing whose journal is moved by hand at a speed [rad/s].
+
+    part: the bearing; where: its name, for messages; gravity: on the ring, to the right and upwards
+    [m/s2].
+    """
+
+    def __init__(
+        self, part: FloatingRingBearing, speed: float, where: str, gravity: complex = 0j
+    ) -> None:
+        super().__init__(part, speed, where)
+        interpreted(self._law.weigh)(self._record, self._tables, gravity)
+
+    def no_equilibrium(self, load: complex) -> LinearError:
+        """Return the error of a load [N] that is not carried."""
+        return LinearError(
+            f"{self.where}: no equilibrium at {self.speed:g} rad/s: its load is {abs(load):.4g} N, "
+            f"and one of its films would be thinner than its roughness, {self._part.roughness:g} m"
+        )
+
+
+class BearingAlone(FilmAtRest):
+    """A journal bearing or a damper whose journal is moved by hand at a speed [rad/s].
+
+    part: the bearing; where: its name, for messages.
+    """
+
+    def __init__(
+        self,
+        part: JournalBearing | SqueezeFilmDamper,
+        speed: float,
+        where: str = "journal_bearing",
+    ) -> None:
+        super().__init__(part, speed, where)
+        self.part = part
+        is_journal = isinstance(part, JournalBearing)
+        record, tables = self._record, self._tables
+        self._bearing = (
+            interpreted(bearing_at)(record, tables, self.speed)
+            if is_journal
+            else interpreted(bearing_of)(record)
+        )
+
+    @property
+    def viscosity(self) -> float:
+        """Viscosity of the lubricant at the speed [Pa.s]."""
+        return float(self._bearing.viscosity)
+
+    def pressure(self, d: complex, angles: np.ndarray) -> np.ndarray:
+        """Return the pressure in the middle of the length at angles from 0 to 2 pi, with the
+        journal at rest at a displacement [Pa]."""
+        bearing, tables = self._bearing, self._tables
+        self._settle_at(d, 0j)
+        moving, result = self._moving(d, 0j), np.zeros_like(angles)
+        for i in range(interpreted(pad_count)(bearing, tables)):
+            pad, work = interpreted(pad_of)(bearing, tables, moving, i)
+            if pad.film.S == 0.0:
+                continue
+            for turn in (-1, 0, 1, 2):
+                acts, bound = interpreted(zone_bound)(pad.film, np.angle(pad.film.S), turn)
+                if not acts:
+                    continue
+                if self.part.short:
+                    theta = np.linspace(bound.low[1], bound.high[0], 101)
+                    share = (self.part.length / self.part.journal_radius) ** 2 / 8
+                    turned = np.exp(-1j * theta)
+                    h = np.maximum(1.0 - (turned * pad.film.D).real, pad.film.floor)
+                    P = share * (turned * pad.film.S).real / h**3
+                else:
+                    zone, _ = interpreted(solved)(pad.film, bound, work)
+                    P = interpreted(vectors)(pad.film, work).P
+                    P = np.maximum(P, -pad.film.ambient) if pad.film.is_full else P
+                    theta = np.linspace(zone.first, zone.last, len(P))
+                of_zone = np.full_like(angles, np.nan)  # an angle may lie at both its ends
+                for whole in (-2 * math.pi, 0.0, 2 * math.pi):
+                    at = np.interp(angles + whole, theta, P, left=np.nan, right=np.nan)
+                    of_zone = np.where(np.isnan(of_zone), at, of_zone)
+                result += pad.pressure * np.nan_to_num(of_zone)
+        return result
+
+    def tilts(self, d: complex) -> np.ndarray:
+        """Return how far each pad that tilts does, where the journal rests at a displacement [m],
+        the imaginary part being how far its pivot gives, if it does; none of pads that stand."""
+        if not isinstance(self.part, JournalBearing):
+            return np.zeros(0)
+        self._settle_at(d, 0j)
+        stride = interpreted(states_of_pad)(self.part)
+        tilts = self._states[::stride].copy()
+        gives = self.part.pivot_stiffness > 0.0
+        return tilts + 1j * self._states[stride - 1 :: stride] if gives else tilts
+
+    def pad_loads(self, d: complex) -> np.ndarray:
+        """Return what each pad bears where the journal rests at a displacement [N]."""
+        tilts = self.tilts(d)
+        moving, tables = self._moving(d, 0j), self._tables
+        for i, tilt in enumerate(tilts):
+            interpreted(put)(self._bearing, tables, i, tilt.real, 0.0)
+            interpreted(put_pivot)(self._bearing, tables, i, tilt.imag, 0.0)
+        count = interpreted(pad_count)(self._bearing, tables)
+        balance = interpreted(pad_balance)
+        return np.array(
+            [abs(balance(self._bearing, tables, moving, i).force) for i in range(count)]
+        )
+
+    def no_equilibrium(self, load: complex) -> LinearError:
+        """Return the error of a load [N] that is not carried: with the load and what is."""
+        is_damper = isinstance(self.part, SqueezeFilmDamper)
+        at, what = ("", "spring") if is_damper else (f" at {self.speed:g} rad/s", "film")
+        return LinearError(
+            f"{self.where}: no equilibrium{at}: its load is "
+            f"{abs(load):.4g} N, and its {what} carries {self._capacity(load):.4g} N in that "
+            f"direction when the film is as thin as its roughness, {self.part.roughness:g} m"
+        )
+
+    def _capacity(self, load: complex) -> float:
+        """Return the largest share of a load that the film, or a damper's spring, carries [N]."""
+        if isinstance(self.part, SqueezeFilmDamper):
+            return self.part.stiffness * (self.part.clearance - self.part.roughness)
+        if self._law.vibrate is not None:  # each force takes a while then
+            return self._carried_at_roughness(load) if self.speed != 0.0 else 0.0
+        low, high = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            d = self.find_rest(middle * load)
+            is_carried = d is not None and not self.is_broken(d)
+            low, high = (middle, high) if is_carried else (low, middle)
+        return low * abs(load)
+
+    def _carried_at_roughness(self, load: complex) -> float:
+        """Return the film's force against the direction of a load where the journal has moved so
+        far that the film is as thin as its roughness [N]."""
+        ahead = load / abs(load)
+        d = 0.5 * self.part.clearance * ahead
+        low, high = 0.0, math.inf
+        fall, before = 1.0, None  # of the film by the displacement; the last of both
+        for _ in range(_HALVINGS):
+            d = self._turned(d, ahead)
+            size = abs(d)
+            left = self.outputs(d)["film"] - self.part.roughness
+            low, high = (size, high) if left > 0.0 else (low, size)
+            if before is not None and (before[1] - left) * (size - before[0]) > 0.0:
+                fall = (before[1] - left) / (size - before[0])
+            before = size, left
+            longer = size + left / fall
+            if not low < longer < high:
+                longer = 0.5 * (low + high)
+            if abs(longer - size) <= _CLOSE * size:
+                break
+            d *= longer / size
+        return max(0.0, -(self.force(d) * ahead.conjugate()).real)
+
+    def _turned(self, d: complex, ahead: complex) -> complex:
+        """Return a displacement [m] turned to where the film's force has a direction."""
+        for _ in range(_TURNS):
+            across = (self.force(d) * ahead.conjugate()).imag
+            x, y = self.tangent(d, 0j, BY_D) @ [(1j * d).real, (1j * d).imag]
+            slope = (complex(x, y) * ahead.conjugate()).imag
+            turn = -across / slope if slope != 0.0 else 0.0
+            turn = min(max(turn, -_MOST_TURN), _MOST_TURN)
+            if abs(turn) <= _CLOSE:
+                break
+            d *= complex(math.cos(turn), math.sin(turn))
+        return d
+
+
+def critical_mass(K: np.ndarray, C: np.ndarray) -> tuple[float, float]:
+    """Return the mass above which a rigid rotor on a bearing whirls [kg], infinite if none does,
+    and at what frequency [rad/s]; K [N/m], C [N.s/m] of shape (2, 2).
+
+    Lund and Thomsen (1978); the mass hangs on one bearing.
+    """
+    of_both = K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]
+    stiffness = of_both / np.trace(C)
+    square = (stiffness - K[0, 0]) * (stiffness - K[1, 1]) - K[0, 1] * K[1, 0]
+    square /= np.linalg.det(C)
+    if square <= 0.0:
+        return math.inf, 0.0
+    return float(stiffness / square), math.sqrt(square)
+
+
+def check_films(
+    rotor: Rotor,
+    interfaces: Sequence[str],
+    speed: float,
+    d: np.ndarray,
+    force: np.ndarray,
+    laws: LawsAtRest,
+) -> None:
+    """Raise `LinearError` for a film that is thinner than its roughness, with its load and what it
+    carries; d, force: of the interfaces of these names [m], [N]; laws: theirs, settled there."""
+    parts = dict(rotor.named_parts())
+    for j, (name, at, on) in enumerate(zip(interfaces, d, force, strict=True)):
+        part = parts.get(name)
+        if isinstance(part, JournalBearing | SqueezeFilmDamper):
+            if laws.is_broken(j, at):
+                raise BearingAlone(part, speed, name).no_equilibrium(-complex(on))
+        elif isinstance(part, FloatingRingBearing) and laws.is_broken(j, at):
+            raise RingAlone(part, speed, name).no_equilibrium(-complex(on))

@@ -1,0 +1,84 @@
+"""A machine at one speed as sparse real matrices, what the shaft's strain has of them kept apart.
+
+Without it no digit is lost where a shaft is stiff by many decades (`structure.elastic`). An element
+pulls with Z k e, where Z, complex or a matrix of x and y, is made of the share of hysteresis, of
+-i kappa of the damping that rotates, and of eta_v d/dt.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..quantities import QuantityError
+from ..structure.strain_solver import Solve, diagonal, factorized
+from .tangents import Tangents
+
+
+class LinearError(QuantityError):
+    """A linear analysis that this machine does not allow; the message names it and says what to
+    do."""
+
+
+class Strain(NamedTuple):
+    """What the shaft's strain adds to K and D: strains by the unknowns, of x and y in turn; each
+    element's stiffness, shape (elements, 2, 2); Z by displacement and by velocity, shape (2, 2)."""
+
+    across: sp.csr_array
+    stiffness: np.ndarray
+    by_d: np.ndarray
+    by_v: np.ndarray
+
+    def matrix(self, turned: np.ndarray) -> sp.csc_array:
+        """Return the matrix of the unknowns, with Z = turned."""
+        return (self.across.T @ diagonal(_turned(self.stiffness, turned)) @ self.across).tocsc()
+
+    def flexibility(self, turned: np.ndarray) -> np.ndarray:
+        """Return the flexibility of each element's strains, x and y in turn, with Z = turned, shape
+        (elements, 4, 4)."""
+        return _turned(np.linalg.inv(self.stiffness), np.linalg.inv(turned))
+
+
+def _turned(each: np.ndarray, turned: np.ndarray) -> np.ndarray:
+    """Return the Kronecker product of each of `count` matrices, shape (count, 2, 2), with one."""
+    return np.einsum("eij,ab->eiajb", each, turned).reshape(-1, 4, 4)
+
+
+class Linear(NamedTuple):
+    """The machine at one speed [rad/s]: sparse matrices of the unknowns, shape (N, N), of which
+    D and K lack what the shaft's strain adds, and that; the displacements at rest, shape (N,)
+    [m, rad], 0 where nothing holds the machine, the elements' end forces [N, N.m], and what the
+    interfaces do there (those that are open or pinned: nothing)."""
+
+    speed: float
+    M: sp.csc_array
+    own_D: sp.csc_array
+    own_K: sp.csc_array
+    strain: Strain
+    rest: np.ndarray
+    pull: np.ndarray
+    laws: Tangents
+
+    @property
+    def D(self) -> sp.csc_array:
+        """Damping, that of the shaft included."""
+        return self.own_D + self.strain.matrix(self.strain.by_v)
+
+    @property
+    def K(self) -> sp.csc_array:
+        """Stiffness, that of the shaft included."""
+        return self.own_K + self.strain.matrix(self.strain.by_d)
+
+    def factorized(self, root: complex = 0.0) -> Solve:
+        """Return the solver of (root^2 M + root D + K) u = f, root [1/s]; `LinearError` if it is
+        singular."""
+        own = self.own_K + (root**2 * self.M + root * self.own_D if root else 0)
+        turned = self.strain.by_d + root * self.strain.by_v
+        try:
+            return factorized(own, self.strain.across, self.strain.flexibility(turned))
+        except RuntimeError as error:
+            raise LinearError(
+                f"the machine has no answer at {root:g} 1/s: its equations are singular there"
+            ) from error

@@ -1,0 +1,138 @@
+"""Unbalances placed by a mode shape, so that the response shows that mode, as API 617 and 684 place
+them, and the limit of vibration at the probes.
+
+The residual unbalance of a plane that bears the mass W is 4 W / N oz.in (W in lb, N in rev/min),
+in SI units 6350 W / N g.mm (W in kg), and W / 3.937 g.mm from 25 000 rev/min on (API 617, 7th
+edition, part 1, 2.6.2 and 2.6.8); the analysis takes twice as much in all:
+
+- bending to one side between the bearings: one unbalance where that is largest, W the static load
+  of all bearings;
+- several lobes between the bearings: an unbalance in each, against each other as the lobes are, W
+  the static load of the bearing next to it;
+- more kinetic energy beyond the bearings than between them: an unbalance where each overhung end
+  moves most, W its mass.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ..machine.rotor import Rotor
+from ..structure.assembly import assemble
+from .linear_machine import LinearError
+from .static import static
+from .undamped import UndampedMachine, without_seals
+
+FACTOR = 2.0  # of the residual unbalance, for the analysis
+_RESIDUAL = 6350e-6 * math.pi / 30  # kg.m rad/s per kg
+_FASTEST = 25_000 * 2 * math.pi / 60  # speed above which the eccentricity no longer falls [rad/s]
+_LOBE = 0.25  # of the largest amplitude: what is smaller gets no unbalance
+_GRAVITY = 9.80665
+
+
+class PlacedUnbalance(NamedTuple):
+    """An unbalance: node (from 1), amount [kg.m], angle from the shaft's mark [rad], and the mass W
+    from which the amount follows [kg]."""
+
+    node: int
+    amount: float
+    phase: float
+    mass: float
+
+
+def residual_unbalance(mass: float, speed: float) -> float:
+    """Return the residual unbalance [kg.m] that API 617 allows in a plane that bears a mass [kg]
+    at the maximum continuous speed [rad/s]."""
+    return _RESIDUAL * mass / min(speed, _FASTEST)
+
+
+def vibration_limit(speed: float) -> float:
+    """Return the limit of vibration at a probe [m], peak-to-peak: 25.4 um sqrt(12000 / N), at most
+    25.4 um (API 617, 7th edition, part 1, 2.6.8); N: maximum continuous speed [rad/s]."""
+    rpm = speed * 60 / (2 * math.pi)
+    return 25.4e-6 * min(1.0, math.sqrt(12_000 / rpm))
+
+
+def placed_unbalances(
+    rotor: Rotor,
+    mode: int,
+    speed: float,
+    *,
+    factor: float = FACTOR,
+    contacts: str | None = None,
+) -> list[PlacedUnbalance]:
+    """Return the unbalances that excite a mode.
+
+    mode: from 1, of the undamped machine at standstill in one plane; speed: the maximum continuous
+    speed [rad/s]; factor: multiple of the residual unbalance; contacts: `open` or `pinned`. Raises
+    `LinearError` for a mode that is not there.
+    """
+    if not (math.isfinite(speed) and speed > 0):
+        raise LinearError(f"maximum continuous speed = {speed:g} rad/s: must be > 0 and finite")
+    undamped = UndampedMachine(rotor, contacts, rigid_pedestals=False)
+    shapes = undamped.planar_shapes(speed)
+    if not 1 <= mode <= len(shapes):
+        raise LinearError(f"mode = {mode}: must be from 1 to {len(shapes)}")
+    weighed = replace(rotor, gravity=_GRAVITY, gravity_angle=0.0, inclination=0.0)
+    bearings = _bearing_masses(weighed, undamped, speed)
+    places = _places(rotor, shapes[mode - 1], bearings)
+    return [
+        PlacedUnbalance(node, factor * residual_unbalance(mass, speed), phase, mass)
+        for node, phase, mass in places
+    ]
+
+
+def _bearing_masses(rotor: Rotor, undamped: UndampedMachine, speed: float) -> dict[int, float]:
+    """Return the mass that rests on the bearings of each node at a speed [rad/s], seals aside
+    [kg]."""
+    loads = static(without_seals(rotor), speed, contacts=undamped.contacts)
+    result: dict[int, float] = {}
+    for name, x, y in zip(loads.supports, loads.load_x, loads.load_y, strict=True):
+        if name in undamped.bearings:
+            node = undamped.bearings[name].node  # type: ignore[attr-defined]
+            result[node] = result.get(node, 0.0) + float(np.hypot(x, y)) / _GRAVITY
+    return dict(sorted(result.items()))
+
+
+def _places(
+    rotor: Rotor, shape: np.ndarray, bearings: dict[int, float]
+) -> list[tuple[int, float, float]]:
+    """Return node, angle and mass W of each unbalance."""
+    first, last = min(bearings), max(bearings)
+    mass = assemble(rotor).mass_sum[::2]
+    energy = mass * shape**2
+    between = energy[first - 1 : last].sum()
+    if energy.sum() > 2 * between:
+        ends = [end for end in (range(1, first), range(last + 1, len(shape) + 1)) if end]
+        moved = [max(end, key=lambda node: abs(shape[node - 1])) for end in ends]
+        return [
+            (node, 0.0 if shape[node - 1] > 0 else math.pi, sum(mass[n - 1] for n in end))
+            for node, end in zip(moved, ends, strict=True)
+            if abs(shape[node - 1]) > _LOBE
+        ]
+    lobes = _lobes(shape, first, last)
+    if len(lobes) == 1:
+        return [(lobes[0], 0.0, sum(bearings.values()))]
+    signs = [shape[node - 1] > 0 for node in lobes]
+    return [
+        (
+            node,
+            0.0 if sign == signs[0] else math.pi,
+            bearings[min(bearings, key=lambda b: abs(rotor.nodes[b - 1] - rotor.nodes[node - 1]))],
+        )
+        for node, sign in zip(lobes, signs, strict=True)
+    ]
+
+
+def _lobes(shape: np.ndarray, first: int, last: int) -> list[int]:
+    """Return the nodes of the largest deflection of each lobe from one bearing to another."""
+    between = np.arange(first, last + 1)
+    signs = np.sign(shape[between - 1])
+    cuts = np.flatnonzero(np.diff(signs) != 0) + 1
+    lobes = [piece[np.argmax(np.abs(shape[piece - 1]))] for piece in np.split(between, cuts)]
+    largest = max(abs(shape[node - 1]) for node in lobes)
+    return [int(node) for node in lobes if abs(shape[node - 1]) > _LOBE * largest]

@@ -1,0 +1,147 @@
+"""A response evaluated: its motions at a value, whether they stay in time, and its folds over a
+second parameter."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from . import arclength
+from .arclength import Lost, Point
+from .balance import Problem, cached
+from .branch import FOLD, Bifurcation, Solution, solution
+from .folds import FoldCurve, fold_curve
+from .method_switch import Motions
+from .problem import SPEED, Machines, PeriodicError, Response, machines_of
+from .shooting import Shooting
+from .starting_points import Stay, stay
+
+_ROUNDING = 1e-9  # of the range
+_STEPS = 1, 4, 16  # from a point to a value beside it, until Newton's method converges
+
+
+def at(result: Response, value: float) -> list[Solution]:
+    """All motions of the branches at a value of the parameter, by Newton's method from their
+    neighbours."""
+    outcome = []
+    near = _ROUNDING * (result.task.high - result.task.low)
+    for branch in result.branches:
+        ends = branch.points[:1] + branch.points[-1:]
+        for a, b in zip(branch.points, branch.points[1:], strict=False):
+            if a.value == value and a is not branch.points[0]:
+                continue  # the stretch before ends there
+            low, high = sorted((a.value, b.value))
+            is_at_end = any(
+                p is end for p in (a, b) for end in ends if abs(end.value - value) <= near
+            )
+            if not is_at_end and (not low <= value <= high or value == b.value):
+                continue
+            solved = _between(result, a, b, value)
+            if solved is not None:
+                outcome.append(solved)
+    return outcome
+
+
+def _between(result: Response, a: Solution, b: Solution, value: float) -> Solution | None:
+    task = result.task
+    series = task.problem(
+        result.machines(),
+        value,
+        max(a.orbit.H, b.orbit.H),
+        turns=a.orbit.turns,
+        is_autonomous=task.is_whirl,
+        omega=a.orbit.omega,
+    )
+    share = (value - a.value) / (b.value - a.value)
+    problem: Motions = series
+    try:
+        if task.is_shot(a.orbit) or task.is_shot(b.orbit):
+            near = a.orbit if abs(share) < 0.5 else b.orbit
+            problem = Shooting(series.like(task.accuracy.most), near)
+        first, second = problem.join(a.orbit), problem.join(b.orbit)
+        problem.fix_phase(first)
+    except Lost:
+        return None
+    for steps in _STEPS:
+        try:
+            x = _in_steps(problem, (first, a.value), (second, b.value), value, steps)
+        except Lost:
+            continue
+        return solution(problem, Point(x, value, x, 1.0), task.accuracy)
+    return None
+
+
+def _in_steps(
+    problem: Motions,
+    first: tuple[np.ndarray, float],
+    second: tuple[np.ndarray, float],
+    value: float,
+    steps: int,
+) -> np.ndarray:
+    """The unknowns at a value, from the nearer of two points on, each with its value, in so many
+    steps along what lies between them; raises `Lost`."""
+    if abs(value - first[1]) > abs(value - second[1]):
+        first, second = second, first
+    (x, start), (end, last) = first, second
+    step = (end - x) * (value - start) / ((last - start) * steps)
+    for at_value in np.linspace(start, value, steps + 1)[1:]:
+        x = arclength.solve(problem, x + step, float(at_value))
+    return x
+
+
+def stays(result: Response, point: Solution, turns: int) -> Stay:
+    """Whether the integrator, started on a motion, is still there after some turns."""
+    task = result.task
+    if task.is_whirl:
+        raise PeriodicError("a whirl by itself is of the machine without its unbalance: no check")
+    rotor, machine = task.rotor_at(result.rotor, point.value), result.machines()(point.value)
+    return stay(rotor, machine, point.orbit, point.motion, task.loads, turns)
+
+
+def folds_over(
+    result: Response, fold: Bifurcation, name: str, low: float, high: float
+) -> FoldCurve:
+    """The curve of folds through one of a response, over a second parameter.
+
+    Raises `PeriodicError` where the machine's own value of it lies outside, or what is given is no
+    fold of a smooth branch.
+    """
+    task, rotor = result.task, result.rotor
+    start = {str(n): value for n, _, value in rotor.parameters()}[name]
+    if not low <= start <= high:
+        raise PeriodicError(f"{name} = {low:g}:{high:g}: must hold the machine's own, {start:g}")
+    if fold.kind != FOLD:
+        raise PeriodicError(f"{fold.kind} at {fold.value:g}: must be a fold")
+    if task.is_shot(fold.orbit):
+        raise PeriodicError(
+            f"fold at {fold.value:g}: its motion has more than {task.accuracy.most} harmonics, of "
+            f"which no curve of folds is made; a study of responses over {name} finds each"
+        )
+    for end in (low, high):
+        rotor.with_value(name, end)
+    first = result.machines()
+    base = task.problem(first, fold.value, fold.orbit.H, turns=fold.orbit.turns)
+
+    @cached
+    def problem_at(value: float) -> Problem:
+        """Return the equations about the fold, at a value of the second parameter."""
+        changed = rotor.with_value(name, value)
+        if task.name == SPEED:
+            machine = first(0.0).with_rotor(changed)
+            machines: Machines = lambda _: machine  # noqa: E731
+        else:
+            machines = machines_of(changed, task)
+        problem = task.problem(
+            machines,
+            fold.value,
+            fold.orbit.H,
+            turns=fold.orbit.turns,
+            is_autonomous=task.is_whirl,
+            omega=fold.orbit.omega,
+            length=base.lengths,
+        )
+        problem.row_scale = base.row_scale
+        if task.is_whirl:
+            problem.fix_phase(problem.join(fold.orbit))
+        return problem
+
+    return fold_curve(problem_at, fold.orbit, start, low, high, task.steps)

@@ -1,0 +1,143 @@
+"""The laws of some interfaces at many samples of their motion, as compiled functions of a block
+alone. They return DONE."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+from ..kernels.block import Group, Layout
+from ..kernels.jit import jit, jit_not_inlined
+from ..parts import LAWS
+from ..parts.law import Kinematics, Law, Weights
+from ..structure.structure import INTERFACE, LAW_TABLES, sizes_of_laws
+from .laws import law_gap, law_rates, law_tangent_called, law_vibrate
+from .step_status import DONE
+
+
+class Interfaces(NamedTuple):
+    """The laws' tables, and the interfaces that are asked for."""
+
+    laws: tuple
+    interfaces: Annotated[np.recarray, INTERFACE, "interfaces"]
+
+
+class Samples(NamedTuple):
+    """Relative displacements [m], velocities [m/s] and own states of the interfaces at samples;
+    the states that the laws solve for; forces [N], their tangents p z + q conj(z) by displacement
+    and by velocity, rates of the states, and distances from where forces begin [m]."""
+
+    d: Annotated[np.ndarray, complex, "interfaces", "samples"]
+    v: Annotated[np.ndarray, complex, "interfaces", "samples"]
+    own: Annotated[np.ndarray, float, "samples", "states"]
+    solved: Annotated[np.ndarray, float, "samples", "states"]
+    force: Annotated[np.ndarray, complex, "interfaces", "samples"]
+    p: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
+    q: Annotated[np.ndarray, complex, "2", "interfaces", "samples"]
+    rates: Annotated[np.ndarray, float, "samples", "states"]
+    opening: Annotated[np.ndarray, float, "interfaces", "samples"]
+
+
+class LawData(NamedTuple):
+    """All arrays of a block."""
+
+    machine: Interfaces
+    samples: Samples
+
+
+GROUPS = [Group("machine", Interfaces, {"laws": LAW_TABLES}), Group("samples", Samples, {})]
+SIZES = ("interfaces", "samples", "states", *(f"rows_{law.name}" for law in LAWS), "tables")
+LAYOUT = Layout(LawData, GROUPS, SIZES)
+_view = LAYOUT.view
+
+
+def block_of(laws: tuple, interfaces: np.recarray, samples: int) -> tuple[np.ndarray, LawData]:
+    """Return a block for so many samples, and what is in it."""
+    states = int(interfaces.states.sum())
+    sizes = {"interfaces": len(interfaces), "samples": samples, "states": states}
+    block = LAYOUT.new(sizes | sizes_of_laws(laws))
+    data: LawData = LAYOUT.view_in_python(block)
+    fill(data.machine, laws, interfaces)
+    return block, data
+
+
+def alone(law: Law, record: Any, tables: np.ndarray, states: int) -> tuple[tuple, np.recarray]:
+    """Return the tables of laws and the interfaces of one that acts by itself, with so many
+    states."""
+    own = LAWS.index(law)
+    records = [np.zeros(int(i == own), each.dtype) for i, each in enumerate(LAWS)]
+    records[own][0] = record
+    interface = np.zeros(1, INTERFACE).view(np.recarray)
+    interface.law, interface.states = own, states
+    return (*records, tables), interface
+
+
+def fill(machine: Interfaces, laws: tuple, interfaces: np.recarray) -> None:
+    """Fill a block's `Interfaces`."""
+    for target, source in zip(machine.laws, laws, strict=True):
+        target[...] = source
+    machine.interfaces[...] = interfaces
+
+
+@jit
+def call_laws(block, displacement, velocity, rate, speed):
+    """Fill in what the laws do at all samples, at a speed of rotation [rad/s]: forces with the
+    first of the tangents, for these `Weights`, and rates."""
+    run = _view(block)
+    fill_in_laws(run.machine, run.samples, 0, Weights(displacement, velocity, rate), speed)
+    laws, interfaces = run.machine
+    samples = run.samples
+    for j in range(len(interfaces)):
+        at = interfaces[j].internal_state
+        for t in range(samples.d.shape[1]):
+            motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
+            law_rates(laws, interfaces[j], motion, samples.own[t, at:], samples.rates[t, at:])
+    return DONE
+
+
+@jit_not_inlined
+def fill_in_laws(machine, samples, i, weights, speed):
+    """Fill in forces, the i-th tangents for `Weights` and the states that the laws solve for."""
+    laws, interfaces = machine
+    for j in range(len(interfaces)):
+        interface = interfaces[j]
+        at = interface.internal_state
+        for t in range(samples.d.shape[1]):
+            motion = Kinematics(samples.d[j, t], samples.v[j, t], speed, speed, 0.0)
+            own, solved = samples.own[t, at:], samples.solved[t, at:]
+            samples.force[j, t], samples.p[i, j, t], samples.q[i, j, t] = law_tangent_called(
+                laws, interface, motion, weights, own, solved
+            )
+
+
+@jit
+def vibrate_laws(block, speed, sliding, frequency):
+    """Fill in what the laws do at rest at all displacements, vibrating at a frequency [rad/s];
+    speed, sliding: see `Kinematics` [rad/s]."""
+    run = _view(block)
+    laws, interfaces = run.machine
+    samples = run.samples
+    for j in range(len(interfaces)):
+        interface = interfaces[j]
+        at = interface.internal_state
+        for t in range(samples.d.shape[1]):
+            motion = Kinematics(samples.d[j, t], 0.0j, speed, sliding, 0.0)
+            force, p_d, q_d, p_v, q_v = law_vibrate(
+                laws, interface, motion, frequency, samples.own[t, at:], samples.solved[t, at:]
+            )
+            samples.force[j, t] = force
+            samples.p[0, j, t], samples.q[0, j, t] = p_d, q_d
+            samples.p[1, j, t], samples.q[1, j, t] = p_v, q_v
+    return DONE
+
+
+@jit
+def find_openings(block):
+    """Fill in the distances at all samples."""
+    run = _view(block)
+    laws, interfaces = run.machine
+    for j in range(len(interfaces)):
+        for t in range(run.samples.d.shape[1]):
+            run.samples.opening[j, t] = law_gap(laws, interfaces[j], run.samples.d[j, t])
+    return DONE

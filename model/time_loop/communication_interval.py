@@ -1,0 +1,84 @@
+"""How a communication interval begins: what drives the rotor, and its loads, until its end."""
+
+from __future__ import annotations
+
+from ..kernels.jit import jit
+from ..step.step import accelerate
+from .energy import FLOW, has_power, port_power, powers, total_energy
+from .memory import spin_now, take_loads
+from .monitors import open_window
+from .step_with_rotation import SPIN_ITERATIONS, imbalance
+
+# Of a free rotor's rate where an interval begins: no noise of a step's contacts is in it.
+_BALANCED = 1e-14
+
+
+@jit
+def begin_interval(structure, drive, rate, is_start, motion, memory, work):
+    """Take up what drives the rotor and the loads [N] of a new interval: the speed [rad/s] and its
+    rate [rad/s2], or the torque on a free rotor [N.m] and its rate [N.m/s]; those of the loads are
+    memory.load_rates.
+
+    Carries accelerations and powers over the jump; at the start the accelerations are
+    those of the equation of motion. A jump of the speed is work that the drive does in no time.
+    """
+    r = memory.record[0]
+    loads = memory.loads
+    before = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    r.t_ref = r.t
+    r.theta_ref = r.theta
+    r.drive_work_ref = memory.work[FLOW.drive]
+    take_loads(memory, drive, rate)
+    if r.is_free == 0:
+        r.omega = drive
+        r.omega_ref = drive
+        r.alpha = rate
+    after = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    if is_start:
+        r.energy_at_start = after
+        open_window(structure, memory)
+    else:
+        memory.work[FLOW.drive] += after - before
+    for i in range(len(loads)):
+        memory.load_work[i] = 0.0
+        memory.load_power[i] = 0.0
+        if has_power(structure, i, loads[i]):
+            spin = spin_now(memory.record)
+            memory.load_power[i] = port_power(structure, spin, i, loads[i], motion.v)
+    for i in range(len(motion.a)):
+        motion.a[i] -= motion.v_dot[i]
+    for i in range(len(motion.internal_state)):
+        motion.internal_rate_carried[i] -= motion.internal_rate[i]
+    for _ in range(SPIN_ITERATIONS):
+        spin = spin_now(memory.record)
+        accelerate(structure, spin, r.damping, loads, motion, work)
+        r.torque = powers(structure, spin, loads, motion, work.losses, memory.power)
+        change = imbalance(structure, memory.record, r.omega, r.torque, 0.0)
+        if abs(change) <= _BALANCED * (1.0 + abs(r.alpha)):
+            break
+        r.alpha += change
+    for i in range(len(motion.a)):
+        motion.a[i] = motion.v_dot[i] + (0.0 if is_start else motion.a[i])
+    for i in range(len(motion.internal_state)):
+        motion.internal_rate_carried[i] = motion.internal_rate[i] + (
+            0.0 if is_start else motion.internal_rate_carried[i]
+        )
+
+
+@jit
+def continued_rate(record, drive):
+    """Return the rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between
+    the last two given, or 0 where it is held; 0 of a torque too."""
+    r = record[0]
+    since = r.t - r.t_ref
+    if r.is_free == 1 or r.continues == 0:
+        return 0.0
+    return (drive - r.omega_ref) / since if since > 0.0 else r.alpha
+
+
+@jit
+def rate_by_drive(record):
+    """Return the derivative of `continued_rate` by the speed given [1/s]."""
+    r = record[0]
+    since = r.t - r.t_ref
+    return 0.0 if r.is_free == 1 or r.continues == 0 or not since > 0.0 else 1.0 / since

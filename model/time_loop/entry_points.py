@@ -1,0 +1,180 @@
+"""The compiled functions that are called from outside, each of a run's block alone; they return a
+status, DONE where nothing can fail."""
+
+from __future__ import annotations
+
+import math
+
+from ..kernels.jit import jit, jit_inlined
+from ..schemes.family import Scheme
+from ..stability.whirls import find_growing_whirls
+from ..step.excitation import at_place
+from ..step.laws import first_broken
+from ..step.step_status import DONE
+from ..step.tangent import Tangents
+from ..structure.parameters import prepare
+from . import derivatives, recorder, time_loop
+from .block import LAYOUT
+from .communication_interval import begin_interval, continued_rate, rate_by_drive
+from .control import REALTIME, Control
+from .early_return import IN_STAGES, LIMITED, rests_past_limit
+from .energy import FLOW, total_energy
+from .equilibrium import BEYOND, HELD, find_equilibrium, is_beyond, release
+from .error_control import first_size
+from .memory import spin_now
+from .observe import observe
+from .sensitivities import observe_sensitivities
+
+_view = LAYOUT.view
+
+
+@jit
+def _scheme(numbers):
+    return Scheme(numbers.alpha_m, numbers.alpha_f, numbers.beta, numbers.gamma)
+
+
+@jit
+def _control(numbers, r):
+    return Control(
+        numbers.mode,
+        numbers.h_min,
+        numbers.h_max,
+        numbers.eps_min,
+        numbers.eps_max,
+        numbers.indicator,
+        numbers.beta_error,
+        numbers.norm,
+        numbers.atol,
+        numbers.rtol,
+        numbers.tolerance,
+        numbers.error_constant,
+        numbers.is_fitted != 0,
+        numbers.stages,
+        numbers.newton_limit,
+        r.h_in_contact,
+        r.h_in_the_open,
+        r.overdamping,
+    )
+
+
+@jit
+def start(block, speed, drive, rate):
+    """Take up the parameters, find the rest under the loads that are set, and begin a run there.
+
+    speed [rad/s]; drive: the speed, or a free rotor's torque [N.m]; rate [rad/s2]. Returns HELD or
+    why there is no equilibrium.
+    """
+    run = _view(block)
+    prepare(run.structure)
+    r = run.memory.record[0]
+    r.omega = speed
+    if run.method.numbers[0].stages > 0 and (r.has_sensitivities == 1 or r.drive_impedance > 0.0):
+        return IN_STAGES
+    run.stages.key[0] = -1.0
+    if len(run.structure.releases) > 0:
+        release(run.structure, run.motion, run.memory.loads)
+        if is_beyond(run.structure, run.motion):
+            return BEYOND
+        if first_broken(run.structure, run.motion.q, run.motion.internal_state) >= 0:
+            return BEYOND
+    else:
+        status = find_equilibrium(
+            run.structure, speed, run.motion, run.trial, run.memory, run.work, run.problem
+        )
+        if status != HELD:
+            return status
+    if rests_past_limit(run.structure, run.motion, r):
+        return LIMITED
+    for i in range(len(run.structure.probes)):
+        run.memory.rest[i] = at_place(run.structure.probes[i], run.motion.q)
+    begin_interval(run.structure, drive, rate, True, run.motion, run.memory, run.work)
+    first_size(run.structure, speed, run.motion, run.memory)
+    observe(run.structure, run.motion, run.memory, run.work, run.reading.observed, True)
+    recorder.start(
+        run.structure, run.motion, run.memory, run.work, run.recorder, run.reading.observed
+    )
+    return HELD
+
+
+@jit
+def advance(block, t_end, drive, rate):
+    """Call `time_loop.advance` under the loads that are set, with their rates; returns its status.
+    rate: of `drive`, or NaN where a speed goes on as the last two say and a torque stays."""
+    run = _view(block)
+    numbers = run.method.numbers[0]
+    r, tangents = run.memory.record[0], _tangents(run)
+    d_rate = 0.0
+    if math.isnan(rate):
+        rate = continued_rate(run.memory.record, drive)
+        d_rate = rate_by_drive(run.memory.record)
+    scheme, control = _scheme(numbers), _control(numbers, r)
+    status = time_loop.advance(run, scheme, control, tangents, t_end, drive, rate, d_rate)
+    _observe(run, tangents)
+    return status
+
+
+@jit_inlined
+def _tangents(run):
+    return Tangents(run.tangent, run.tangent_after, run.tangent_work, run.moved)
+
+
+@jit_inlined
+def _observe(run, tangents):
+    """Fill in all that can be read."""
+    out = run.reading.observed
+    observe(run.structure, run.motion, run.memory, run.work, out, True)
+    if run.memory.record[0].has_sensitivities == 1:
+        observe_sensitivities(run.structure, run.motion, run.memory, run.work, tangents, out)
+
+
+@jit
+def survey(block, speed, is_start):
+    """Look for the whirls that grow up to a speed of rotation [rad/s] and, at the start, for what
+    grows at rest; see `stability.whirls`. In real time there is no time for it but at the start."""
+    run = _view(block)
+    in_real_time = run.method.numbers[0].mode == REALTIME
+    if is_start != 0 or not in_real_time:
+        find_growing_whirls(run, speed, is_start)
+    if in_real_time:
+        r = run.memory.record[0]
+        r.surveyed_from, r.surveyed_to = 0.0, math.inf
+    return DONE
+
+
+@jit
+def refresh_outputs(block):
+    """`observe` alone; what depends on the state but is not in it is made anew."""
+    run = _view(block)
+    run.work.key[0] = -1.0
+    run.stages.key[0] = -1.0
+    _observe(run, _tangents(run))
+    return DONE
+
+
+@jit
+def retune(block, is_changed):
+    """Take up parameters that change during a run: called before they change, and after. What this
+    does to the machine's energy counts as work of external loads."""
+    run = _view(block)
+    r = run.memory.record[0]
+    if is_changed != 0:
+        prepare(run.structure)
+        run.work.key[0] = -1.0
+        run.stages.key[0] = -1.0
+    energy = total_energy(run.structure, spin_now(run.memory.record), run.motion, run.work.stores)
+    if is_changed != 0:
+        run.memory.work[FLOW.external] += energy - r.energy_before
+    r.energy_before = energy
+    return DONE
+
+
+@jit
+def differentiate(block, row):
+    """Fill reading.derivatives with those by time, of first and second order, or, row >= 0, with
+    the sensitivities to the input of a row of the tangents."""
+    run = _view(block)
+    if row < 0:
+        derivatives.by_time(run, _tangents(run))
+    else:
+        derivatives.by_input(run, _tangents(run), row)
+    return DONE

@@ -1,0 +1,67 @@
+"""The machine of a linear analysis, and the answer: printed, and written as numbers and picture."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from ..display import choose
+from ..errors import writable_folder
+from ..runs.job import load_rotor, write_json
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..linear.linear_tables import Table
+    from ..model.machine.rotor import Rotor
+
+
+def machine_in_units(file: Path | None, units: str | None) -> Rotor:
+    """Return the machine; from here on what is shown is in the units asked for, or its own."""
+    machine = load_rotor(file)[1]
+    choose(units, machine.units, file or "")
+    return machine
+
+
+def name_films(machine: Rotor) -> None:
+    """Say of oil films where they are linearized."""
+    from ..model.linear.journal_bearing_curves import journal_bearings
+
+    films = journal_bearings(machine)
+    if names := ", ".join(films):
+        typer.echo(f"oil films, each linearized where its journal rests at that speed: {names}")
+    if names := ", ".join(name for name, part in films.items() if part.tilting):
+        typer.echo(f"their pads that tilt follow a vibration at the frequency of rotation: {names}")
+
+
+def print_answer(
+    result: Any,
+    table: Table,
+    figure: Figure,
+    out: Path,
+    name: str,
+    more: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """Print the table, write numbers and picture, and return the numbers.
+
+    more: further answers by name, whose tables follow, whose numbers stand under the name, and
+    whose pictures have the name behind that of the first.
+    """
+    from ..linear.linear_tables import numbers
+    from ..plotting.figure_style import save
+
+    further = more or {}
+    data = numbers(result) | {key: numbers(answer) for key, answer in further.items()}
+    writable_folder(out)
+    save(figure, out / f"{name}.png")
+    for key, answer in further.items():
+        save(answer.figure(), out / f"{name}_{key}.png")
+    write_json(data, out / f"{name}.json")
+    typer.echo(table.text())
+    for answer in further.values():
+        typer.echo(f"\n{answer.table().text()}")
+    typer.echo(f"written to {out}")
+    return data

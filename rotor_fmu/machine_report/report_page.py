@@ -1,0 +1,228 @@
+"""The report of a machine as one page: what it is, its linear analyses against API 617 and 684, and
+what it does where its response closes a clearance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from ..display import current, range_with_unit, shown_speed
+from ..linear import acceptance, answers
+from ..linear.inventory import inventory
+from ..linear.linear_tables import Table, numbers
+from ..linear.mode_shapes import mode_shapes_figure, shapes_for_page
+from ..model.linear import lowest_speed, placed_unbalances
+from ..model.linear.unbalance_check import LOOKED_AT
+from ..model.machine.rotor import Rotor
+from ..report.run_page import figure_html, machine_html, page, template
+from .rub_check import RubCheck, rub_check
+from .rub_plots import rub_figure
+from .rub_tables import closings_table, runs_table
+
+_SPEEDS = 41
+_CURVE = 301
+_MODES = 6
+
+
+@dataclass(frozen=True)
+class Report:
+    """The report of a machine: its page as HTML, its numbers for JSON, its conclusions in a line
+    each."""
+
+    html: str
+    numbers: Mapping[str, Any]
+    conclusions: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a report is asked about.
+
+    low, high: minimum and maximum continuous speed [rad/s]; probes: nodes (from 1), None: those
+    that move most; mode: whose placed unbalances act, None: the machine's own; clearances: radial,
+    by node [m]; couplings: cross-coupled stiffness by node [N/m].
+    """
+
+    low: float
+    high: float
+    probes: Sequence[int] | None = None
+    mode: int | None = None
+    clearances: Mapping[int, float] | None = None
+    couplings: Mapping[int, float] | None = None
+
+
+def machine_report(rotor: Rotor, asked: Question) -> Report:
+    """Return the report of a machine. Raises `LinearError` for a question that cannot be."""
+    low, high = asked.low, asked.high
+    top = LOOKED_AT * high
+    first = lowest_speed(rotor, top)
+    speeds = np.linspace(first, top, _SPEEDS)
+    listed = inventory(rotor)
+    unbalances = None
+    if asked.mode is not None:
+        placed = placed_unbalances(rotor, asked.mode, high)
+        unbalances = [(p.node, p.amount, p.phase) for p in placed]
+    at_speed = answers.modes(rotor, high, count=_MODES)
+    diagram = answers.campbell(rotor, speeds)
+    over_stiffness = acceptance.critical_map(rotor)
+    response = answers.unbalance_response(
+        rotor, np.linspace(first, top, _CURVE), unbalances=unbalances
+    )
+    probes = list(asked.probes or response.nodes())
+    check = acceptance.unbalance_check(
+        rotor, low, high, probes, unbalances=unbalances, clearances=asked.clearances
+    )
+    scale = check.scale if unbalances is not None and math.isfinite(check.scale) else 1.0
+    level_1 = acceptance.level_1(rotor, high, anticipated=asked.couplings or 0.0)
+    level_2 = acceptance.level_2(rotor, high, cross_couplings=asked.couplings)
+    rub = rub_check(rotor, low, high, unbalances, max(scale, 1.0))
+    conclusions = _conclusions(check, level_1, level_2, rub)
+    sections = {
+        "Machine": [machine_html(rotor), _html(listed.table())],
+        "At rest": _static(rotor),
+        "Critical speeds": [
+            _html(diagram.table()),
+            figure_html(diagram.figure((low, high)), "Campbell diagram"),
+            _html(over_stiffness.table()),
+            figure_html(over_stiffness.figure(), "Undamped critical speed map"),
+        ],
+        "Mode shapes": [
+            _html(at_speed.table()),
+            _TURNING,
+            figure_html(
+                mode_shapes_figure(at_speed, rotor.name, at_speed.shear),
+                "The same at one instant, with whirl orbits",
+            ),
+        ],
+        "Response to unbalance": [
+            f"<p>{escape(_acting(unbalances, asked.mode))}</p>",
+            figure_html(response.figure(probes, (low, high)), "Steady response at the probes"),
+            _html(check.table()),
+            figure_html(check.figure(), "Amplification factors and separation margins"),
+        ],
+        "Stability": [
+            _html(level_1.table()),
+            figure_html(level_1.figure(), "Level 1: log dec over the cross coupling"),
+            _html(level_2.table()),
+            figure_html(level_2.figure(), "Level 2: what acts on the rotor"),
+        ],
+        "Into contact": _contact(rub),
+    }
+    html = page(
+        title=rotor.name,
+        about=(
+            f"Rotor dynamics by API 617 and 684 {range_with_unit(low, high)}, carried on into "
+            "contact"
+        ),
+        body=template("machine.html").substitute(
+            notices="\n".join(f'<p class="notice">{escape(text)}</p>' for text in conclusions),
+            contents=" | ".join(f'<a href="#{_id(h)}">{h}</a>' for h in sections),
+            sections="\n".join(
+                f'<section id="{_id(heading)}"><h2>{heading}</h2>\n'
+                + "\n".join(parts)
+                + "\n</section>"
+                for heading, parts in sections.items()
+            ),
+        ),
+        data={"shapes": shapes_for_page(at_speed)},
+        signals=None,
+        scripts=("modes.js",),
+        with_charts=False,
+    )
+    results = {
+        "modes": at_speed,
+        "campbell": diagram,
+        "critical_map": over_stiffness,
+        "unbalance": check,
+        "stability_level_1": level_1,
+        "stability_level_2": level_2,
+        "contact": rub,
+    }
+    data = {name: numbers(result) for name, result in results.items()}
+    return Report(html, data | {"conclusions": list(conclusions)}, conclusions)
+
+
+_TURNING = """<div class="controls"><label>mode <select id="mode"></select></label>
+<label><input type="checkbox" id="running"> turning</label></div>
+<figure><canvas id="shape" aria-label="mode shape in three dimensions"></canvas>
+<figcaption>Drag to look from elsewhere; slowed down, and all modes alike</figcaption></figure>"""
+
+
+def _id(heading: str) -> str:
+    return heading.lower().replace(" ", "-")
+
+
+def _html(table: Table) -> str:
+    return f'<div class="table">{table.html()}</div>'
+
+
+def _static(rotor: Rotor) -> list[str]:
+    result = answers.static(rotor)
+    return [_html(result.table()), figure_html(result.figure(), "Deflection under gravity")]
+
+
+def _acting(unbalances: Sequence[tuple[int, float, float]] | None, mode: int | None) -> str:
+    if unbalances is None:
+        return "The machine's own unbalances act."
+    d = current()
+    listed = ", ".join(
+        f"{amount * d.unbalance:.4g} {d.unbalance_unit} at node {node} "
+        f"({math.degrees(phase):.4g} deg)"
+        for node, amount, phase in unbalances
+    )
+    return f"Unbalances placed by API 617 for mode {mode}: {listed}."
+
+
+def _contact(rub: RubCheck) -> list[str]:
+    result = [f'<p class="verdict">{escape(rub.conclusion)}</p>']
+    if rub.scale != 1.0:
+        result.append(
+            f"<p>The unbalance is {rub.scale:.4g} times the placed one, with which the probes "
+            "reach their limit in the operating range.</p>"
+        )
+    if rub.closings:
+        result += [
+            _html(closings_table(rub)),
+            _html(runs_table(rub)),
+            figure_html(rub_figure(rub), "Linear response beside the runs with contacts"),
+        ]
+    return result
+
+
+def _conclusions(
+    check: acceptance.UnbalanceCheck,
+    level_1: acceptance.StabilityLevel1,
+    level_2: acceptance.StabilityLevel2,
+    rub: RubCheck,
+) -> tuple[str, ...]:
+    """Return what the report says, in a line each."""
+    near = [c for c in check.criticals if c.margin is not None and not c.margin.is_met]
+    loud = [p for p in check.probes if p.peak_to_peak > check.limit]
+    tight = [c.name for c in check.clearances if not c.is_met]
+    d = current()
+    speeds = ", ".join(dict.fromkeys(shown_speed(c.peak.speed) for c in near))
+    limit = f"{check.limit * d.small:.3g} {d.small_word}"
+    return (
+        f"Critical speeds too near to the operating range: {speeds} {d.speed_unit}."
+        if near
+        else "All critical speeds have their separation margins.",
+        f"Probes above {limit}: node {', '.join(str(p.node) for p in loud)}."
+        if loud
+        else f"All probes stay below {limit} peak-to-peak.",
+        f"More than 75 % of a clearance is taken: {', '.join(tight)}."
+        if tight
+        else (
+            "No clearance is taken by more than 75 %."
+            if check.clearances
+            else "No clearance was checked: no open contact and no --clearance is there."
+        ),
+        f"Stability: log dec {level_2.cases[-1].log_dec:.3g} with all that acts"
+        + (", which is enough." if level_2.is_met else "; at least 0.1 is required.")
+        + (" Level 1 asks for level 2." if level_1.is_level_2_required else ""),
+        rub.conclusion,
+    )

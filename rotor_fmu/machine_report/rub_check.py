@@ -1,0 +1,278 @@
+"""The check of clearances carried on into contact: where the linear response closes a clearance,
+the machine is run up and down with its contacts, and the runs say what the rub does."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..api.machine import Machine
+from ..api.result import Result
+from ..api.simulate import simulate
+from ..display import current
+from ..linear.answers import UnbalanceResponse, static, unbalance_response
+from ..model.linear.linear_machine import OPEN
+from ..model.machine.rotor import Rotor
+from ..model.parts.base import Interface, Part, Probe
+from ..model.parts.unbalance import Unbalance
+
+_TURNS = 1200.0  # of a run up or down
+_SETTLING = 60.0  # turns at the first speed, before the run begins
+_FIRST = 0.1  # of the highest speed: where a run begins
+_POINTS = 400
+_BINS = 120
+_SPEEDS = 201
+_LASTING = 0.02  # of the time in the range, from which a rub lasts
+
+
+class Closing(NamedTuple):
+    """A clearance that the linear response closes: the contact, its clearance [m], the static
+    distance from the middle and the largest amplitude beside it [m], and the speeds between which
+    it is closed [rad/s]; NaN where the contact holds the machine and is always closed."""
+
+    name: str
+    clearance: float
+    sag: float
+    amplitude: float
+    begin: float
+    end: float
+
+
+class ContactRun(NamedTuple):
+    """A contact in a run: its name, the speeds of its first and last touch [rad/s], the shares of
+    time that it touches in the operating range and in the whole run [1], the largest normal force
+    [N]."""
+
+    name: str
+    first: float
+    last: float
+    share_in_range: float
+    share: float
+    force: float
+
+
+class RubRun(NamedTuple):
+    """A run with contacts: `run-up` or `run-down`; its status; of the place that moves most, the
+    speed [rad/s] and the amplitude there [m], shape (n,); what each contact did; whether the motion
+    turns against the spin in the operating range while it rubs."""
+
+    direction: str
+    status: str
+    speed: np.ndarray
+    amplitude: np.ndarray
+    contacts: tuple[ContactRun, ...]
+
+
+@dataclass(frozen=True)
+class RubCheck:
+    """What happens where the response closes a clearance.
+
+    low, high: operating range [rad/s]; scale: factor on the unbalances [1]; closings: clearances
+    that the linear response closes; place: the part whose motion is shown, speed, linear: its
+    linear amplitude over the speed [rad/s], [m]; runs: with contacts, none where nothing closes.
+    """
+
+    low: float
+    high: float
+    scale: float
+    closings: tuple[Closing, ...]
+    place: str
+    speed: np.ndarray
+    linear: np.ndarray
+    runs: tuple[RubRun, ...]
+
+    @property
+    def conclusion(self) -> str:
+        """What the runs say, in a sentence or two."""
+        if not self.closings:
+            return "The linear response closes no clearance; no run with contacts was needed."
+        touched = [c for run in self.runs for c in run.contacts if c.share > 0]
+        if not touched:
+            return (
+                "The linear response closes a clearance, but the runs pass without touching: at "
+                "this rate of the speed the resonance has no time to build up."
+            )
+        lasting = [c for c in touched if c.share_in_range > _LASTING]
+        largest = max(touched, key=lambda c: c.force)
+        force = f"{largest.force * current().force:.4g} {current().force_unit}"
+        force = f"The largest contact force is {force}, of {largest.name}."
+        if not lasting:
+            return f"The machine rubs, but not for long in the operating range. {force}"
+        names = ", ".join(dict.fromkeys(c.name for c in lasting))
+        up, down = (
+            max((c.share_in_range for c in run.contacts), default=0.0) > _LASTING
+            for run in self.runs
+        )
+        how = "in both directions" if up and down else "only running up"
+        if down and not up:
+            how = "only running down: it depends on where the motion comes from"
+        return f"The rub lasts in the operating range ({names}), {how}. {force}"
+
+
+def with_unbalances(
+    rotor: Rotor, unbalances: Sequence[tuple[int, float, float]] | None, scale: float
+) -> Rotor:
+    """Return the machine with these unbalances in the place of its own, or with its own, times a
+    factor.
+
+    unbalances: (node from 1, amount [kg.m], angle [rad]).
+    """
+    if unbalances is None:
+        parts = [_times(part, scale) for part in rotor.parts]
+        return replace(rotor, parts=tuple(parts))
+    bare = [_times(part, 0.0) for part in rotor.parts if not isinstance(part, Unbalance)]
+    placed = [Unbalance(node, scale * amount, phase) for node, amount, phase in unbalances]
+    return replace(rotor, parts=(*bare, *placed))
+
+
+def _times(part: Any, scale: float) -> Part:
+    """Return a part with its unbalance times a factor."""
+    for name in ("e", "amount"):
+        if hasattr(part, name):
+            part = replace(part, **{name: scale * getattr(part, name)})
+    return part
+
+
+def rub_check(
+    rotor: Rotor,
+    low: float,
+    high: float,
+    unbalances: Sequence[tuple[int, float, float]] | None = None,
+    scale: float = 1.0,
+) -> RubCheck:
+    """Return what the machine does where its response to unbalance closes a clearance.
+
+    low, high: operating range [rad/s]; unbalances: (node from 1, amount [kg.m], angle [rad]), None:
+    the machine's own; scale: factor on them.
+    """
+    machine = with_unbalances(rotor, unbalances, scale)
+    top = 1.25 * high
+    speeds = np.linspace(_FIRST * top, top, _SPEEDS)
+    response = unbalance_response(machine, speeds)
+    closings = _closings(machine, response)
+    names = [name for name, part in machine.named_parts() if _is_probe(part, name, machine)]
+    places = {name: _node(machine, name) for name in names}
+    largest = {name: response.major[:, node - 1].max() for name, node in places.items()}
+    place = max(largest, key=lambda name: largest[name]) if largest else ""
+    linear = response.major[:, places[place] - 1] if place else np.zeros(len(speeds))
+    runs: tuple[RubRun, ...] = ()
+    if closings:
+        runs = tuple(
+            _run(machine, direction, top, (low, high), place)
+            for direction in ("run-up", "run-down")
+        )
+    return RubCheck(low, high, scale, tuple(closings), place, speeds, linear, runs)
+
+
+def _node(rotor: Rotor, name: str) -> int:
+    return int(getattr(dict(rotor.named_parts())[name], "node", 0))
+
+
+def _is_probe(part: Part, name: str, rotor: Rotor) -> bool:
+    """Return whether the motion of a part is an output with an amplitude."""
+    return any(isinstance(e, Probe) for e in part.elements(name, rotor.material.density))
+
+
+def _contacts(rotor: Rotor) -> dict[str, tuple[int, str, float]]:
+    """Return node, housing and clearance of each contact by its name."""
+    result = {}
+    for name, part in rotor.named_parts():
+        for element in part.elements(name, rotor.material.density):
+            if isinstance(element, Interface) and element.law.has_wall:
+                gap = float(getattr(part, "clearance", math.nan))
+                result[name] = (element.node, element.housing, gap)
+    return result
+
+
+def _closings(rotor: Rotor, response: UnbalanceResponse) -> list[Closing]:
+    contacts = _contacts(rotor)
+    if response.contacts != OPEN:
+        return [
+            Closing(name, gap, math.nan, math.nan, math.nan, math.nan)
+            for name, (_, _, gap) in contacts.items()
+        ]
+    rest = static(rotor)
+    result = []
+    for name, (node, housing, gap) in contacts.items():
+        x, y = response.x[:, node - 1], response.y[:, node - 1]
+        at_rest = complex(rest.x[node - 1], rest.y[node - 1])
+        if housing:
+            k = response.housings.index(housing)
+            x, y = x - response.housing_x[:, k], y - response.housing_y[:, k]
+            at_rest -= complex(rest.housing_x[k], rest.housing_y[k])
+        major = (np.abs(x + 1j * y) + np.abs(x - 1j * y)) / 2
+        sag = abs(at_rest)
+        closed = np.flatnonzero(sag + major >= gap)
+        if len(closed):
+            ends = response.speeds[closed[[0, -1]]]
+            result.append(Closing(name, gap, sag, float(major.max()), *map(float, ends)))
+    return result
+
+
+def _run(
+    rotor: Rotor, direction: str, top: float, operating: tuple[float, float], place: str
+) -> RubRun:
+    """Run the machine up or down with its contacts."""
+    first = _FIRST * top
+    ends = (first, top) if direction == "run-up" else (top, first)
+    settled = _SETTLING * 2 * math.pi / ends[0]  # until the start at this speed is forgotten
+    stop = settled + _TURNS * 4 * math.pi / (first + top)
+    machine = Machine(rotor, "")
+    contacts = list(_contacts(rotor))
+    record = [f"{name}.{what}" for name in contacts for what in ("fn", "contact")]
+    record += [f"{place}.{axis}" for axis in "xy"] if place else []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        result = simulate(
+            machine,
+            speed=([0.0, settled, stop], [ends[0], *ends]),
+            tolerance=1e-3,
+            record=record,
+            step=stop / _POINTS,
+        )
+    after = result.t >= settled
+    speed, amplitude = _amplitude(result, place, after)
+    seen = tuple(_contact_run(result, name, operating, after) for name in contacts)
+    return RubRun(direction, result.status, speed, amplitude, seen)
+
+
+def _amplitude(result: Result, place: str, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return speeds [rad/s] and the largest distance from the mean in each of `_BINS` bins [m]."""
+    if not place:
+        return np.zeros(0), np.zeros(0)
+    w = np.abs(result.speed)[after]
+    z = (result[f"{place}.x"] + 1j * result[f"{place}.y"])[after]
+    edges = np.linspace(w.min(), w.max(), _BINS + 1)
+    bins = np.clip(np.digitize(w, edges) - 1, 0, _BINS - 1)
+    middles = (edges[:-1] + edges[1:]) / 2
+    values = [_radius(z[bins == i]) for i in range(_BINS)]
+    known = np.isfinite(values)
+    return middles[known], np.array(values)[known]
+
+
+def _radius(z: np.ndarray) -> float:
+    return float(np.abs(z - z.mean()).max()) if len(z) > 2 else math.nan
+
+
+def _contact_run(
+    result: Result, name: str, operating: tuple[float, float], after: np.ndarray
+) -> ContactRun:
+    w = np.abs(result.speed)[after]
+    touches = result[f"{name}.contact"][after] > 0.5
+    weight = np.gradient(result.t[after])
+    inside = (w >= operating[0]) & (w <= operating[1])
+    where = np.flatnonzero(touches)
+    first, last = (float(w[i]) for i in where[[0, -1]]) if len(where) else (math.nan, math.nan)
+    return ContactRun(
+        name,
+        first,
+        last,
+        float(weight[touches & inside].sum() / max(weight[inside].sum(), 1e-300)),
+        float(weight[touches].sum() / weight.sum()),
+        float(result[f"{name}.fn"][after].max(initial=0.0)),
+    )

@@ -1,0 +1,44 @@
+"""The picture of the check of clearances with contacts."""
+
+from __future__ import annotations
+
+import math
+
+from matplotlib.figure import Figure
+
+from ..display import current
+from ..linear.linear_plots import new_figure, shade
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE
+from .rub_check import RubCheck
+
+_HIGHEST = 3.0  # of the largest amplitude in the runs: more of the linear one is not shown
+
+
+def rub_figure(rub: RubCheck) -> Figure:
+    """Draw the linear amplitude over the speed beside those of the runs with contacts."""
+    figure, grid = new_figure(6.8, 4.4, 1)
+    axes = grid[0, 0]
+    small, unit, speed = current().small, current().small_word, current().speed
+    shade([axes], (rub.low, rub.high))
+    axes.plot(rub.speed * speed, rub.linear * small, color=GREY, lw=1.4, label="linear")
+    for run, color, dashes in zip(rub.runs, (BLUE, ORANGE), ("-", (0, (4, 2))), strict=False):
+        axes.plot(
+            run.speed * speed,
+            run.amplitude * small,
+            color=color,
+            ls=dashes,
+            lw=1.6,
+            label=f"{run.direction} with contacts",
+        )
+    gaps = sorted({c.clearance for c in rub.closings if not math.isnan(c.begin)})
+    for gap in gaps:
+        label = f"clearance {gap * small:.4g} {unit}"
+        axes.axhline(gap * small, color=GREEN, lw=1.0, ls=":", label=label)
+    largest = max((float(run.amplitude.max(initial=0.0)) for run in rub.runs), default=0.0)
+    linear = min(float(rub.linear.max(initial=0.0)), _HIGHEST * largest)
+    axes.set_ylim(0, 1.1 * small * max(largest, linear, *gaps, 1e-9))
+    axes.set_xlabel(f"{current().speed_label}; the operating range is shaded")
+    axes.set_ylabel(f"Amplitude of {rub.place} 0-p [{unit}]")
+    axes.legend(frameon=False, fontsize=8)
+    axes.set_title("Where a clearance closes", loc="left", fontsize=10)
+    return figure

@@ -1,0 +1,204 @@
+"""Bifurcation diagrams of a study: Poincare sections over what is varied, over the curve of the
+periodic motions by harmonic balance, stable ones full, unstable ones dashed.
+
+Where the motion repeats itself every turn, the sections lie on the stable curve; where they spread,
+it is unstable, or there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..display import current, shown_speed, speed_with_unit
+from ..errors import InputError
+from ..studies.design import Axis
+from ..studies.study import Study
+from .machine_runs import RUN, MachineRuns, machine_of
+from .metrics import Metric
+from .run_excitation import LEVELS
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ..periodic.result import ResponseResult
+
+_MOST_PANELS = 4
+_SPEED = f"{RUN}speed"
+Say = Callable[[str], object]
+
+
+class Panel(NamedTuple):
+    """A diagram: points over the parameter, of rising and of falling values where a run goes both
+    ways; the values of what else is varied, as they are shown; the motions, or None."""
+
+    parameter: np.ndarray
+    section: np.ndarray
+    falls: np.ndarray
+    others: Sequence[str]
+    response: ResponseResult | None
+
+
+def diagrams(study: Study, data: xarray.Dataset, say: Say) -> dict[str, Figure]:
+    """Return the diagram of every Poincare section that a study keeps, by its column.
+
+    say: hears of what is computed, and of what cannot be drawn. Raises `InputError` for a study
+    that keeps none.
+    """
+    runs, sections = sections_of(study)
+    axis = None if runs.how.kind == "steps" else _across(study.design.axes)
+    panels = _panels(study, data, runs, axis, say)
+    return {m.name: _figure(m, runs, axis, panels[m.name]) for m in sections}
+
+
+def sections_of(study: Study) -> tuple[MachineRuns, list[Metric]]:
+    """Return the runs of a study and the Poincare sections that it keeps; `InputError` for none."""
+    runs = study.model
+    if isinstance(runs, MachineRuns) and runs.how.kind in LEVELS:
+        sections = [metric for metric in runs.metrics if metric.kind == "poincare"]
+        if sections:
+            return runs, sections
+    raise InputError("--diagram: the study keeps no poincare of runs at constant speed")
+
+
+def _across(axes: tuple[Axis, ...]) -> Axis:
+    """Return what the diagram goes over: the speed, or else what has the most values."""
+    of_speed = [axis for axis in axes if axis.targets == (_SPEED,)]
+    return of_speed[0] if of_speed else max(axes, key=lambda axis: len(axis.values) or 1e9)
+
+
+def _panels(
+    study: Study, data: xarray.Dataset, runs: MachineRuns, axis: Axis | None, say: Say
+) -> dict[str, list[Panel]]:
+    """Return the panels of each section: one a combination of what else is varied."""
+    rest = [a for a in study.design.axes if a is not axis]
+    points = np.array([data[a.name].values for a in rest]).reshape(len(rest), data.sizes["run"]).T
+    groups = np.unique(points, axis=0)
+    if len(groups) > _MOST_PANELS:
+        say(
+            f"{len(groups)} combinations of {', '.join(a.name for a in rest)}: {_MOST_PANELS} drawn"
+        )
+        groups = groups[np.linspace(0, len(groups) - 1, _MOST_PANELS).astype(int)]
+    result: dict[str, list[Panel]] = {}
+    for group in groups:
+        rows = np.flatnonzero((points == group).all(axis=1))
+        others = dict(zip((a.name for a in rest), group.tolist(), strict=True))
+        settings = {t: others[a.name] for a in rest for t in a.targets}
+        response = None
+        for metric in (m for m in runs.metrics if m.kind == "poincare"):
+            over, section, falls = _points(
+                data[metric.name].values[rows],
+                runs,
+                axis,
+                settings,
+                None if axis is None else data[axis.name].values[rows],
+            )
+            if response is None:
+                response = _response(runs, axis, settings, over, say)
+            texts = [_text(a, others[a.name]) for a in rest]
+            panel = Panel(over, section, falls, texts, response)
+            result.setdefault(metric.name, []).append(panel)
+    return result
+
+
+def _points(
+    values: np.ndarray,
+    runs: MachineRuns,
+    axis: Axis | None,
+    settings: Mapping[str, float],
+    across: np.ndarray | None,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the points of some runs, shape (runs, section): parameter, section, whether it
+    falls."""
+    if axis is not None and across is not None:
+        over = np.repeat(across, values.shape[1])
+        return over, values.ravel(), np.zeros(len(over), bool)
+    own = {n.removeprefix(RUN): v for n, v in settings.items() if n.startswith(RUN)}
+    speeds = runs.how.changed(own).speeds
+    falls = np.concatenate([[False], np.diff(speeds) < 0])
+    each = values.shape[1] // len(speeds)
+    return np.repeat(speeds, each), values[0], np.repeat(falls, each)
+
+
+def _response(
+    runs: MachineRuns, axis: Axis | None, settings: Mapping[str, float], over: np.ndarray, say: Say
+) -> ResponseResult | None:
+    """Return the periodic motions over the range of a diagram, None where there can be none."""
+    from ..periodic.request import answer
+
+    rotor = machine_of(runs.toml, False).rotor
+    names = {str(name) for name, _, _ in rotor.parameters()}
+    given = {n: v for n, v in {**runs.values, **settings}.items() if n in names}
+    low, high = float(over.min()), float(over.max())
+    n = runs.how.numbers
+    try:
+        if axis is None or axis.targets == (_SPEED,):
+            say(f"periodic motions from {shown_speed(low)} to {speed_with_unit(high)}")
+            return answer(rotor, speed=(low, high), parameters=given, branches=True)
+        if len(axis.targets) > 1 or axis.targets[0] not in names:
+            raise InputError(f"{axis.name}: sets more than one quantity, or none of the machine")
+        speed = settings.get(_SPEED, n["speed"])
+        of = current().of_si(axis.unit)
+        ends = f"{of.factor * low:.6g} to {of.factor * high:.6g} {of.word}"
+        say(f"periodic motions over {axis.name} from {ends} at {speed_with_unit(speed)}")
+        asked = (axis.targets[0], low, high)
+        return answer(rotor, speed=speed, over=asked, parameters=given, branches=True)
+    except InputError as error:
+        say(f"without periodic motions: {error}")
+        return None
+
+
+def _text(axis: Axis, value: float) -> str:
+    factor, unit = current().of_si(axis.unit)
+    return f"{axis.name} = {factor * value:.6g}{'' if unit in ('', '1') else f' {unit}'}"
+
+
+def _figure(metric: Metric, runs: MachineRuns, axis: Axis | None, panels: list[Panel]) -> Figure:
+    from ..plotting.figure_style import new_panels
+
+    figure, axes = new_panels(7.2, 0.8 + 3.2 * len(panels), len(panels), 1, share_x=True)
+    for panel, ax in zip(panels, axes, strict=True):
+        _draw(metric, "rad/s" if axis is None else axis.unit, panel, ax)
+    unit = current().of_si("rad/s" if axis is None else axis.unit).unit
+    name = "speed" if axis is None else axis.name.removeprefix(RUN)
+    axes[-1].set_xlabel(f"{name} [{unit}]")
+    return figure
+
+
+def _draw(metric: Metric, unit: str, panel: Panel, ax: Axes) -> None:
+    """Draw a panel; unit: the SI unit of its parameter."""
+    from ..plotting.figure_style import BLUE, GREY, ORANGE
+
+    across, small = current().of_si(unit).factor, current().small
+
+    place, _, side = metric.of.rpartition(".")
+    response = panel.response
+    if response is not None and place in response.probes and side in "xy":
+        for over, value, stable in response.section(place, side):
+            dashes = "-" if stable else (0, (4, 2))
+            width = 2.2 if stable else 1.2
+            ax.plot(over * across, value * small, color=GREY, ls=dashes, lw=width, zorder=1)
+    for falls, color, text in ((False, BLUE, "rising"), (True, ORANGE, "falling")):
+        mine = panel.falls == falls
+        if mine.any():
+            label = text if panel.falls.any() else "once a turn"
+            ax.plot(
+                panel.parameter[mine] * across,
+                panel.section[mine] * small,
+                "x" if falls else ".",
+                color=color,
+                ms=3,
+                mew=0.6,
+                zorder=2,
+                label=label,
+            )
+    if response is not None:
+        ax.plot([], [], color=GREY, lw=2.2, label="periodic, stable")
+        ax.plot([], [], color=GREY, lw=1.2, ls=(0, (4, 2)), label="periodic, unstable")
+    ax.legend(frameon=False, fontsize=8)
+    ax.set_title(", ".join(panel.others), fontsize=9)
+    ax.set_ylabel(f"{metric.of} at the mark [{current().small_unit}]")

@@ -1,0 +1,55 @@
+"""The common style of all pictures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from ..files import unfinished
+
+BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe and Ito
+
+
+class PlainFigure(Figure):
+    """A figure whose texts are drawn as written: a machine's names may hold dollar signs, which
+    matplotlib would read as formulas."""
+
+    def draw(self, renderer: RendererBase) -> None:
+        """Draw it."""
+        for text in self.findobj(Text):
+            if "mathdefault" not in text.get_text():  # powers of ten at logarithmic axes
+                text.set_parse_math(False)
+        super().draw(renderer)
+
+
+def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
+    """Return a figure with one pair of axes, without the global state of pyplot; size in inches."""
+    figure, axes = new_panels(width, height, 1, 1)
+    return figure, axes[0]
+
+
+def new_panels(
+    width: float, height: float, rows: int, columns: int = 1, share_x: bool = False
+) -> tuple[Figure, np.ndarray]:
+    """Return a figure with several pairs of axes, shape (rows x columns,); size in inches."""
+    figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(rows, columns, squeeze=False, sharex=share_x).ravel()
+    for each in axes:
+        each.spines[["top", "right"]].set_visible(False)
+        each.grid(color="#dddddd", linewidth=0.6)
+        each.set_axisbelow(True)
+    return figure, axes
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write a PNG without the date and versions that would make it differ each time."""
+    with unfinished(path) as part:
+        figure.savefig(part, metadata={"Software": None})
+    return path

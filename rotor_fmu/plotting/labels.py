@@ -1,0 +1,75 @@
+"""Texts beside points of a picture, so that none covers another, a point or the legend."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import product
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.transforms import Bbox
+
+from .figure_style import GREY
+
+_SIZE = 8.0  # of the font [pt]
+_WIDE, _HIGH = 0.68, 1.15  # a character's width and height over that
+_MARK = 3.0  # half a point's mark [pt]
+_NEAR = 5.0  # from a point to its text [pt]
+_FAR = (0.0, 11.0, 22.0, 33.0, 44.0)  # further away, where there is no room [pt]
+
+
+def write_labels(axes: Axes, labels: Sequence[tuple[float, float, str, bool]]) -> None:
+    """Write texts beside points, the limits of the axes being set: each as near as there is room,
+    and with a line to its point where that is far.
+
+    labels: x and y of a point in the data's units, its text, and whether this stands better to the
+    right and below than to the left and above.
+    """
+    figure = axes.figure
+    assert isinstance(figure, Figure)
+    figure.draw_without_rendering()  # after which the axes have their place
+    to_points = 72.0 / figure.dpi
+    legend = axes.get_legend()
+    taken = [] if legend is None else [_scaled(legend.get_window_extent(), to_points)]
+    room = _scaled(axes.get_window_extent(), to_points)
+    places = [axes.transData.transform((x, y)) * to_points for x, y, _, _ in labels]
+    taken += [Bbox.from_bounds(x - _MARK, y - _MARK, 2 * _MARK, 2 * _MARK) for x, y in places]
+    for (x, y, text, is_right), place in zip(labels, places, strict=True):
+        width, height = _WIDE * _SIZE * len(text), _HIGH * _SIZE
+        boxes = [
+            (far, Bbox.from_bounds(place[0] + dx, place[1] + dy, width, height))
+            for far, (dx, dy) in _offsets(width, height, is_right)
+        ]
+        far, box = next((each for each in boxes if _is_free(each[1], taken, room)), boxes[0])
+        taken.append(box)
+        axes.annotate(
+            text,
+            (x, y),
+            xytext=(box.x0 - place[0], box.y0 - place[1]),
+            textcoords="offset points",
+            fontsize=_SIZE,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
+            arrowprops={"arrowstyle": "-", "color": GREY, "lw": 0.6} if far else None,
+        )
+
+
+def _offsets(
+    width: float, height: float, is_right: bool
+) -> Iterable[tuple[float, tuple[float, float]]]:
+    """Return how far from usual, and the offsets of a text's lower left corner, the best first."""
+    for far in _FAR:
+        right, left = _NEAR, -_NEAR - width
+        below, above = -height - far, 1.0 + far
+        better = [(right, below), (left, above)]
+        others = [(left, below), (right, above)]
+        yield from product([far], [*(better if is_right else better[::-1]), *others])
+
+
+def _scaled(box: Bbox, factor: float) -> Bbox:
+    return Bbox(box.get_points() * factor)
+
+
+def _is_free(box: Bbox, taken: Sequence[Bbox], room: Bbox) -> bool:
+    inside = room.x0 <= box.x0 and box.x1 <= room.x1 and room.y0 <= box.y0 and box.y1 <= room.y1
+    return inside and not any(box.overlaps(other) for other in taken)

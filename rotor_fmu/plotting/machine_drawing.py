@@ -1,0 +1,237 @@
+"""The picture of the machine to scale, from the outlines of its parts."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon, Rectangle
+from matplotlib.ticker import FuncFormatter, MaxNLocator
+
+from ..display import current
+from ..model.machine.rotor import Rotor
+from ..model.parts.base import Shape
+from .figure_style import PlainFigure
+
+_LABEL = "#555555"
+_LINE = 0.035  # height of a line of names, of the machine's size
+_LAYER = "#dddddd"
+_SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
+
+
+def machine_picture(rotor: Rotor) -> bytes:
+    """Return a picture of the machine to scale as a PNG, for the importing tool's icon."""
+    figure = PlainFigure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    draw_machine(axes, rotor)
+    axes.autoscale_view()
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def machine_figure(rotor: Rotor) -> Figure:
+    """Draw the machine to scale, in mm, its nodes numbered and its parts named."""
+    figure = PlainFigure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.set_aspect("equal", adjustable="datalim")
+    low, high = draw_machine(axes, rotor)
+    line = _LINE * max(rotor.length, 2 * (high - low))
+    named = [
+        (rotor.nodes[node - 1], name)
+        for name, part in rotor.named_parts()
+        if (node := getattr(part, "node", 0)) > 0
+    ]
+    numbers = [(z, str(i)) for i, z in enumerate(rotor.nodes, 1)]
+    for z, name, row in _rows(named, 0.34 * line):
+        _label(axes, z, high, high + line * (1 + row), name, 9)
+    rows = _rows(numbers, 0.34 * line)
+    for z, name, row in rows:
+        _label(axes, z, low, low - line * (1 + row), name, 8)
+    deepest = max(row for _, _, row in rows)
+    axes.annotate(
+        "node",
+        (rotor.nodes[0] - 1.2 * line, low - line),
+        ha="right",
+        va="center",
+        fontsize=8,
+        color=_LABEL,
+    )
+    axes.update_datalim([(rotor.nodes[0] - 3 * line, low - line * (2 + deepest))])
+    drawn = axes.dataLim
+    figure.set_figheight(min(8.0, max(2.8, 9.0 * drawn.height / drawn.width + 1.2)))
+    axes.autoscale_view()
+    shown = current()
+    lengths = FuncFormatter(lambda value, _: f"{value * shown.length:.6g}")
+    axes.xaxis.set_major_formatter(lengths)
+    axes.xaxis.set_major_locator(_RoundIn(shown.length))
+    axes.yaxis.set_visible(False)
+    axes.set_xlabel(f"Along the shaft z [{shown.length_unit}], radii to the same scale")
+    axes.set_title(rotor.name, loc="left", fontsize=10)
+    return figure
+
+
+class _RoundIn(MaxNLocator):
+    """Ticks at round numbers of a unit, of which one m is `length`."""
+
+    def __init__(self, length: float) -> None:
+        super().__init__(9)
+        self._length = length
+
+    def tick_values(self, vmin: float, vmax: float) -> list[float]:
+        """Return the ticks [m]."""
+        ticks = super().tick_values(vmin * self._length, vmax * self._length)
+        return [float(tick) / self._length for tick in ticks]
+
+
+def _label(axes: Axes, z: float, edge: float, height: float, text: str, size: int) -> None:
+    """A name on a thin line that leads to its node."""
+    axes.plot([z, z], [edge, height], color=_LABEL, lw=0.5)
+    above = height > edge
+    axes.annotate(
+        text,
+        (z, height),
+        ha="center",
+        va="bottom" if above else "top",
+        fontsize=size,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+    )
+
+
+def _rows(labels: list[tuple[float, str]], width: float) -> list[tuple[float, str, int]]:
+    """Return the names with the lowest row in which they do not overlap; width: of a letter."""
+    ends: list[float] = []
+    placed = []
+    for z, name in sorted(labels, key=lambda label: label[0]):
+        half = 0.5 * width * (len(name) + 1)
+        row = next((i for i, end in enumerate(ends) if end <= z - half), len(ends))
+        ends[row : row + 1] = [z + half]
+        placed.append((z, name, row))
+    return placed
+
+
+def draw_machine(axes: Axes, rotor: Rotor) -> tuple[float, float]:
+    """Draw the shaft and, over it, the outline of every part; lengths in m. Returns the lowest and
+    the highest position drawn."""
+    nodes = rotor.nodes
+    for z, section in zip(nodes, rotor.sections, strict=False):
+        right = z + section.length
+        for layer in sorted(section.layers, key=lambda layer: -layer.outer_left):
+            _tube(axes, (z, right), (layer.outer_left, layer.outer_right), _LAYER)
+        _tube(axes, (z, right), (section.outer_left, section.outer_right), _SHAFT)
+        if section.bore_left or section.bore_right:
+            _tube(axes, (z, right), (section.bore_left, section.bore_right), "white")
+    shapes = [
+        (nodes[node - 1], shape if shape.outer else shape._replace(outer=_radius(rotor, node)))
+        for part in rotor.parts
+        if (node := getattr(part, "node", 0)) > 0
+        for shape in part.outline()
+    ]
+    layers = [layer for section in rotor.sections for layer in section.all_layers]
+    thickest = max(max(s.outer_left, s.outer_right) for s in layers) / 2
+    tallest = max((s.outer for _, s in shapes), default=thickest)
+    size = max(tallest, 0.05 * rotor.length)
+    for z, shape in shapes:
+        _DRAWN[shape.role](axes, z, shape, size, rotor.length)
+    axes.plot([nodes[0], nodes[-1]], [0, 0], color="black", lw=0.6, ls=(0, (8, 2, 1, 2)))
+    is_grounded = any(shape.role in _GROUNDED for _, shape in shapes)
+    low = max(size, thickest) * (1.05 if not is_grounded else 1.1)
+    return -low, max(tallest, thickest)
+
+
+def _tube(axes: Axes, z: tuple[float, float], diameters: tuple[float, float], color: str) -> None:
+    """A cylinder or cone about the axis."""
+    ends = list(zip(z, (d / 2 for d in diameters), strict=True))
+    corners = [*ends, *((end, -radius) for end, radius in reversed(ends))]
+    axes.add_patch(Polygon(corners, facecolor=color, edgecolor="black", lw=0.8))
+
+
+def _radius(rotor: Rotor, node: int) -> float:
+    """Return the larger radius of the shaft on both sides of a node (from 1) [m]."""
+    left, right = (
+        rotor.sections[max(node - 2, 0)],
+        rotor.sections[min(node, len(rotor.nodes) - 1) - 1],
+    )
+    return max(left.outer_right, right.outer_left) / 2
+
+
+def _body(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    left, height = z + shape.left, 2 * shape.outer
+    block = Rectangle((left, -shape.outer), shape.width, height, facecolor=_BODY, edgecolor="black")
+    axes.add_patch(block)
+
+
+def _stator(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    width = 0.06 * length
+    for side in (1, -1):
+        low = side * (shape.inner + 0.01 * length)
+        block = Rectangle(
+            (z - width / 2, low), width, side * 0.24 * size, facecolor=_HOUSING, edgecolor="black"
+        )
+        axes.add_patch(block)
+    high = shape.inner + 0.01 * length + 0.24 * size
+    _ground(axes, z, high, size, width, _SPRING if shape.role == "housing" else "-")
+
+
+def _spring(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    _ground(axes, z, shape.outer, size, 0.06 * length, _SPRING)
+
+
+def _pedestal(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    width, high = 0.06 * length, 0.14 * size
+    top = shape.outer + 0.25 * size
+    axes.plot([z, z], [-top, -shape.outer], color="black", lw=1.0, ls=_SPRING)
+    block = Rectangle(
+        (z - width / 2, -top - high), width, high, facecolor=_HOUSING, edgecolor="black"
+    )
+    axes.add_patch(block)
+    _ground(axes, z, top + high, size, width, _SPRING)
+
+
+def _ground(
+    axes: Axes,
+    z: float,
+    high: float,
+    size: float,
+    width: float,
+    line: str | tuple[int, tuple[int, int]],
+) -> None:
+    """Draw the connection to ground: springs dashed."""
+    low = max(size, high + 0.1 * size)
+    axes.plot([z, z], [-low, -high], color="black", lw=1.0, ls=line)
+    axes.plot([z - width, z + width], [-low, -low], color="black", lw=2.0)
+
+
+def _force(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    tip, half = shape.outer, 0.008 * length
+    axes.plot([z, z], [tip + half, tip + 0.05 * length], color=_PORT, lw=2.0)
+    head = Polygon([(z, tip), (z - half, tip + 2 * half), (z + half, tip + 2 * half)], color=_PORT)
+    axes.add_patch(head)
+
+
+def _gauge(axes: Axes, z: float, shape: Shape, size: float, length: float) -> None:
+    radius = 0.006 * length
+    axes.add_patch(
+        Circle((z, shape.outer + 1.5 * radius), radius, facecolor="white", edgecolor=_PORT)
+    )
+
+
+_SPRING = (0, (2, 1))
+_GROUNDED = ("housing", "stator", "spring", "pedestal")
+_DRAWN: dict[str, Callable[[Axes, float, Shape, float, float], None]] = {
+    "body": _body,
+    "housing": _stator,
+    "stator": _stator,
+    "spring": _spring,
+    "pedestal": _pedestal,
+    "force": _force,
+    "gauge": _gauge,
+}

@@ -1,0 +1,347 @@
+"""Pictures of recorded signals, one function a kind, for `rotor-fmu plot`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import PowerNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from .. import vibration
+from ..display import current, frequency_unit
+from .figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure, new_figure
+from .view import View, parted, two
+
+PURPLE, BLACK = "#cc79a7", "#000000"
+_SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
+_PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
+_SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
+
+
+def _speed(omega: Any) -> Any:
+    return omega * current().speed
+
+
+def bode(view: View) -> Figure:
+    """Draw the 1x amplitude and phase of x and y over speed, with 2x and 0.5x."""
+    figure, (above, below) = two()
+    place = view.run.place(view.name)
+    track = vibration.order_track(*view.signal)
+    n = _speed(track.speed)
+    for vector, color, label, style in (
+        (track.x(), BLUE, "1x of x", (0, ())),
+        (track.y(), ORANGE, "1x of y", (0, (4, 2))),
+    ):
+        length = parted(n, np.abs(vector) * view.scale)
+        above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
+        phase = np.degrees(np.angle(vector))
+        phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
+        below.plot(n, parted(n, phase), color=color, lw=1.2, ls=style)
+    for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
+        label = f"{order:g}x, major axis"
+        length = parted(n, track.major(order) * view.scale)
+        above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
+    above.legend(frameon=False, fontsize=8)
+    above.set_ylim(bottom=0)
+    above.set_ylabel(f"Amplitude [{view.unit}]")
+    below.set_ylabel("Phase to the mark [deg]")
+    below.set_yticks([-180, -90, 0, 90, 180])
+    below.set_ylim(-190, 190)
+    below.set_xlabel(current().speed_label)
+    view.title(above, f"Bode plot of {place.label}")
+    return figure
+
+
+def polar(view: View) -> Figure:
+    """Draw the 1x vector of x over speed, from the keyphasor mark; lag clockwise."""
+    figure = PlainFigure(figsize=(5.8, 5.4), dpi=150, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot(projection="polar")
+    track = vibration.order_track(*view.signal, (1.0,))
+    n = _speed(track.speed)
+    for vector, color, label, style in (
+        (track.x(), BLUE, "1x of x", "-"),
+        (track.y(), ORANGE, "1x of y", (0, (4, 2))),
+    ):
+        radius = np.abs(vector) * view.scale
+        axes.plot(np.angle(vector), radius, color=color, lw=1.2, ls=style, label=label)
+        _speeds_along(axes, vector * view.scale, n, color)
+    axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.12, -0.08))
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.tick_params(labelsize=8)
+    units = f"radius [{view.unit}], speeds in {current().speed_unit}"
+    text = f"polar plot of {view.run.place(view.name).label}\n{units}"
+    view.title(axes, text)
+    return figure
+
+
+def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> None:
+    """Speeds written beside a curve where it has gone a share of its length."""
+    length = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(vector)))])
+    for share in (0.1, 0.3, 0.5, 0.7, 0.9):
+        i = int(np.searchsorted(length, share * length[-1]))
+        where = (float(np.angle(vector[i])), float(np.abs(vector[i])))
+        axes.plot(*where, "o", color=color, ms=3)
+        axes.annotate(
+            f"{n[i]:.1f}", where, xytext=(4, 3), textcoords="offset points", fontsize=7, color=color
+        )
+
+
+def orbit(view: View) -> Figure:
+    """Draw the orbit at a speed, its keyphasor marks, and the clearance."""
+    figure, axes = new_figure(5.4, 5.2)
+    place = view.run.place(view.name)
+    result = vibration.orbit(*view.signal, view.speed)
+    z, marks = result.z * current().small, result.marks * current().small
+    axes.plot(z.real, z.imag, color=BLUE, lw=1.0)
+    axes.plot(marks.real, marks.imag, "o", color=ORANGE, ms=5, label="keyphasor mark")
+    ahead = len(z) // len(marks) // 24
+    axes.annotate(
+        "",
+        (z[ahead].real, z[ahead].imag),
+        (z[0].real, z[0].imag),
+        arrowprops={"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4},
+    )
+    if place.clearance is not None:
+        ring = Circle(
+            (0, 0), place.clearance * current().small, fill=False, color=BLACK, lw=1, ls=(0, (5, 3))
+        )
+        ring.set_label(f"clearance, {place.clearance * current().small:.4g} {current().small_unit}")
+        axes.add_patch(ring)
+        axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    axes.set_xlabel(f"Horizontal displacement [{current().small_unit}]")
+    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
+    turns = len(marks)
+    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
+    view.title(axes, f"orbit of {place.label}, {turns} turns at {at}")
+    return figure
+
+
+def spectrum(view: View) -> Figure:
+    """Draw the full spectrum at a speed."""
+    figure, axes = new_figure()
+    result = vibration.full_spectrum(*view.signal, view.speed)
+    frequency = _speed(result.frequency)
+    amplitude = result.amplitude * view.scale
+    axes.vlines(frequency, 0, amplitude, color=BLUE, lw=1.2)
+    for i in _lines(amplitude):
+        axes.annotate(
+            f"{result.order[i]:+.3g}x",
+            (frequency[i], amplitude[i]),
+            xytext=(0, 3),
+            textcoords="offset points",
+            ha="center",
+            fontsize=8,
+        )
+    axes.axvline(0, color=GREY, lw=0.8)
+    axes.set_ylim(bottom=0)
+    # as far as there is something to see, on either side
+    seen = np.abs(frequency[amplitude > _SEEN * amplitude.max(initial=0.0)])
+    once = abs(_speed(result.speed))
+    reach = min(1.1 * max(3 * once, float(seen.max(initial=0.0))), np.abs(frequency).max())
+    axes.set_xlim(-reach, reach)
+    axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
+    axes.set_ylabel(f"Amplitude [{view.unit}]")
+    place = view.run.place(view.name).label
+    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
+    view.title(axes, f"full spectrum of {place} at {at}")
+    return figure
+
+
+def _lines(amplitude: np.ndarray) -> list[int]:
+    """Return the largest lines of a spectrum, without what the window puts beside each."""
+    inner = amplitude[1:-1]
+    tops = 1 + np.flatnonzero((inner > amplitude[:-2]) & (inner >= amplitude[2:]))
+    tops = tops[amplitude[tops] > 0.02 * np.nanmax(amplitude, initial=0)]
+    return tops[np.argsort(-amplitude[tops])][:5].tolist()
+
+
+def cascade(view: View) -> Figure:
+    """Draw full spectra over speed, or over time where the speed does not go one way."""
+    figure, axes = new_figure(6.8, 5.0)
+    result = vibration.cascade(*view.signal)
+    ways = np.diff(result.speed)
+    is_one_way = bool(np.all(ways < 0) or np.all(ways > 0))
+    down = _speed(result.speed) if is_one_way else result.t
+    across = _speed(result.frequency)
+    amplitude = np.nan_to_num(result.amplitude) * view.scale
+    # small lines are seen beside large ones on the root's scale
+    norm = PowerNorm(0.4, 0, max(float(amplitude.max(initial=0)), 1e-9))
+    shades = None
+    for number in np.unique(result.passage):
+        # nothing is drawn over a rest or a reversal
+        rows = np.flatnonzero(result.passage == number)
+        if len(rows) > 1:
+            shades = axes.pcolormesh(
+                across[rows],
+                np.broadcast_to(down[rows, None], across[rows].shape),
+                amplitude[rows],
+                cmap="cividis",
+                norm=norm,
+                shading="gouraud",
+                rasterized=True,
+            )
+    if shades is None:
+        raise vibration.TooFewTurns("the signal holds 16 whole turns of the shaft; 17 are needed")
+    once = np.abs(_speed(result.speed))
+    limit = 3 * float(once.max())
+    fastest = int(np.argmax(once))
+    is_top = down[fastest] == down.max()
+    for order in (-2, -1, 1, 2):
+        axes.plot(order * once, down, color="white", lw=0.6, ls=(0, (3, 4)))
+        x, y = order * float(once[fastest]), float(down[fastest])
+        if abs(x) < limit:
+            axes.annotate(
+                f"{order:+d}x", (x, y), xytext=(0, 2), textcoords="offset points",
+                ha="center", va="bottom", fontsize=8, annotation_clip=False,
+                color=BLACK if is_top else "white",
+            )  # fmt: skip
+    axes.set_xlim(-limit, limit)
+    axes.grid(visible=False)
+    figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.unit}]")
+    axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
+    axes.set_ylabel(current().speed_label if is_one_way else "Time [s]")
+    axes.set_title(
+        f"{view.machine}: {'cascade' if is_one_way else 'waterfall'} of the full spectrum of "
+        f"{view.run.place(view.name).label}",
+        loc="left",
+        fontsize=10,
+        pad=16,
+        parse_math=False,
+    )
+    return figure
+
+
+def poincare(view: View) -> Figure:
+    """Draw the points of the Poincare section, coloured by the speed, with the clearance."""
+    figure, axes = new_figure(6.0, 5.2)
+    place = view.run.place(view.name)
+    result = vibration.poincare(*view.signal)
+    points = result.points * current().small
+    shown = axes.scatter(
+        points.real, points.imag, c=_speed(result.speed), s=6, cmap="cividis", lw=0
+    )
+    figure.colorbar(shown, ax=axes, label=current().speed_label)
+    if place.clearance is not None:
+        ring = Circle(
+            (0, 0), place.clearance * current().small, fill=False, color=BLACK, lw=1, ls=(0, (5, 3))
+        )
+        axes.add_patch(ring)
+        axes.autoscale_view()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel(f"Horizontal displacement [{current().small_unit}]")
+    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
+    view.title(axes, f"{place.label} once a turn, at the mark")
+    return figure
+
+
+def whirl(view: View) -> Figure:
+    """Draw the sense and the order of the whirl."""
+    figure, (above, below) = two()
+    result = vibration.whirl(*view.signal)
+    n = _speed(result.speed)
+    above.axhline(0, color=GREY, lw=0.8)
+    above.plot(n, result.sense, ".", color=BLUE, ms=3, mew=0)
+    above.set_ylim(-1.08, 1.08)
+    above.set_yticks([-1, 0, 1], ["backward", "line", "forward"])
+    above.set_ylabel("Sense of whirl [1]")
+    below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
+    below.axhline(0, color=GREY, lw=0.8)
+    below.set_ylabel("Whirl over rotation [1]")
+    below.set_xlabel(current().speed_label)
+    view.title(above, f"whirl of {view.run.place(view.name).label}, over 16 turns each")
+    return figure
+
+
+def contact_angle(view: View) -> Figure:
+    """Draw the contact angle over speed."""
+    figure, axes = new_figure()
+    touch = view.run.touch(view.name)
+    touches = touch.fn > 0
+    n = _speed(view.run.w[touches])
+    axes.plot(n, np.degrees(touch.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
+    result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
+    at, low = _speed(result.speed), np.degrees(result.low)
+    high = low + np.degrees(result.width)
+    for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
+        axes.vlines(
+            at[top > bottom], bottom[top > bottom], top[top > bottom], color=BLUE, alpha=0.2
+        )
+    axes.plot(at, np.degrees(result.angle), ".", color=BLUE, ms=3, mew=0)
+    axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
+    axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
+    axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
+    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=3)
+    axes.set_ylim(0, 360)
+    axes.set_yticks(*_PSI)
+    axes.set_xlabel(current().speed_label)
+    axes.set_ylabel("Contact angle ψ [deg]")
+    view.title(axes, f"where {touch.label} touches")
+    return figure
+
+
+def contact_force(view: View) -> Figure:
+    """Draw the normal force of a contact and the share of the time that it touches, over speed."""
+    figure, (above, below) = two()
+    touch = view.run.touch(view.name)
+    result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
+    n, d = _speed(result.speed), current()
+    largest, mean = parted(n, result.peak * d.force), parted(n, result.mean * d.force)
+    above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
+    above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
+    above.legend(frameon=False, fontsize=8)
+    above.set_ylim(bottom=0)
+    above.set_ylabel(f"Normal force [{d.force_unit}]")
+    below.plot(n, parted(n, 100 * result.share), color=GREEN, lw=1.0)
+    below.set_ylim(0, 105)
+    below.set_ylabel("Touches [% of the turn]")
+    below.set_xlabel(current().speed_label)
+    view.title(above, f"contact force of {touch.label}")
+    return figure
+
+
+def energy(view: View) -> Figure:
+    """Draw the power of every sink over speed, and the energy since the start."""
+    figure, (above, below) = two(even=True)
+    run = view.run
+    _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
+    taking = [name for name in powers if run.losses[name][-1] != 0.0]
+    sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
+    for i, name in enumerate(sinks):
+        color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
+        energy = run.losses[name]
+        label = f"{name}: {_joules(energy[-1])}"
+        power = parted(speed, powers[name])
+        above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=label)
+        below.plot(_speed(run.w), energy, color=color, ls=style, lw=1.2)
+    above.legend(frameon=False, fontsize=8)
+    above.set_ylabel("Power [W], mean of a turn")
+    below.set_ylabel("Energy since the start [J]")
+    below.set_xlabel(current().speed_label)
+    view.title(above, "energy dissipated by sink")
+    return figure
+
+
+def _joules(energy: float) -> str:
+    return f"{energy:.3g} J" if abs(energy) < 1e3 else f"{energy / 1e3:.4g} kJ"
+
+
+KINDS: dict[str, Callable[[View], Figure]] = {
+    "bode": bode,
+    "polar": polar,
+    "orbit": orbit,
+    "cascade": cascade,
+    "poincare": poincare,
+    "contact-angle": contact_angle,
+    "contact-force": contact_force,
+    "energy": energy,
+    "spectrum": spectrum,
+    "whirl": whirl,
+}

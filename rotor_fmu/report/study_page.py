@@ -1,0 +1,144 @@
+"""The page of a study: a map whose points are runs, with what is known of each."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..display import Shown, current
+from .packed import COARSE, packed
+from .report_tables import table
+from .run_page import page, template
+
+if TYPE_CHECKING:
+    import pyarrow
+
+_MOST_RUNS = 20_000
+_MOST_OF_CURVES = 1_500_000  # values
+_MOST_REASONS = 5
+_OK = "ok"
+
+
+def study_page(
+    about: Mapping[str, Any],
+    rows: pyarrow.Table,
+    pages: Mapping[str, str] | None = None,
+    drawn: np.ndarray | None = None,
+) -> str:
+    """Return the page of a study as HTML.
+
+    about: what its folder says of it (name, runs, design with its axes, columns); rows: a run each,
+    with run, id, status, what was varied, and the metrics, each a number or a list; pages: of runs
+    that were made again with their signals, addresses by id; drawn: the rows whose quantiles say
+    something, none where the points were placed to be compared.
+    """
+    shown = np.unique(np.linspace(0, len(rows) - 1, min(len(rows), _MOST_RUNS)).astype(int))
+    axes = [axis["name"] for axis in about["design"]["axes"]]
+    retained = [column for column in about["columns"] if not column["dimension"]]
+    varied = [
+        {"name": axis["name"], "unit": axis.get("unit", ""), "text": "varied"}
+        for axis in about["design"]["axes"]
+    ]
+    columns = [_head(column) for column in (*varied, *retained)]
+    scales = {column["name"]: _shown_in(column["unit"])[0] for column in (*varied, *retained)}
+    values = {name: scale * _numbers(rows, name) for name, scale in scales.items()}
+    status = rows["status"].to_pylist()
+    data = {
+        "axes": axes,
+        "columns": columns,
+        "ids": [str(rows["id"][int(i)]) for i in shown],
+        "status": [status[i] for i in shown],
+        "pages": dict(pages or {}),
+        "runs": rows["run"].to_numpy()[shown].tolist(),
+        "values": {name: packed(column[shown]) for name, column in values.items()},
+        "curves": _curves(about["columns"], rows, shown),
+    }
+    body = template("study.html").substitute(
+        notices=_notices(about, status, len(shown)),
+        tables=_ranges(columns, values, np.arange(len(rows)) if drawn is None else drawn),
+        hidden="" if data["curves"] else " hidden",
+    )
+    return page(
+        title=str(about.get("name", "study")),
+        about=f"{len(rows)} of {about.get('runs', len(rows))} runs, varied: {', '.join(axes)}",
+        body=body,
+        data=data,
+        signals=None,
+        scripts=("study.js",),
+    )
+
+
+def _shown_in(unit: str) -> Shown:
+    """Return how a number in a unit is shown."""
+    return Shown(1.0, "-") if unit == "1" else current().of_si(unit)
+
+
+def _head(column: Mapping[str, Any]) -> dict[str, str]:
+    unit = _shown_in(column["unit"])[1]
+    return {"name": column["name"], "unit": unit, "text": column["text"]}
+
+
+def _numbers(rows: pyarrow.Table, name: str) -> np.ndarray:
+    return np.asarray(rows[name].to_numpy(), dtype=float)
+
+
+def _curves(
+    columns: Sequence[Mapping[str, Any]], rows: pyarrow.Table, shown: np.ndarray
+) -> list[dict[str, Any]]:
+    """Return lists along a coordinate that is the same for all runs, as long as there is room."""
+    result, room = [], _MOST_OF_CURVES
+    for column in columns:
+        width = len(column["coordinate"])
+        if not column["dimension"] or not width or width * len(shown) > room:
+            continue
+        room -= width * len(shown)
+        values = np.full((len(shown), width), np.nan)
+        for row, i in enumerate(shown):
+            cell = rows[column["name"]][int(i)].as_py()
+            if cell is not None and len(cell) == width:
+                values[row] = cell
+        across, unit = _shown_in(column["coordinate_unit"])
+        head: dict[str, Any] = _head(column)
+        head |= {"dimension": column["dimension"], "coordinate_unit": unit}
+        head["coordinate"] = [across * value for value in column["coordinate"]]
+        scale, _ = _shown_in(column["unit"])
+        result.append(head | {"values": packed(scale * values, COARSE)})
+    return result
+
+
+def _notices(about: Mapping[str, Any], status: Sequence[str], shown: int) -> str:
+    said = []
+    whole = int(about.get("runs", len(status)))
+    if len(status) < whole:
+        said.append(f"The study goes on: {len(status)} of {whole} runs have their rows.")
+    if shown < len(status):
+        said.append(f"The map shows {shown} of {len(status)} runs, evenly taken.")
+    reasons = Counter(text for text in status if text != _OK)
+    for text, count in reasons.most_common(_MOST_REASONS):
+        said.append(f"{count} {'run' if count == 1 else 'runs'}: {text}")
+    if len(reasons) > _MOST_REASONS:
+        said.append(f"... and {len(reasons) - _MOST_REASONS} more reasons; the map shows each.")
+    return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
+
+
+def _ranges(
+    columns: Sequence[Mapping[str, str]], values: Mapping[str, np.ndarray], drawn: np.ndarray
+) -> str:
+    lines: list[list[object]] = []
+    for column in columns:
+        of_all = values[column["name"]]
+        least, largest = _quantiles(of_all, [0, 1])
+        between = _quantiles(of_all[drawn], [0.05, 0.5, 0.95])
+        spread = [least, *between, largest]
+        lines.append([column["name"], column["unit"] or "", *spread, column["text"]])
+    heads = ["", "unit", "least", "5 %", "median", "95 %", "largest", ""]
+    return table("all runs that have the value", heads, lines)
+
+
+def _quantiles(values: np.ndarray, shares: list[float]) -> list[float | None]:
+    known = values[np.isfinite(values)]
+    return np.quantile(known, shares).tolist() if len(known) else [None] * len(shares)

@@ -1,0 +1,31 @@
+"""How much a run is to be trusted: `ok`, `doubtful: ` and the codes of its warnings, or `failed: `
+and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .model.message_templates import Message
+
+OK, DOUBTFUL, FAILED = "ok", "doubtful: ", "failed: "
+
+
+def status_of(messages: Iterable[Message], failure: str | None = None) -> str:
+    """Return the status of a run that said this; failure: why it ended early."""
+    if failure is not None:
+        return f"{FAILED}{failure}"
+    codes = dict.fromkeys(m.code for m in messages if m.code and not m.is_note)
+    return f"{DOUBTFUL}{', '.join(codes)}" if codes else OK
+
+
+def with_doubt(status: str, code: str) -> str:
+    """Return a status with the code of a warning added."""
+    if status == OK:
+        return f"{DOUBTFUL}{code}"
+    return status if status.startswith(FAILED) else f"{status}, {code}"
+
+
+def messages_and_codes(messages: Iterable[Message]) -> dict[str, list[str]]:
+    """Return the messages of a run and their codes, as a file or a page tells them."""
+    listed = [*messages]
+    return {"messages": [str(m) for m in listed], "codes": [m.code for m in listed]}

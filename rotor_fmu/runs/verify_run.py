@@ -1,0 +1,137 @@
+"""Verification: a run compared with the same run, solved more finely.
+
+Where both agree in the amplitudes and in where the parts are at the end, the run is confirmed.
+Where the amplitudes alone agree it is sensitive: small errors change when things happen, as in
+chaos, long transients and limit cycles, but not how large the motion is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..fmi.solver_parameters import PREFIX, settings_of
+from ..model.settings import Settings, SettingsError
+from ..run_status import OK
+from .job import Job
+from .run_down import Run
+
+CONFIRMED, SENSITIVE, NOT_CONFIRMED = "confirmed", "sensitive", "not confirmed"
+NOT_CONFIRMED_CODE = "not-confirmed"  # in the status of a run
+# Amplitudes agree that differ by less than this share, or by the larger one that a coarse tolerance
+# promises, in tolerances.
+AGREES, AGREES_IN_TOLERANCES = 0.02, 10.0
+# Places at the end agree that differ by less than so many times that.
+_PLACES = 5.0
+_FINER, _SHORTER = 0.1, 0.5
+_STEPS = ("h", "h_min", "h_max")
+_SMALL = 1e-3  # share of a part's largest motion below which its motion at the end is none
+
+
+class Comparison(NamedTuple):
+    """A quantity of a run and of its finer twin [m]; difference: relative to how much that part
+    moves [1]."""
+
+    name: str
+    value: float
+    finer: float
+    difference: float
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The result of comparing a run with a finer one.
+
+    changed: the finer run's settings that differ; status: of the finer run; peaks: the largest
+    amplitudes 0-p of each part; final: the amplitudes over the last revolution and the
+    displacements at the end; allowed: largest difference of amplitudes that agree [1].
+    """
+
+    changed: Mapping[str, float]
+    status: str
+    peaks: tuple[Comparison, ...]
+    final: tuple[Comparison, ...]
+    allowed: float
+
+    @property
+    def conclusion(self) -> str:
+        """`CONFIRMED`, `SENSITIVE` or `NOT_CONFIRMED`."""
+        amplitudes = (*self.peaks, *(c for c in self.final if c.name.endswith("_amp")))
+        if self.status != OK or any(not c.difference <= self.allowed for c in amplitudes):
+            return NOT_CONFIRMED
+        is_same = all(c.difference <= _PLACES * self.allowed for c in self.final)
+        return CONFIRMED if is_same else SENSITIVE
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """Return the comparison as it stands in `summary.json`."""
+        return {
+            "conclusion": self.conclusion,
+            "finer": dict(self.changed),
+            "finer_status": self.status,
+            "allowed": self.allowed,
+            "peaks": [c._asdict() for c in self.peaks],
+            "final": [c._asdict() for c in self.final],
+        }
+
+
+def finer(settings: Settings) -> dict[str, float]:
+    """Return the settings of a finer run that differ: a tenth of the tolerance, or half of the
+    steps."""
+    if settings.mode == "controlled":
+        changed = {"tolerance": _FINER * settings.tolerance}
+    elif settings.mode == "adaptive":
+        changed = {name: _SHORTER * getattr(settings, name) for name in _STEPS}
+        changed |= {name: _FINER * getattr(settings, name) for name in ("eps_min", "eps_max")}
+    else:
+        changed = {"h": _SHORTER * settings.h}
+    return {f"{PREFIX}{name}": value for name, value in changed.items()}
+
+
+def finer_job(job: Job) -> Job:
+    """Return the same run, finer. Raises `InputError` where there is none."""
+    parameters = {**job.parameters, **finer(job.settings)}
+    values = {v.name: v.start for v in job.table if v.start is not None} | parameters
+    try:
+        return replace(job, parameters=parameters, settings=settings_of(values))
+    except SettingsError as error:
+        raise InputError(f"a finer run to verify this one with: {error}") from error
+
+
+def allowed(settings: Settings) -> float:
+    """Return the largest relative difference of amplitudes that agree [1]."""
+    of_tolerance = AGREES_IN_TOLERANCES * settings.tolerance
+    return max(AGREES, of_tolerance if settings.mode == "controlled" else 0.0)
+
+
+def compare(run: Run, other: Run, settings: Settings) -> Verification:
+    """Compare a run with a finer one, `other`; settings: of the run."""
+    peaks, final = [], []
+    for part in (n.removesuffix(".x_amp") for n in run.columns if n.endswith(".x_amp")):
+        names = [f"{part}.{axis}_amp" for axis in "xy"]
+        size = max(_largest(other, name) for name in names)
+        peaks += [
+            _compared(name, _largest(run, name), _largest(other, name), size) for name in names
+        ]
+        ends = [(n, _last(run, n), _last(other, n)) for n in (*names, f"{part}.x", f"{part}.y")]
+        size = max(_SMALL * size, *(value for _, _, value in ends[:2]))
+        final += [_compared(*each, size) for each in ends]
+    return Verification(
+        finer(settings), other.status, tuple(peaks), tuple(final), allowed(settings)
+    )
+
+
+def _compared(name: str, value: float, other: float, size: float) -> Comparison:
+    return Comparison(name, value, other, abs(value - other) / (size or 1.0))
+
+
+def _largest(run: Run, name: str) -> float:
+    return float(np.max(run.columns[name], initial=0.0))
+
+
+def _last(run: Run, name: str) -> float:
+    return float(run.columns[name][-1]) if len(run.t) else 0.0

@@ -1,0 +1,79 @@
+"""Read what a path holds: a run, with its recording and its figures, or a study, with its rows."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import InputError, optional
+from ..runs.recording import load_recording
+from ..vibration.measuring_points import Recorded
+
+if TYPE_CHECKING:
+    import pyarrow
+
+RUN, STUDY = "recording.npz", "study.json"
+
+
+def is_study(path: Path) -> bool:
+    """Return whether a folder is a study's."""
+    return (path / STUDY).is_file()
+
+
+def read_run(path: Path) -> Recorded:
+    """Return the recording of a run's folder, or a recording's file."""
+    file = path / RUN if path.is_dir() else path
+    if not file.exists():
+        what = f"holds no {RUN}" if path.is_dir() else "is not there"
+        raise InputError(f"{path}: {what}; give the folder of a run")
+    recording = load_recording(file)
+    whole = path.resolve()
+    return Recorded(recording, whole.name if path.is_dir() else whole.parent.name)
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """Return the figures beside a run's recording, none where there are none."""
+    file = (path if path.is_dir() else path.parent) / "summary.json"
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise InputError(f"{file}: cannot be read") from error
+
+
+def read_study(path: Path) -> tuple[dict[str, Any], pyarrow.Table]:
+    """Return what a study's folder says of it, and its rows, each once, in the order of the
+    runs."""
+    arrow_error = optional("pyarrow", "study", str(path)).ArrowException
+    from ..studies.dataset import about_of
+    from ..studies.store import read_rows
+
+    try:
+        return about_of(path), read_rows(path)
+    except arrow_error as error:
+        raise InputError(f"{path}: its rows cannot be read: {error}") from error
+
+
+def rows_of_quantiles(about: dict[str, Any], rows: pyarrow.Table) -> np.ndarray:
+    """Return the rows of a study whose quantiles are meaningful for the varied parameters."""
+    from ..studies.analysis import design_of, drawn_rows, is_estimate
+
+    design = design_of(about["design"])
+    if not is_estimate(design):
+        return np.zeros(0, int)
+    return drawn_rows(design, rows["run"].to_numpy())
+
+
+def told_apart(runs: Sequence[Recorded], paths: Sequence[Path]) -> None:
+    """Return names that differ, longer where folders have the same name."""
+    if len({run.name for run in runs}) < len(runs):
+        for run, path in zip(runs, paths, strict=True):
+            run.name = "/".join(path.resolve().parts[-2:])
+    if len({run.name for run in runs}) < len(runs):
+        for run, letter in zip(runs, "AB", strict=True):
+            run.name = f"{run.name} ({letter})"

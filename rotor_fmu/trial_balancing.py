@@ -1,0 +1,320 @@
+"""Balancing of a machine by runs in time: as it is, with a trial unbalance in each correction
+plane, and with the correction unbalances (ISO 21940-12)."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from .api.machine import Machine
+from .api.simulate import simulate
+from .display import current, speed_with_unit
+from .errors import InputError, RunFailed
+from .linear.answers import Displayed, modes
+from .linear.linear_plots import new_figure, titled
+from .linear.linear_tables import Table
+from .model.machine.rotor import Rotor
+from .model.parts.base import Interface
+from .model.parts.port import Sensor
+from .model.parts.unbalance import Unbalance
+from .model.structure.assembly import assemble
+from .plotting.figure_style import BLUE, GREEN, GREY, ORANGE
+from .vibration.influence_coefficients import correction
+
+_SETTLED = 16.0  # time constants of the slowest mode until the motion is steady: 1e-7 of it is left
+_LEAST_TURNS, _MOST_TURNS = 60, 4000
+_MEASURED = 32  # turns at the end of a run, over which the vibration is measured
+_ROWS = 64  # a turn
+_TRIAL = 0.1  # of the rotor's weight, the force of all trial unbalances together
+_GRAVITY = 9.80665
+_TOLERANCE = 1e-5
+
+
+class Vibration(NamedTuple):
+    """Once-per-revolution vibration of a node (from 1) along an axis at a speed [rad/s], complex
+    amplitudes 0-p [m] whose angles are measured from the shaft's mark: initial, expected after the
+    correction, and in the run with it."""
+
+    node: int
+    axis: str
+    speed: float
+    initial: complex
+    expected: complex
+    corrected: complex
+
+
+class CorrectionPlane(NamedTuple):
+    """A correction plane: its node (from 1), the trial unbalance and the correction unbalance,
+    complex [kg.m]."""
+
+    node: int
+    trial: complex
+    unbalance: complex
+
+
+@dataclass(frozen=True)
+class Balancing(Displayed):
+    """A machine balanced by influence coefficients, m measurements and p planes.
+
+    Attributes
+    ----------
+    planes : tuple of CorrectionPlane
+        Correction planes with their unbalances.
+    vibrations : tuple of Vibration
+        Vibration at the measuring points.
+    influence : numpy.ndarray
+        Influence coefficients, complex of shape (m, p) [m/(kg.m)].
+    touches : bool
+        Whether a contact closed during a run, so that the coefficients are not those of a linear
+        machine.
+    """
+
+    planes: tuple[CorrectionPlane, ...]
+    vibrations: tuple[Vibration, ...]
+    influence: np.ndarray
+    touches: bool
+
+    @property
+    def residual(self) -> float:
+        """The vibration in the run with the correction, as a share of the initial one [1].
+
+        Returns
+        -------
+        float
+            The ratio of both root mean squares.
+        """
+        before = np.array([v.initial for v in self.vibrations])
+        after = np.array([v.corrected for v in self.vibrations])
+        return float(np.linalg.norm(after) / np.linalg.norm(before))
+
+    def table(self) -> Table:
+        """Return the numbers in a few columns.
+
+        Returns
+        -------
+        Table
+            A row for each plane, and for each measurement.
+        """
+        heads = (
+            "",
+            "trial",
+            "[deg]",
+            "correction",
+            "[deg]",
+            "initial",
+            "[deg]",
+            "left",
+            "expected",
+        )
+        d, unit = current(), current().amplitude_words
+        planes = [
+            (
+                f"plane at node {p.node} [{d.unbalance_unit}]",
+                *_polar(p.trial, d.unbalance),
+                *_polar(p.unbalance, d.unbalance),
+                *4 * ("",),
+            )
+            for p in self.planes
+        ]
+        measured = [
+            (
+                f"node {v.node} {v.axis}, {speed_with_unit(v.speed)} [{unit}]",
+                *4 * ("",),
+                *_polar(v.initial, d.amplitude),
+                abs(v.corrected) * d.amplitude,
+                abs(v.expected) * d.amplitude,
+            )
+            for v in self.vibrations
+        ]
+        title = f"Balancing by influence coefficients: {100 * self.residual:.3g} % of the vibration"
+        title += " is left"
+        if self.touches:
+            title += "; a contact closed during a run: the coefficients are not a linear machine's"
+        return Table(title, heads, [*planes, *measured])
+
+    def figure(self) -> Figure:
+        """Draw the result.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            The vibration before and after, in the complex plane.
+        """
+        figure, grid = new_figure(5.4, 5.2, 1)
+        axes = grid[0, 0]
+        d = current()
+        axes.axhline(0, color=GREY, lw=0.8)
+        axes.axvline(0, color=GREY, lw=0.8)
+        for kind, color, mark in (
+            ("initial", ORANGE, "o"),
+            ("expected", GREEN, "x"),
+            ("corrected", BLUE, "s"),
+        ):
+            values = np.array([getattr(v, kind) for v in self.vibrations]) * d.amplitude
+            label = "with the correction" if kind == "corrected" else kind
+            axes.plot(values.real, values.imag, mark, color=color, ms=6, mfc="none", label=label)
+        for v in self.vibrations:
+            axes.annotate(
+                f"{v.node}{v.axis}",
+                (v.initial.real * d.amplitude, v.initial.imag * d.amplitude),
+                xytext=(5, 4),
+                textcoords="offset points",
+                fontsize=8,
+            )
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.margins(0.15)
+        axes.set_xlabel(f"In phase with the mark [{d.amplitude_words}]")
+        axes.set_ylabel(f"A quarter of a turn ahead of it [{d.amplitude_words}]")
+        axes.legend(frameon=False, fontsize=8)
+        title = titled(self.machine_name, "1x vibration, its angle from the mark")
+        axes.set_title(title, loc="left", fontsize=10)
+        return figure
+
+
+def _polar(value: complex, factor: float) -> tuple[float, float]:
+    return abs(value) * factor, math.degrees(np.angle(value))
+
+
+def balance(
+    rotor: Rotor,
+    speeds: Sequence[float],
+    planes: Sequence[int],
+    *,
+    measured: Sequence[int] | None = None,
+    trial: float | None = None,
+) -> Balancing:
+    """Balance a machine by influence coefficients, from runs in time.
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The machine with its unbalances.
+    speeds : sequence of float
+        Balancing speeds [rad/s], above 0.
+    planes : sequence of int
+        Nodes (from 1) of the correction planes.
+    measured : sequence of int, optional
+        Nodes (from 1) at which x and y are measured. By default those of the planes.
+    trial : float, optional
+        Trial unbalance of each plane [kg.m]. By default all together pull with a tenth of the
+        rotor's weight at the lowest balancing speed.
+
+    Returns
+    -------
+    Balancing
+        Influence coefficients, correction unbalances, and the vibration before and after.
+
+    Raises
+    ------
+    InputError
+        If a speed, a node or the trial unbalance cannot be.
+    RunFailed
+        If a run stops before its end.
+    """
+    nodes = list(planes if measured is None else measured)
+    highest = len(rotor.nodes)
+    for node in (*planes, *nodes):
+        if not 1 <= node <= highest:
+            raise InputError(f"node {node}: must be from 1 to {highest}")
+    if len(set(planes)) < len(planes) or not planes:
+        raise InputError(f"planes: {list(planes)}: must be different nodes, at least one")
+    for speed in speeds:
+        if not (math.isfinite(speed) and speed > 0):
+            raise InputError(f"balancing speed = {speed:g} rad/s: must be > 0 and finite")
+    if trial is None:
+        trial = _usual_trial(rotor, min(speeds), len(planes))
+    if not (math.isfinite(trial) and trial > 0):
+        raise InputError(f"trial unbalance = {trial:g} kg.m: must be > 0 and finite")
+    if not assemble(rotor).unbalance.any():
+        raise InputError("the machine has no unbalance: there is nothing to balance")
+    bench = _Bench(rotor, list(speeds), nodes)
+    initial = bench.vibration({})
+    trials = np.array([bench.vibration({node: complex(trial)}) for node in planes])
+    found = correction(initial, trials, np.full(len(planes), complex(trial)))
+    corrected = bench.vibration(dict(zip(planes, found.unbalances, strict=True)))
+    rows = zip(bench.rows(), initial, found.expected, corrected, strict=True)
+    result = Balancing(
+        planes=tuple(
+            CorrectionPlane(node, complex(trial), complex(unbalance))
+            for node, unbalance in zip(planes, found.unbalances, strict=True)
+        ),
+        vibrations=tuple(
+            Vibration(*row, complex(a), complex(b), complex(c)) for row, a, b, c in rows
+        ),
+        influence=found.influence,
+        touches=bench.touches,
+    )
+    object.__setattr__(result, "machine_name", rotor.name)
+    return result
+
+
+def _usual_trial(rotor: Rotor, speed: float, planes: int) -> float:
+    mass = float(assemble(rotor).mass_sum[::2].sum())
+    return _TRIAL * mass * _GRAVITY / (planes * speed**2)
+
+
+class _Bench:
+    """A machine that is run at the balancing speeds and measured."""
+
+    def __init__(self, rotor: Rotor, speeds: list[float], nodes: list[int]) -> None:
+        self._speeds, self._nodes = speeds, nodes
+        sensors = [Sensor(node, name=f"measured_{node}") for node in nodes]
+        self._rotor = replace(rotor, parts=(*rotor.parts, *sensors))
+        self._contacts = [
+            name
+            for name, part in rotor.named_parts()
+            for element in part.elements(name, rotor.material.density)
+            if isinstance(element, Interface) and element.law.has_wall
+        ]
+        self.touches = False
+
+    def rows(self) -> list[tuple[int, str, float]]:
+        """Return node, axis and speed of each measurement."""
+        return [(n, axis, s) for s in self._speeds for n in self._nodes for axis in "xy"]
+
+    def vibration(self, unbalances: dict[int, complex]) -> np.ndarray:
+        """Return the vibration with further unbalances [kg.m] by node, in the order of `rows`."""
+        added = [Unbalance(n, abs(u), float(np.angle(u))) for n, u in unbalances.items()]
+        rotor = replace(self._rotor, parts=(*self._rotor.parts, *added))
+        return np.concatenate([self._at(rotor, speed) for speed in self._speeds])
+
+    def _at(self, rotor: Rotor, speed: float) -> np.ndarray:
+        turn = 2 * math.pi / speed
+        decay = -float(modes(rotor, speed).eigenvalues.real.max(initial=-math.inf))
+        settling = _SETTLED / decay / turn if decay > 0 else math.inf
+        turns = math.ceil(min(max(settling, _LEAST_TURNS), _MOST_TURNS)) + _MEASURED
+        names = [f"measured_{node}.{axis}" for node in self._nodes for axis in "xy"]
+        touching = [f"{name}.contact" for name in self._contacts]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            result = simulate(
+                Machine(rotor, ""),
+                speed=speed,
+                stop=turns * turn,
+                tolerance=_TOLERANCE,
+                record=[*names, *touching],
+                per_turn=_ROWS,
+                step=turn,
+            )
+        if result.status.startswith("failed"):
+            raise RunFailed(f"the run at {speed:g} rad/s {result.status}")
+        phi = result["phi"]
+        within = (phi > phi[-1] - 2 * math.pi * _MEASURED).nonzero()[0]
+        self.touches |= any(bool((result[name][within] > 0.5).any()) for name in touching)
+        return np.array([_once(phi[within], result[name][within]) for name in names])
+
+
+def _once(phi: np.ndarray, signal: np.ndarray) -> complex:
+    """Return the component that turns with the shaft, by least squares with the mean and two
+    harmonics, so that it takes no even spacing."""
+    columns = [np.ones_like(phi)]
+    for order in (1, 2):
+        columns += [np.cos(order * phi), np.sin(order * phi)]
+    a = np.linalg.lstsq(np.column_stack(columns), signal, rcond=None)[0]
+    return complex(a[1], -a[2])
