@@ -73,6 +73,7 @@ class Page:
 
     def press(self, *keys):
         """Press keys, one after the other, on what has the focus."""
+        self.wait("document.hasFocus()")
         strokes = [{"type": f"key{way}", "value": key} for key in keys for way in ("Down", "Up")]
         self.driver.perform([{"type": "key", "id": "keys", "actions": strokes}])
 

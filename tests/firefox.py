@@ -24,6 +24,7 @@ class Firefox:
     lacks = "" if PROGRAM and find_spec("websocket") else "needs firefox and websocket-client"
 
     def __init__(self):
+        self.address = "about:blank"
         self._start(dark=False)
 
     def _start(self, dark):
@@ -53,8 +54,8 @@ class Firefox:
         self.last, self.events = 0, []
         self.send("session.new", capabilities={})
         self.send("session.subscribe", events=["log.entryAdded", "network.beforeRequestSent"])
-        self.tab = self._first_tab()
-        # the keyboard is the page's, not the address bar's
+        # a tab that is opened has the keyboard; the first, of a window without a screen, has not
+        self.tab = self.send("browsingContext.create", type="tab")["context"]
         self.send("browsingContext.activate", context=self.tab)
 
     def _address(self):
@@ -66,13 +67,6 @@ class Firefox:
             time.sleep(0.05)
         at = json.loads(file.read_text(encoding="utf-8"))
         return f"ws://{at['ws_host']}:{at['ws_port']}/session"
-
-    def _first_tab(self):
-        end = time.monotonic() + PATIENCE
-        while not (tabs := self.send("browsingContext.getTree")["contexts"]):
-            assert time.monotonic() < end, "Firefox opens no tab"
-            time.sleep(0.05)
-        return tabs[0]["context"]
 
     def send(self, method, **parameters):
         """Return the result of a command of WebDriver BiDi."""
@@ -87,6 +81,7 @@ class Firefox:
                 return answer["result"]
 
     def open(self, address):
+        self.address = address
         self.send("browsingContext.navigate", context=self.tab, url=address, wait="complete")
 
     def run(self, script, *given):
@@ -109,6 +104,7 @@ class Firefox:
         if dark != self.dark:  # which no command changes
             self.quit()
             self._start(dark)
+            self.open(self.address)
         size = {"width": width, "height": height}
         self.send("browsingContext.setViewport", context=self.tab, viewport=size)
 
