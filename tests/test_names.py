@@ -37,8 +37,12 @@ def test_every_part_may_have_a_name_which_its_variables_have():
     ("names", "expected"),
     [
         (("fan", "fan"), "disc[5].name = fan: disc[4] has this name already"),
-        (("two words",), "disc.name = 'two words': must be a word of letters, digits and _"),
-        (("solver",), "disc.name = 'solver': must be a word of letters, digits and _, and none of"),
+        (("two words",), "disc.name = 'two words': must be a word of letters a to z, digits"),
+        (("Laufrad_groß",), "disc.name = 'Laufrad_groß': must be a word of letters a to z"),
+        (
+            ("solver",),
+            "disc.name = 'solver': must be a word of letters a to z, digits and _,",
+        ),
         (("bearing",), "disc[4].name = bearing: is the name of a kind of part"),
     ],
 )

@@ -131,6 +131,8 @@ class Rotor:
 
     def __post_init__(self) -> None:
         self._check_shaft()
+        if not isinstance(self.name, str) or not self.name.isprintable():
+            raise QuantityError(f"name = {self.name!r}: must be text without control characters")
         if not isinstance(self.identifier, str) or not _IDENTIFIER.fullmatch(self.identifier):
             raise QuantityError(
                 f"identifier = {self.identifier!r}: must be a word of letters, digits and _ that "
@@ -201,10 +203,10 @@ class Rotor:
             counts[part.KIND] += 1
             if not label:
                 continue
-            if not isinstance(label, str) or not label.isidentifier() or label in _TAKEN:
+            if not isinstance(label, str) or not _IDENTIFIER.fullmatch(label) or label in _TAKEN:
                 raise QuantityError(
-                    f"{part.KIND}.name = {label!r}: must be a word of letters, digits and _, and "
-                    f"none of {', '.join(_TAKEN)}"
+                    f"{part.KIND}.name = {label!r}: must be a word of letters a to z, digits and "
+                    f"_, and none of {', '.join(_TAKEN)}"
                 )
             where = spelled(part.KIND, counts[part.KIND])
             if label in kinds:

@@ -147,7 +147,7 @@ SETTINGS: tuple[Choice | Number, ...] = (
         10_000_000,
         0,
         "largest number of iterations of the interface problem in a communication step, which then "
-        "ends early; each step counts at least one",
+        "ends early, and in the search for the rest at the start; each step counts at least one",
         is_whole=True,
     ),
     Number(

@@ -39,7 +39,12 @@ INFLOWS = (
     Output("external", "J", "work of the external forces since the start", nominal=1.0),
 )
 MACHINE_LOSSES = (
-    Output("structure", "J", "dissipated in the shaft since the start", nominal=1.0),
+    Output(
+        "structure",
+        "J",
+        "dissipated in shaft and supports, and carried off by lines, since the start",
+        nominal=1.0,
+    ),
     Output("housing", "J", "dissipated in the housings' dampers", nominal=1.0),
 )
 MACHINE_FLOWS = (*INFLOWS, *MACHINE_LOSSES)

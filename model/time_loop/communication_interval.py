@@ -25,6 +25,7 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
     r = memory.record[0]
     loads = memory.loads
     before = total_energy(structure, spin_now(memory.record), motion, work.stores)
+    _remember_speed(r)
     r.t_ref = r.t
     r.theta_ref = r.theta
     r.drive_work_ref = memory.work[FLOW.drive]
@@ -33,6 +34,9 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
         r.omega = drive
         r.omega_ref = drive
         r.alpha = rate
+        if is_start:
+            r.omega_earlier = drive
+            r.alpha_earlier = rate
     after = total_energy(structure, spin_now(memory.record), motion, work.stores)
     if is_start:
         r.energy_at_start = after
@@ -66,19 +70,37 @@ def begin_interval(structure, drive, rate, is_start, motion, memory, work):
 
 
 @jit
-def continued_rate(record, drive):
-    """Return the rate [rad/s2] at which a speed goes on that is `drive` [rad/s] now: that between
-    the last two given, or 0 where it is held; 0 of a torque too."""
+def continued_rate(record, drive, duration):
+    """Return the rate [rad/s2] at which a speed that is `drive` [rad/s] now is continued over an
+    interval of this duration [s], and the derivative of that rate by the speed [1/s].
+
+    The rate is that over the interval before, or over half the duration where that is longer: so a
+    jump is overshot by at most twice its size, however unequal the intervals are. 0 of a speed that
+    is held, and of a torque.
+    """
     r = record[0]
-    since = r.t - r.t_ref
     if r.is_free == 1 or r.continues == 0:
-        return 0.0
-    return (drive - r.omega_ref) / since if since > 0.0 else r.alpha
+        return 0.0, 0.0
+    since, before = r.t - r.t_ref, r.omega_ref
+    if not since > 0.0:
+        return r.alpha, 0.0
+    if since < 0.5 * duration:
+        since, before = r.t - r.t_earlier, r.omega_earlier
+        if since < 0.5 * duration:  # nothing is known of so long ago but the rate then
+            before -= r.alpha_earlier * (0.5 * duration - since)
+            since = 0.5 * duration
+    return (drive - before) / since, 1.0 / since
 
 
 @jit
-def rate_by_drive(record):
-    """Return the derivative of `continued_rate` by the speed given [1/s]."""
-    r = record[0]
+def _remember_speed(r):
+    """Keep a speed given earlier, at least as long ago as the longest interval since then, with the
+    mean rate before it."""
     since = r.t - r.t_ref
-    return 0.0 if r.is_free == 1 or r.continues == 0 or not since > 0.0 else 1.0 / since
+    r.longest_since = max(r.longest_since, since)
+    if r.t - r.t_earlier >= 2.0 * r.longest_since:
+        if r.t_ref > r.t_earlier:
+            r.alpha_earlier = (r.omega_ref - r.omega_earlier) / (r.t_ref - r.t_earlier)
+        r.t_earlier = r.t_ref
+        r.omega_earlier = r.omega_ref
+        r.longest_since = since

@@ -15,7 +15,7 @@ from ..step.tangent import Tangents
 from ..structure.parameters import prepare
 from . import derivatives, recorder, time_loop
 from .block import LAYOUT
-from .communication_interval import begin_interval, continued_rate, rate_by_drive
+from .communication_interval import begin_interval, continued_rate
 from .control import REALTIME, Control
 from .early_return import IN_STAGES, LIMITED, rests_past_limit
 from .energy import FLOW, total_energy
@@ -105,8 +105,7 @@ def advance(block, t_end, drive, rate):
     r, tangents = run.memory.record[0], _tangents(run)
     d_rate = 0.0
     if math.isnan(rate):
-        rate = continued_rate(run.memory.record, drive)
-        d_rate = rate_by_drive(run.memory.record)
+        rate, d_rate = continued_rate(run.memory.record, drive, t_end - r.t)
     scheme, control = _scheme(numbers), _control(numbers, r)
     status = time_loop.advance(run, scheme, control, tangents, t_end, drive, rate, d_rate)
     _observe(run, tangents)

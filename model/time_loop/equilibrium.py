@@ -76,12 +76,12 @@ def _take(motion, trial):
 
 @jit_not_inlined
 def _step(structure, spin, tau, loads, motion, trial, work, problem):
-    """Take a step of length tau [s] without velocity, to `trial`; returns its status."""
+    """Take a step of length tau [s] without velocity, to `trial`; returns its status and how many
+    iterations it took."""
     scheme = Scheme(0.0, 0.0, 1.0, 0.0)
-    status, _ = try_step(
+    return try_step(
         structure, scheme, unfitted(), spin, tau, loads, motion, trial, work, problem, 0
     )
-    return status
 
 
 @jit
@@ -153,7 +153,7 @@ def _leave(structure, motion, trial, memory, work, problem, spin, steepest, wher
     status = UNSTABLE
     fastest = 0.0
     for _ in range(_STEPS):
-        done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        done, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
         if done == NOT_FINITE:
             break
         change = away = onward = 0.0
@@ -222,10 +222,14 @@ def _settle(structure, spin, motion, trial, memory, work, problem):
     radians = _FIRST
     before = 0.0
     falls = 0
+    taken = 0
     status = NOT_CONVERGED_AT_REST
     for _ in range(_ITERATIONS):
+        if taken > memory.record[0].max_iterations:
+            break
         tau = radians / lowest
-        done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        done, iterations = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        taken += iterations
         if done != DONE:
             # past the bound again and again: nothing holds it
             falls += 1
@@ -263,7 +267,7 @@ def _polish(structure, spin, motion, trial, memory, work, problem):
         result[i] = motion.q[i]
     for _ in range(_POLISHES):
         tau = _POLISH / lowest
-        done = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
+        done, _ = _step(structure, spin, tau, memory.loads, motion, trial, work, problem)
         if done != DONE:
             break
         _take(motion, trial)

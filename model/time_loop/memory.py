@@ -15,16 +15,22 @@ RECORD = np.dtype(
     [
         (name, "f8")
         for name in (
-            "t",  # time [s]
+            "t",  # time since the start [s], and the host's time then [s]
+            "t_of_host",
             "t_ref",  # since then the speed has been linear in time: [s], [rad/s], [rad/s2], [rad]
             "omega_ref",
             "alpha",
             "theta_ref",
+            "t_earlier",  # an instant at which the speed was given before that, the speed [rad/s],
+            "omega_earlier",  # its mean rate before [rad/s2], and the longest interval since [s],
+            "alpha_earlier",  # see `communication_interval`
+            "longest_since",
             "omega",  # at t [rad/s]
             "theta",  # at t [rad]
             "h",  # proposed step length [s]
             "h_last",
-            "h_carried",  # to which the carried accelerations belong
+            "h_carried",  # to which the carried accelerations belong, and since when they were kept
+            "carried_since",  # through slivers of steps [s]
             "characteristic_frequency_squared",  # of the motion, see `fitting` [rad2/s2]
             "motion_size",  # see `error_control.update_size` [m]
             "turns_remembered",  # by it [1]
@@ -65,7 +71,7 @@ RECORD = np.dtype(
             "surveyed_at",  # speed at which growing whirls were looked for [rad/s], and the sizes
             "surveyed_from",  # of speed below and above which they are looked for anew
             "surveyed_to",
-            "max_iterations",  # that an advance may take
+            "max_iterations",  # that an advance, or the search for the rest, may take
             "drive_work_ref",  # of the ledger at t_ref [J]
             "drive_impedance",  # of the line that drives a free rotor [N.m.s/rad]
             "limit_displacement",  # of a probe from the axis [m] and of an interface's force [N] at

@@ -32,6 +32,23 @@ from .stage_loop import (
 )
 from .step_with_rotation import turn
 
+_ROUNDING = 4.0 * 2.0**-52  # of a host's time
+_MOST = 1e15  # steps of an interval: more would be no whole number
+# Of the length proposed: steps that communication points cut shorter change accelerations by no
+# more than their rounding, which longer steps after them would magnify.
+_SLIVER = 1e-2
+
+
+@jit
+def _keep_carried(motion, trial):
+    """Let the carried accelerations differ from those at the end of a step by what they differed
+    at its beginning."""
+    for i in range(len(motion.a)):
+        trial.a[i] = trial.v_dot[i] + (motion.a[i] - motion.v_dot[i])
+    for i in range(len(motion.internal_state)):
+        change = motion.internal_rate_carried[i] - motion.internal_rate[i]
+        trial.internal_rate_carried[i] = trial.internal_rate[i] + change
+
 
 @jit_inlined
 def _commit(run, control, h, spin, torque):
@@ -122,8 +139,9 @@ def _attempt(run, scheme, control, t, h):
 @jit
 def _parts(r, t_end, h):
     """Return in how many equal steps, of about h [s], what remains until t_end [s] is cut, so that
-    none is a sliver."""
-    return max(1.0, math.ceil((t_end - r.t) / h - 1e-6))
+    none is a sliver, also where the host's time is so late that its rounding is a part of h."""
+    rounding = _ROUNDING * (abs(r.t_of_host) + abs(t_end)) / h
+    return max(1.0, math.ceil(min(_MOST, (t_end - r.t) / h - min(0.1, max(1e-6, rounding)))))
 
 
 @jit_inlined
@@ -214,10 +232,15 @@ def _time_loop(run, scheme, control, tangents, t_end):
         else:
             is_hard = control.stages > 0 and iterations > HARD
             r.h = propose_step(control, proposed, h, error, r.error, was_rejected or is_hard)
-        r.error = error
+        is_sliver = control.mode == CONTROLLED and t - r.carried_since < _SLIVER * proposed
+        if not is_sliver:
+            r.error = error
+            r.carried_since = t
         r.residual = max(r.residual, run.problem.residual[0])
         r.h_smallest = proposed if r.h_smallest == 0.0 else min(r.h_smallest, proposed)
         r.h_largest = max(r.h_largest, proposed)
+        if is_sliver:
+            _keep_carried(motion, trial)
         _commit(run, control, h, spin, torque)
         _record(run, control, h)
         parts = parts - 1.0

@@ -66,7 +66,7 @@ _SETTING_RULES = {
 # (variable, what it asks for, why): what parameters ask of each other.
 _NEEDS = (("shaft.eta_h", "shaft.rotating_damping", HYSTERETIC_AT_REST),)
 # As in c/instance.h.
-_HEAD = struct.Struct("<8s16s40s d Q 6q 6q 3q 13q 6q")
+_HEAD = struct.Struct("<8s16s40s d Q 6q 6q 3q 17q 6q")
 HEAD_SIZE, CHECKSUM_AT = _HEAD.size, struct.calcsize("<8s16s40s d")
 _VARIABLE = struct.Struct("<3q 4q 7d")
 _ROW = struct.Struct("<3q")
@@ -161,13 +161,19 @@ def table_bytes(fmu_interface: FmuInterface, core: str, guid: str) -> bytes:
         *(len(block), *(LAYOUT.extent(block, group).stop for group in ("memory", "tangent"))),
         *(
             record + _field(RECORD, name)[1]
-            for name in ("is_free", "continues", "stops_at_contact", "has_sensitivities")
+            for name in (
+                *("is_free", "continues", "stops_at_contact", "has_sensitivities"),
+                "is_past_limit",
+            )
         ),
         *(where[f"memory.{name}"] for name in ("loads", "load_rates")),
         *(where["reading.observed"], where["reading.derivatives"]),
         *(
             record + _field(RECORD, name)[1]
-            for name in ("t", "omega", "surveyed_at", "surveyed_from", "surveyed_to")
+            for name in (
+                *("t", "t_of_host", "omega", "alpha", "drive"),
+                *("surveyed_at", "surveyed_from", "surveyed_to"),
+            )
         ),
         *begins,
     )

@@ -95,7 +95,7 @@ class Driver:
         self, signals: Signals, loads: Sequence[tuple[str, str]], is_held: bool = False
     ) -> None:
         self._signals, self._loads, self._is_held = signals, loads, is_held
-        self._segment = 0
+        self._segment, self._duration = 0, math.inf
 
     def advance(self, simulation: Simulation, start: float, to: float) -> None:
         """Advance from `start` to `to` [s]. Raises `StepFailure`."""
@@ -106,10 +106,12 @@ class Driver:
             segment = int(np.searchsorted(bends, 0.5 * (begin + end)))
             forces, later = self._forces(begin), self._forces(end)
             speed, rate = self._signals.at("speed", begin), None
-            if segment != self._segment and not self._is_held:
+            # within a segment the model continues the speed itself, as in an FMU
+            is_continued = segment == self._segment and end - begin <= 2.0 * self._duration
+            if not is_continued and not self._is_held:
                 rate = (self._signals.at("speed", end) - speed) / (end - begin)
             rates = (later - forces) / (end - begin) if (later != forces).any() else None
-            self._segment = segment
+            self._segment, self._duration = segment, end - begin
             # the sum that an FMU makes of the current time and the step size
             simulation.advance(begin + (end - begin), speed, forces, rate=rate, load_rates=rates)
 

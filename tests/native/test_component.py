@@ -11,7 +11,6 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.fmi.machine_table import FILE
 from rotor_fmu.fmi.packing.native_fmu import build_native
@@ -313,18 +312,3 @@ def test_calls_take_no_memory_for_good(fmu):
     assert len(state) > 10_000
     for _ in range(100):
         bounded.instantiate().drop()
-
-
-@NEEDED
-def test_a_message_that_is_cut_is_still_text(tmp_path):
-    """A host stops at what is no UTF-8: a name in its user's words may be cut within a letter."""
-    for prefix in ("a", "ab"):
-        named = f'[[disc]]\nname = "{prefix}{"ü" * 400}"'
-        toml = rig_toml().replace("[[disc]]", named, 1)
-        machine = Component(build_native(tmp_path, toml, fmi=3, platforms=[COMPONENT.name]))
-        instance = machine.instantiate()
-        (x,) = (at for name, at in machine.references.items() if name.endswith("üü.x"))
-        assert instance.call("get-string", [x]) == "error"
-        message = machine.heard[-1][-1]
-        assert 690 < len(message.encode()) < 704
-        assert message.endswith("üü")

@@ -39,7 +39,8 @@ class Library:
         self.c = ctypes.CDLL(str(folder / "binaries" / "linux64" / "RotorBearingNative.so"))
         self.c.fmi2Instantiate.restype = ctypes.c_void_p
         self.resources = f"file://{quote(str(folder))}/resources".encode()
-        self.guid = fmpy.read_model_description(str(folder)).guid.encode()
+        self.description = fmpy.read_model_description(str(folder))
+        self.guid = self.description.guid.encode()
 
     def instantiate(self, kind=CO_SIMULATION, guid=None, resources=None):
         m = self.c.fmi2Instantiate(
@@ -288,3 +289,17 @@ def test_instances_one_after_another_leave_no_memory_behind(library, count):
     before = pages()
     cycle(count)
     assert pages() - before < 256  # of 4 kB, where one instance has 70 kB
+
+
+@pytest.mark.parametrize("value", [-1, 2])
+def test_a_boolean_is_true_unless_it_is_0(library, value):
+    """As languages have it whose true is -1."""
+    refs = {v.name: v.valueReference for v in library.description.modelVariables}
+    m = library.instantiate()
+    vr = (ctypes.c_uint * 1)(refs["limit.contact"])
+    given, read = (ctypes.c_int * 1)(value), (ctypes.c_int * 1)()
+    one = ctypes.c_size_t(1)
+    assert library.c.fmi2SetBoolean(m, vr, one, given) == 0
+    assert library.c.fmi2GetBoolean(m, vr, one, read) == 0
+    assert read[0] == 1
+    library.c.fmi2FreeInstance(m)

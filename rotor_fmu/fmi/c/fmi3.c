@@ -126,7 +126,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 current, fmi3Float64 si
         *early = is_early;
     if (reached)
         *reached = m->state->now;
-    return is_early ? WARNING : status;
+    return is_early ? OK : status;
 }
 
 /* --- values: of the types that there are no variables of, every reference is refused ---------- */

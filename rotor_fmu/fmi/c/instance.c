@@ -18,6 +18,7 @@ void begin_anew(Instance *m)
         m->values[i] = variables(t)[i].start;
     forget_slopes(m);
     memset(m->warned, 0, sizeof m->warned);
+    m->limit_at = NAN;
 }
 
 static Instance *refused(Instance *m, const char *message)

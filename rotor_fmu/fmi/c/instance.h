@@ -68,9 +68,10 @@ typedef struct {
     /* sizes of the block, and of the run in it without and with the tangents of sensitivities */
     int64_t block, state_bytes, tangent_bytes;
     /* places in the block: of flags, loads and their rates, what is observed and its derivatives,
-       time and speed, and the speeds of rotor_survey */
-    int64_t is_free_at, continues_at, stops_at_contact_at, has_sensitivities_at, loads_at, rates_at;
-    int64_t observed, derivatives, time_at, omega_at;
+       time, the host's time at the start, speed, its rate, torque, and the speeds of rotor_survey */
+    int64_t is_free_at, continues_at, stops_at_contact_at, has_sensitivities_at, is_past_limit_at;
+    int64_t loads_at, rates_at, observed, derivatives;
+    int64_t time_at, time_of_host_at, omega_at, alpha_at, torque_at;
     int64_t surveyed_at, surveyed_from, surveyed_to;
     /* places in the file */
     int64_t first_variable, first_write, first_need, first_sentence, first_span, first_block;
@@ -97,6 +98,7 @@ struct Instance {
     double *values, *slopes; /* NaN where the host has given none for the next step */
     void *before;            /* the state before a step that has to be done whole or not at all */
     int is_whole;
+    double limit_at; /* time at which the host was told of a limit, NaN before */
     uint8_t *block; /* of the kernels, aligned; its first bytes are the run */
     uint8_t warned[WARNINGS]; /* by the code of the sentence */
     unsigned categories; /* which of CATEGORIES the host wants to hear of */

@@ -55,6 +55,8 @@ static inline int64_t computed(const Table *t)
 size_t head_size(const Instance *);
 /* None of the inputs' slopes are known. */
 void forget_slopes(Instance *);
+/* A host that allows no early return wants none at contacts, whatever the parameter says. */
+void choose_contacts(Instance *);
 
 /* To a text of LONGEST characters. */
 void add(char *out, const char *more);

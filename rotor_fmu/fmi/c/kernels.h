@@ -6,7 +6,7 @@
 
 enum { RAISED = 1 << 20 };
 /* Of rotor_advance, and what else ends it early is above this (`model/step/step_status.py`). */
-enum { UNFINISHED = 3, ENDED_EARLY = 8 };
+enum { UNFINISHED = 3, ENDED_EARLY = 8, CLOSED_EARLY = 11 };
 
 int32_t rotor_resolve_settings_kernel(int64_t *, void **, uint8_t *, double *, double *);
 int32_t rotor_settings_warning_kernel(int64_t *, void **, uint8_t *, double *, double *, double *, int64_t);
@@ -22,11 +22,54 @@ int32_t rotor_unstable_kernel(int64_t *, void **, uint8_t *, double *);
 int32_t rotor_hidden_kernel(int64_t *, void **, uint8_t *, double *);
 int32_t rotor_outcome_kernel(int64_t *, void **, uint8_t *, int64_t, double *);
 
+/* Kernels compute as IEEE 754 has it by default, whatever the host has chosen for itself: traps,
+   another rounding, denormals as 0. */
+#if defined(__SSE2__) || defined(_M_X64)
+#include <xmmintrin.h>
+typedef unsigned int Arithmetic;
+static inline Arithmetic default_arithmetic(void)
+{
+    Arithmetic hosts = _mm_getcsr();
+    _mm_setcsr(0x1f80);
+    return hosts;
+}
+static inline void give_back(Arithmetic hosts)
+{
+    _mm_setcsr(hosts);
+}
+#elif defined(__aarch64__) && defined(__GNUC__)
+typedef uint64_t Arithmetic;
+static inline Arithmetic default_arithmetic(void)
+{
+    Arithmetic hosts, none = 0;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(hosts));
+    __asm__ volatile("msr fpcr, %0" : : "r"(none));
+    return hosts;
+}
+static inline void give_back(Arithmetic hosts)
+{
+    __asm__ volatile("msr fpcr, %0" : : "r"(hosts));
+}
+#else
+typedef int Arithmetic;
+static inline Arithmetic default_arithmetic(void)
+{
+    return 0;
+}
+static inline void give_back(Arithmetic hosts)
+{
+    (void)hosts;
+}
+#endif
+
 /* A status or the code of a sentence, 0 where all is well. */
 #define CALL(NAME, ...)                                                                          \
     int64_t code = 0;                                                                            \
     void *exception = 0;                                                                         \
-    return NAME##_kernel(&code, &exception, __VA_ARGS__) ? RAISED : (int)code
+    Arithmetic hosts = default_arithmetic();                                                     \
+    int is_raised = NAME##_kernel(&code, &exception, __VA_ARGS__);                               \
+    give_back(hosts);                                                                            \
+    return is_raised ? RAISED : (int)code
 
 static inline int rotor_resolve_settings(uint8_t *block, double *given, double *arguments)
 {

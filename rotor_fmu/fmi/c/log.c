@@ -21,7 +21,7 @@ static void log_message(Instance *m, Status status, char *message)
         if (*c == '%' || *c == '\n') /* hosts read it as a printf format */
             *c = ' ';
     write_error(m->name, level, message);
-    if (m->categories & (1u | 1u << category))
+    if (m->categories & 1u << category)
         m->skin->emit(m, status, CATEGORIES[category], message);
 }
 
@@ -142,7 +142,7 @@ Status choose_categories(Instance *m, int is_on, size_t count, const char *const
                 found = k;
         if (found < 0)
             return refuse(m, "setDebugLogging: no category of that name");
-        chosen |= 1u << found;
+        chosen |= found ? 1u << found : ~0u; /* the first is all of them */
     }
     m->categories = is_on ? m->categories | chosen : m->categories & ~chosen;
     return OK;

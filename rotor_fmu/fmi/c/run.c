@@ -9,7 +9,8 @@
 
 /* What a master's time may be off by, in communication steps: its round-off, its idea of the end. */
 static const double SLACK = 1e-6, SLACK_AT_STOP = 1e-3;
-static const double RESOLVED = 100.0; /* spacings of the numbers near t that a step has to span */
+/* Spacings of the numbers near t, and seconds, that a step has to span. */
+static const double RESOLVED = 4.0, SHORTEST = 1e-15;
 
 Status check_parameter(Instance *m, const Variable *v, double value)
 {
@@ -139,6 +140,17 @@ static Status retune(Instance *m)
     return OK;
 }
 
+void choose_contacts(Instance *m)
+{
+    const Table *t = m->table;
+    double asked = 0.0;
+    const Write *write = (const Write *)((const char *)t + t->first_write);
+    for (int64_t i = 0; i < t->writes; i++, write++)
+        if (write->place == t->stops_at_contact_at)
+            asked = m->values[write->variable];
+    *(int64_t *)(m->block + t->stops_at_contact_at) = asked != 0.0 && !m->is_whole;
+}
+
 Status build(Instance *m)
 {
     const Table *t = m->table;
@@ -150,8 +162,8 @@ Status build(Instance *m)
     memcpy(m->block, (const char *)t + t->first_block, (size_t)t->block);
     write_parameters(m, 0);
     m->state->is_retuned = 0;
-    if (m->is_whole) /* a host that allows no early return wants none at contacts */
-        *(int64_t *)(m->block + t->stops_at_contact_at) = 0;
+    choose_contacts(m);
+    *(double *)(m->block + t->time_of_host_at) = m->state->start;
     if (resolve_settings(m))
         return ERROR;
     *(int64_t *)(m->block + t->is_free_at) = t->is_free;
@@ -197,11 +209,12 @@ static Status check_step(Instance *m, double current, double size)
     if (!(size > 0 && isfinite(size)))
         return refuse(m, "doStep over %g s: the step must be > 0 and finite", size);
     spacing = spacing_at(here > there ? here : there);
-    if (size < RESOLVED * spacing)
+    if (size < RESOLVED * spacing || size < SHORTEST)
         return refuse(m,
                       "doStep over %g s: near t = %.15g s time is a multiple of %.2g s; the step "
                       "must be at least %.2g s",
-                      size, now, spacing, RESOLVED * spacing);
+                      size, now, spacing,
+                      RESOLVED * spacing > SHORTEST ? RESOLVED * spacing : SHORTEST);
     if (!(fabs(current - now) <= (SLACK * size > 2 * spacing ? SLACK * size : 2 * spacing)))
         return refuse(m,
                       "doStep from %.15g s: the FMU stands at %.15g s; communication steps must "
@@ -216,8 +229,24 @@ static Status check_step(Instance *m, double current, double size)
     return OK;
 }
 
+/* Make the inputs what they have come to at the time reached, with the slopes that they go on with:
+   a host that sets none of them anew goes on with the step that it began. */
+static void continue_inputs(Instance *m)
+{
+    const Table *t = m->table;
+    const double *loads = (const double *)(m->block + t->loads_at);
+    for (int64_t i = 0; i < t->inputs; i++) {
+        const Variable *v = variables(t) + i;
+        if (v->role == LOAD)
+            m->values[i] = loads[v->at];
+    }
+    m->values[t->drive_at] = in_block(m, t->is_free ? t->torque_at : t->omega_at);
+    if (!t->is_free && isnan(m->slopes[t->drive_at]))
+        m->slopes[t->drive_at] = in_block(m, t->alpha_at);
+}
+
 /* A step that took more iterations than it may, or came upon a limit or a contact: how far. */
-static Status stop_early(Instance *m, const char *why)
+static Status stop_early(Instance *m, const char *why, int is_limit)
 {
     State *s = m->state;
     if (m->is_whole) {
@@ -225,7 +254,9 @@ static Status stop_early(Instance *m, const char *why)
             return ERROR;
     } else {
         s->now = s->start + in_block(m, m->table->time_at);
-        forget_slopes(m);
+        if (is_limit)
+            m->limit_at = s->now;
+        continue_inputs(m);
         snprintf(s->failure, sizeof s->failure, "%s", why);
     }
     return log_text(m, DISCARD, why);
@@ -238,7 +269,7 @@ static Status fail(Instance *m, const char *why)
     return refuse(m, "%s", m->state->failure);
 }
 
-Status advance_to(Instance *m, double current, double size)
+static Status take_step(Instance *m, double current, double size)
 {
     State *s = m->state;
     const Table *t = m->table;
@@ -250,6 +281,9 @@ Status advance_to(Instance *m, double current, double size)
     if (s->is_retuned && retune(m))
         return ERROR;
     take_loads(m);
+    /* told of before, whether the host went on from there or came there again by a state */
+    if (fabs(s->now - m->limit_at) <= SLACK * size)
+        *(int64_t *)(m->block + t->is_past_limit_at) = 1;
     int status = rotor_advance(m->block, current - s->start + size, m->values[t->drive_at],
                                m->slopes[t->drive_at]);
     int code = status;
@@ -263,7 +297,8 @@ Status advance_to(Instance *m, double current, double size)
             spell(why, sentence(t, code), numbers);
         add_start(m, why);
         int is_early = status == UNFINISHED || (status > ENDED_EARLY && status != RAISED);
-        return is_early ? stop_early(m, why) : fail(m, why);
+        int is_limit = status > ENDED_EARLY && status < CLOSED_EARLY;
+        return is_early ? stop_early(m, why, is_limit) : fail(m, why);
     }
     forget_slopes(m);
     s->failure[0] = 0;
@@ -275,6 +310,14 @@ Status advance_to(Instance *m, double current, double size)
         survey(m, 0);
     s->now = current + size;
     return OK;
+}
+
+Status advance_to(Instance *m, double current, double size)
+{
+    Arithmetic hosts = default_arithmetic(); /* times are added up here */
+    Status status = take_step(m, current, size);
+    give_back(hosts);
+    return status;
 }
 
 Status set_slopes(Instance *m, const uint32_t *references, size_t count, const int *orders,

@@ -73,6 +73,7 @@ Status give_state(Instance *m, const void *state)
         /* what is scratch in the block has to be there too */
         memcpy(m->block, (const char *)t + t->first_block, (size_t)t->block);
         memcpy(m->block, (const uint8_t *)state + head, given->bytes - head);
+        choose_contacts(m);
         if (rotor_refresh_outputs(m->block))
             return refuse(m, "internal error");
     }
@@ -113,7 +114,6 @@ Status read_state(Instance *m, const void *bytes, size_t size, void **state)
         free(copy);
         return refuse(m, "the FMU state comes from another build of this FMU");
     }
-    free(*state);
-    *state = copy;
+    *state = copy; /* what it held before is none of this function's business */
     return OK;
 }

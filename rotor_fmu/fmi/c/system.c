@@ -19,31 +19,61 @@ static int digit(char c)
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
+/* Whether a text begins with a URI's scheme, in capitals or not. */
+static int is_uri(const char *text)
+{
+    static const char scheme[] = "file:";
+    for (size_t i = 0; i < sizeof scheme - 1; i++)
+        if (text[i] != scheme[i] && (text[i] | 32) != scheme[i])
+            return 0;
+    return 1;
+}
+
+static int is_drive(const char *text)
+{
+    return text[0] && (text[1] == ':' || text[1] == '|');
+}
+
+/* The path in what stands behind a URI's scheme, decoded. */
+static char *path_in(char *at, int is_windows)
+{
+    if (!strncmp(at, "//", 2)) { /* an authority: none, localhost, or on Windows another machine */
+        char *authority = at + 2, *rest = strchr(authority, '/');
+        size_t length = rest ? (size_t)(rest - authority) : strlen(authority);
+        int is_here = !length || (length == 9 && !strncmp(authority, "localhost", 9));
+        if (is_windows && is_drive(authority))
+            return authority;
+        if (is_windows && !is_here)
+            return at;
+        at = authority + length;
+    }
+    return is_windows && at[0] == '/' && is_drive(at + 1) ? at + 1 : at;
+}
+
 /* The folder of a URI (FMI 2) or of a path (FMI 3), with the file's name behind it. */
 static char *file_in(const char *resources)
 {
-    const char *from = resources;
-    int is_uri = !strncmp(from, "file:", 5);
+#ifdef _WIN32
+    enum { IS_WINDOWS = 1 };
+#else
+    enum { IS_WINDOWS = 0 };
+#endif
     char *path = malloc(strlen(resources) + sizeof TABLE_FILE + 1), *to = path;
     if (!path)
         return NULL;
-    if (is_uri) {
-        from += 5;
-        if (!strncmp(from, "//", 2)) /* an authority, empty or localhost */
-            from = strchr(from + 2, '/') ? strchr(from + 2, '/') : from + 2;
-#ifdef _WIN32
-        if (from[0] == '/' && from[1] && (from[2] == ':' || from[2] == '|'))
-            from++;
-#endif
-    }
-    for (; *from; from++) {
-        if (is_uri && *from == '%' && digit(from[1]) >= 0 && digit(from[2]) >= 0) {
-            *to++ = (char)(16 * digit(from[1]) + digit(from[2]));
-            from += 2;
-        } else {
-            *to++ = *from;
+    if (!is_uri(resources)) {
+        strcpy(path, resources);
+    } else {
+        for (const char *from = resources + 5; *from; from++) {
+            int is_coded = *from == '%' && digit(from[1]) >= 0 && digit(from[2]) >= 0;
+            *to++ = is_coded ? (char)(16 * digit(from[1]) + digit(from[2])) : *from;
+            from += is_coded ? 2 : 0;
         }
+        *to = 0;
+        to = path_in(path, IS_WINDOWS);
+        memmove(path, to, strlen(to) + 1);
     }
+    to = path + strlen(path);
     if (to > path && to[-1] != '/' && to[-1] != '\\')
         *to++ = '/';
     strcpy(to, TABLE_FILE);

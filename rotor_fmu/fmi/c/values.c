@@ -60,6 +60,8 @@ Status get_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
             value = observed[v->at];
         if (v->role == INSTANT && value >= 0.0)
             value += m->state->start;
+        if (v->kind == AN_INTEGER && value > INT32_MAX) /* a counter after days */
+            value = INT32_MAX;
         put(values, i, value);
     }
     return OK;
@@ -89,10 +91,18 @@ static Status check_value(Instance *m, uint32_t reference, double value)
     return OK;
 }
 
+/* Any number but 0 is true: hosts of other languages have -1. */
+static double as_kind(const Instance *m, uint32_t reference, double value)
+{
+    return variables(m->table)[reference].kind == A_BOOLEAN ? value != 0.0 : value;
+}
+
 static void take_value(Instance *m, uint32_t reference, double value)
 {
     if (variables(m->table)[reference].role == MACHINE && m->values[reference] != value)
         m->state->is_retuned = m->state->phase == STEPPING;
+    if (reference < m->table->inputs && *m->state->failure) /* nothing of it is continued */
+        m->slopes[reference] = NAN;
     m->values[reference] = value;
 }
 
@@ -109,10 +119,10 @@ Status set_values(Instance *m, Kind kind, const char *name, const uint32_t *refe
         return allow(m, call, 1u << INSTANTIATED | 1u << INITIALIZING | 1u << STEPPING);
     }
     for (size_t i = 0; i < count; i++)
-        if (check_value(m, references[i], item(values, i)))
+        if (check_value(m, references[i], as_kind(m, references[i], item(values, i))))
             return ERROR;
     for (size_t i = 0; i < count; i++)
-        take_value(m, references[i], item(values, i));
+        take_value(m, references[i], as_kind(m, references[i], item(values, i)));
     if (m->state->phase != STEPPING)
         m->state->is_built = 0;
     return OK;

@@ -133,26 +133,12 @@ static const Result *failed(Status status)
 
 /* --- the life of an instance ------------------------------------------------------------------- */
 
-/* Length of a text without a character that was cut off at its end: a host stops at what is no
-   UTF-8, and messages name parts in their user's words. */
-static size_t whole_length(const char *text)
-{
-    size_t length = strlen(text), last = length;
-    while (last && ((uint8_t)text[last - 1] & 0xC0) == 0x80)
-        last--;
-    if (!last || (uint8_t)text[last - 1] < 0xC0)
-        return length;
-    uint8_t first = (uint8_t)text[last - 1];
-    size_t wanted = first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
-    return length - last + 1 < wanted ? last - 1 : length;
-}
-
 static void pass_on(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
                     fmi3String message)
 {
     const Held *held = environment;
     tell(held->name, held->length, status, category, strlen(category), message,
-         whole_length(message));
+         strlen(message));
 }
 
 EXPORTED("fmi:fmi3/common@3.0.0#get-version") const Text *get_version(void)
