@@ -28,6 +28,7 @@ from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.live.live_page import page_data
 from rotor_fmu.plotting import signal_plots
+from rotor_fmu.plotting.figure_style import new_figure, save
 from rotor_fmu.plotting.signal_plots import bode, orbit
 from rotor_fmu.plotting.view import View
 from rotor_fmu.report.run_page import runs_page
@@ -191,6 +192,17 @@ def test_a_run_far_from_standstill_fills_its_picture():
     far, near = (run_plots.contact_angle(recorded(rate=rate), "") for rate in (-20.0, -40.0))
     assert far.axes[0].get_xlim() == (20.0, 50.0)
     assert near.axes[0].get_xlim() == (0.0, 50.0)
+
+
+def test_names_are_drawn_as_written_and_powers_of_ten_as_powers(tmp_path):
+    figure, axes = new_figure()
+    axes.semilogy([1, 2], [1e-3, 1e3])
+    axes.set_title("rotor $_1$")
+    save(figure, tmp_path / "figure.png")
+    assert not axes.title.get_parse_math()
+    labels = [label for label in axes.get_yticklabels() if label.get_text()]
+    assert labels
+    assert all(label.get_parse_math() for label in labels)
 
 
 def test_mode_shapes_in_space_are_whole_and_in_the_units_chosen():

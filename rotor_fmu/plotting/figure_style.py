@@ -18,13 +18,14 @@ BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#999999"  # Okabe 
 
 class PlainFigure(Figure):
     """A figure whose texts are drawn as written: a machine's names may hold dollar signs, which
-    matplotlib would read as formulas."""
+    matplotlib would read as formulas. Powers of ten at logarithmic axes are formulas."""
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw it."""
         for text in self.findobj(Text):
-            if "mathdefault" not in text.get_text():  # powers of ten at logarithmic axes
-                text.set_parse_math(False)
+            # labels of ticks are empty until they are drawn for the first time
+            written = text.get_text()
+            text.set_parse_math(not written or "mathdefault" in written)
         super().draw(renderer)
 
 
