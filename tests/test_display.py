@@ -27,15 +27,13 @@ from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.live.live_page import page_data
-from rotor_fmu.plotting import signal_plots
 from rotor_fmu.plotting.figure_style import new_figure, save
-from rotor_fmu.plotting.signal_plots import bode, orbit
-from rotor_fmu.plotting.view import View
 from rotor_fmu.report.run_page import runs_page
-from rotor_fmu.runs import run_plots
+from rotor_fmu.run_pictures import run_folder, signal_plots
+from rotor_fmu.run_pictures.signal_plots import bode, orbit
+from rotor_fmu.run_pictures.view import View
 from rotor_fmu.runs.job import load_rotor
 from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, Vibration
-from rotor_fmu.vibration.measuring_points import Recorded
 
 from .recordings import recorded, write_study
 
@@ -148,14 +146,14 @@ def _column(text, head):
 def test_pictures_are_in_the_units_that_were_chosen():
     with restored():
         choose("rpm,mil,pp")
-        view = View(Recorded(recorded(), "one"))
+        view = View(recorded().named("one"))
         above, below = bode(view).axes
         round_about = orbit(view).axes[0]
         response = answers.unbalance_response(rig(), np.linspace(10.0, 300.0, 20)).figure().axes
     assert current().speed_unit == "Hz"
     assert above.get_ylabel() == "Amplitude [mil pp]"
     assert below.get_xlabel() == "Rotational speed n [rpm]"
-    assert round_about.get_xlabel() == "Horizontal displacement [mil]"
+    assert round_about.get_xlabel() == "Horizontal displacement of disc 2 [mil]"
     # 1x of x is |80 exp(-0.6 i) + 20| um 0-p
     drawn = above.lines[0].get_ydata()
     assert np.nanmedian(drawn) == pytest.approx(abs(80 * np.exp(-0.6j) + 20) * 2 / 25.4, rel=1e-3)
@@ -169,10 +167,10 @@ def test_pictures_of_contacts_and_spectra_are_in_the_units_chosen_under_the_mach
     recording = recorded()
     with restored():
         choose("us")
-        view = View(Recorded(recording, "one"))
-        angles = run_plots.contact_angle(recording, "").axes[0]
+        view = View(recording.named("one"))
+        angles = run_folder.journal_angle(recording, "").axes[0]
         above = signal_plots.contact_force(view).axes[0]
-        once = run_plots.spectra(recorded(rate=0.0), "", "disc[2]").axes[0]
+        once = run_folder.spectra(recorded(rate=0.0), "disc[2]", "").axes[0]
         lines = signal_plots.spectrum(view).axes[0]
     heat = angles.collections[0].get_coordinates()
     assert heat[..., 0].max() == pytest.approx(300.0 * 30 / np.pi, rel=1e-2)
@@ -189,7 +187,7 @@ def test_pictures_of_contacts_and_spectra_are_in_the_units_chosen_under_the_mach
 
 def test_a_run_far_from_standstill_fills_its_picture():
     """From 300 to 180 rad/s, 47.7 to 28.6 Hz; one near standstill is drawn down to it."""
-    far, near = (run_plots.contact_angle(recorded(rate=rate), "") for rate in (-20.0, -40.0))
+    far, near = (run_folder.journal_angle(recorded(rate=rate), "") for rate in (-20.0, -40.0))
     assert far.axes[0].get_xlim() == (20.0, 50.0)
     assert near.axes[0].get_xlim() == (0.0, 50.0)
 
@@ -229,7 +227,7 @@ def test_speeds_in_pictures_have_all_digits_before_the_point():
 
 def test_tables_of_the_page_are_in_the_units_chosen():
     def page():
-        return runs_page([Recorded(recorded(), "one")], [{}])
+        return runs_page([recorded().named("one")], [{}])
 
     with restored():
         choose("rpm,mil,pp")
@@ -292,7 +290,7 @@ def test_the_unbalance_picture_says_that_amplitudes_are_0_p():
 
 
 def test_a_page_begins_in_the_units_that_were_chosen():
-    runs = [Recorded(recorded(), "one")]
+    runs = [recorded().named("one")]
     with restored():
         choose("rpm,mil")
         page = runs_page(runs, [{}])

@@ -10,7 +10,6 @@ from rotor_fmu import vibration
 from rotor_fmu.files import write_text
 from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.report.study_page import study_page
-from rotor_fmu.vibration.measuring_points import Recorded
 
 from .browser import ENTER, LEFT, NASTY, Page, look
 from .recordings import recorded, write_study
@@ -21,14 +20,14 @@ OTHERS = ("two", "steady", "cut", "nasty", "backward", "both ways", "study")
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
-    one = Recorded(recorded(parameters={"bearing[1].clearance": 6e-5}), "one")
-    two = Recorded(recorded(speed=350.0, rate=-30.0), "two")
-    steady = Recorded(recorded(rate=0.0), "steady")
-    cut = Recorded(recorded(stop=0.03, status="failed: whirled apart"), "cut")
-    nasty = Recorded(recorded(machine=NASTY, messages=[NASTY]), NASTY)
+    one = recorded(parameters={"bearing[1].clearance": 6e-5}).named("one")
+    two = recorded(speed=350.0, rate=-30.0).named("two")
+    steady = recorded(rate=0.0).named("steady")
+    cut = recorded(stop=0.03, status="failed: whirled apart").named("cut")
+    nasty = recorded(machine=NASTY, messages=[NASTY]).named(NASTY)
     shown = {"one": [one], "two": [one, two], "steady": [steady], "cut": [cut], "nasty": [nasty]}
-    shown["backward"] = [Recorded(recorded(speed=-300.0, rate=20.0), "backward")]
-    shown["both ways"] = [Recorded(recorded(speed=150.0, rate=-50.0), "both ways")]
+    shown["backward"] = [recorded(speed=-300.0, rate=20.0).named("backward")]
+    shown["both ways"] = [recorded(speed=150.0, rate=-50.0).named("both ways")]
     for name, runs in shown.items():
         write_text(runs_page(runs, [{}] * len(runs)), folder / f"{name}.html")
     write_study(folder / "study")

@@ -14,14 +14,13 @@ from typer.testing import CliRunner
 
 from rotor_fmu.cli import app
 from rotor_fmu.errors import InputError
+from rotor_fmu.plotting.thinning import extremes
 from rotor_fmu.report.criticals import criticals_of
 from rotor_fmu.report.packed import COARSE, FINE, packed, unpacked
 from rotor_fmu.report.run_page import runs_page, write_report
-from rotor_fmu.report.signal_data import extremes
 from rotor_fmu.report.study_page import study_page
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.saved_results.folders import read_study
-from rotor_fmu.vibration.measuring_points import Recorded
 
 from .recordings import recorded, write_study
 from .test_turning_both_ways import swept
@@ -119,7 +118,7 @@ def test_an_amplification_is_marked_where_the_run_passed_too_fast(tmp_path, shar
 @pytest.mark.parametrize("nasty", ['</script><img src=x onerror="alert(1)">', "<!--<script>"])
 def test_a_page_cannot_be_broken_by_a_name(tmp_path, nasty):
     given = recorded(machine=nasty, messages=[nasty], status=f"failed: {nasty}")
-    text = runs_page([Recorded(given, nasty)], [{}])
+    text = runs_page([given.named(nasty)], [{}])
     assert nasty not in text
     assert text.count(escape(nasty)) >= 5  # title, heading, machine, messages
     assert block(text, "data")["runs"][0]["name"] == nasty
@@ -140,7 +139,7 @@ def test_numbers_that_are_not_finite_leave_a_page_that_can_be_read(tmp_path):
     given = recorded(status="failed: diverged")
     for name in ("energy.friction_loss", "disc[1].x", "bearing[1].fn", "w"):
         given.columns[name][-5:] = np.nan
-    text = runs_page([Recorded(given, "diverged")], [{"wall_s": math.nan}])
+    text = runs_page([given.named("diverged")], [{"wall_s": math.nan}])
     shown = block(text, "data")["runs"][0]
     assert shown["why"] is None
     assert [sink["total"] for sink in shown["power"]["sinks"]] == [
@@ -273,17 +272,17 @@ def test_a_page_of_a_million_samples_stays_below_eight_megabytes(tmp_path):
 def test_the_linear_critical_speeds_of_the_rig_are_said_beside_its_run():
     """Paper A gives 29.4 and 32.5 Hz at rest, contacts closed."""
     given = recorded(speed=400.0, rate=-60.0, toml=rig_toml(), parameters={})
-    found = criticals_of(Recorded(given, "rig"))
+    found = criticals_of(given.named("rig"))
     assert found.hz == pytest.approx([29.4, 32.5], rel=0.02)
     assert found.sentence.startswith("Linear critical speeds with contacts pinned, dashed: ")
     assert "a journal that leaves its wall is held less" in found.sentence
-    page = runs_page([Recorded(given, "rig")], [{}])
+    page = runs_page([given.named("rig")], [{}])
     assert found.sentence in unescape(page)
     stiffer = {"bearing[1].kx": 1e9, "bearing[1].ky": 1e9}
     changed = recorded(speed=400.0, rate=-60.0, toml=rig_toml(), parameters=stiffer)
-    assert criticals_of(Recorded(changed, "rig")).hz[0] > found.hz[0]
+    assert criticals_of(changed.named("rig")).hz[0] > found.hz[0]
 
 
 def test_a_run_without_its_machine_has_no_critical_speeds():
-    assert criticals_of(Recorded(recorded(), "one")).hz == ()
-    assert criticals_of(Recorded(recorded(rate=0.0, toml=rig_toml()), "one")).hz == ()
+    assert criticals_of(recorded().named("one")).hz == ()
+    assert criticals_of(recorded(rate=0.0, toml=rig_toml()).named("one")).hz == ()

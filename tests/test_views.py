@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 from rotor_fmu.model.time_loop.recorder import Record
 
-from rotor_fmu.runs import plot_data
+from rotor_fmu import vibration
 from rotor_fmu.runs.input_signals import Signals
 from rotor_fmu.runs.job import clear, execute_recorded, prepare
+from rotor_fmu.runs.measuring_points import probe_that_moves_most
+from rotor_fmu.runs.peaks import is_constant, peak_index
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import run_recorded
 from rotor_fmu.runs.summary import summary
@@ -53,7 +55,8 @@ def apart(one, other):
     """Share of the time by which two pictures differ, at each speed [1]."""
     bins = {"speeds": 40, "angles": 36}
     shares = [
-        plot_data.time_share(recording, "bearing[2]", **bins).share for recording in (one, other)
+        vibration.time_share(run.t, run.w, run.place("bearing[2]").z, **bins).share
+        for run in (one, other)
     ]
     return 0.5 * np.abs(shares[0] - shares[1]).sum(axis=1)
 
@@ -71,29 +74,10 @@ def test_samples_at_250_hz_show_islands_at_50_hz_which_the_recording_has_not(pas
     assert as_sampled.max() > 5 * apart(at_64, every).max()
 
 
-def test_once_a_turn_is_where_the_mark_was():
-    phi = np.linspace(0.0, 20.5 * TURN, 20 * 64 * 5)
-    t = phi / 100
-    z = np.exp(1j * (phi - 0.7))
-    columns = {"phi": phi, "w": np.full_like(phi, 100.0), "disc[1].x": z.real, "disc[1].y": z.imag}
-    at, points = plot_data.once_a_turn(Recording(t, columns, {}, {}), "disc[1]")
-    assert at == pytest.approx(np.arange(21) * TURN / 100)
-    assert points == pytest.approx(np.full(21, np.exp(-0.7j)), abs=1e-4)
-
-
-def test_an_envelope_holds_every_value():
-    t = np.linspace(0, 1, 5000)
-    values = np.sin(300 * t)
-    middle, low, high = plot_data.envelope(t, values, 20)
-    assert len(middle) == 20
-    assert low.min() == values.min()
-    assert high.max() == values.max()
-
-
 def test_a_spectrum_tells_amplitude_and_frequency_of_unevenly_sampled_sines():
     rng = np.random.default_rng(1)
     t = np.sort(rng.uniform(0, 4, 20_000))
-    f, lines = plot_data.spectrum(
+    f, lines = vibration.spectrum(
         t, 3.0 + 2.0 * np.sin(TURN * 25 * t) + 0.1 * np.sin(TURN * 60 * t)
     )
     for hz, size in ((25, 2.0), (60, 0.1)):
@@ -115,22 +99,22 @@ def test_a_spectrum_tells_amplitude_and_frequency_of_unevenly_sampled_sines():
 def test_an_amplitude_that_is_largest_at_an_edge_has_no_peak(amplitude, expected):
     t = np.linspace(0, 10, 1001)
     w = 400 - 20 * t
-    at = plot_data.peak_index(t, w, amplitude(t), 2.0)
+    at = peak_index(t, w, amplitude(t))
     assert (None if at is None else pytest.approx(t[at])) == expected
-    assert plot_data.peak_index(t, np.full_like(t, 100.0), amplitude(t), 2.0) is None
+    assert peak_index(t, np.full_like(t, 100.0), amplitude(t)) is None
 
 
 def test_what_is_largest_while_the_highest_speed_is_held_is_no_peak():
     t = np.linspace(0, 20, 2001)
     w = np.minimum(20 * t, 300.0)
-    assert plot_data.peak_index(t, w, w + (t > 17) * (t < 18), 2.0) is None
-    assert t[plot_data.peak_index(t, w, -abs(t - 9), 2.0)] == pytest.approx(9)
+    assert peak_index(t, w, w + (t > 17) * (t < 18)) is None
+    assert t[peak_index(t, w, -abs(t - 9))] == pytest.approx(9)
 
 
 def test_one_speed_is_told_from_many():
-    assert plot_data.is_constant(np.full(5, 100.0))
-    assert plot_data.is_constant(np.zeros(5))
-    assert not plot_data.is_constant(np.linspace(100, 90, 5))
+    assert is_constant(np.full(5, 100.0))
+    assert is_constant(np.zeros(5))
+    assert not is_constant(np.linspace(100, 90, 5))
 
 
 def test_the_place_that_moves_most_stands_for_a_machine():
@@ -143,10 +127,10 @@ def test_the_place_that_moves_most_stands_for_a_machine():
         moved |= {f"{name}.y": 0 * t for name in amplitudes}
         return moved | {f"{name}.x_amp": t for name in amplitudes if name != "bearing"}
 
-    assert plot_data.place_of(columns(disc=1.0, probe=2.0, bearing=9.0)) == "probe"
-    assert plot_data.place_of(columns(probe=1.0, disc=2.0)) == "disc"
-    assert plot_data.place_of(columns(first=1.0, second=1.001, third=1.0)) == "third"
-    assert plot_data.place_of(columns(bearing=1.0)) is None
+    assert probe_that_moves_most(columns(disc=1.0, probe=2.0, bearing=9.0)) == "probe"
+    assert probe_that_moves_most(columns(probe=1.0, disc=2.0)) == "disc"
+    assert probe_that_moves_most(columns(first=1.0, second=1.001, third=1.0)) == "third"
+    assert probe_that_moves_most(columns(bearing=1.0)) is None
 
 
 @pytest.mark.parametrize(
@@ -206,9 +190,8 @@ def test_the_spectrum_of_a_run_at_one_speed_has_its_1x_on_a_line(speed):
     t = np.arange(0.0, 4.0, 4e-4)
     phi = speed * t
     x = 3e-5 * np.cos(phi - 0.4)
-    recording = Recording(t, {"phi": phi, "w": np.full_like(t, speed), "disc[1].x": x}, {}, {})
-    late = plot_data.late_turns(recording)
+    late = vibration.second_half(t, phi)
     assert 1.9 < t[-1] - t[late][0] < 2.0
-    f, lines = plot_data.spectrum(t[late], x[late])
+    f, lines = vibration.spectrum(t[late], x[late])
     assert lines.max() == pytest.approx(3e-5, rel=2e-3)
     assert f[np.argmax(lines)] == pytest.approx(abs(speed) / TURN, rel=2e-3)

@@ -10,6 +10,7 @@ import typer
 from rotor_fmu.errors import run, writable_folder
 from rotor_fmu.output_options import with_output_options
 
+from .figures import write_figures
 from .reproduce import figures_of
 from .reproduce import reproduce as run_again
 
@@ -26,6 +27,7 @@ def reproduce(
     Runs that an earlier, stopped call finished are taken from the folder.
     """
     results = run_again(writable_folder(out), typer.echo)
+    write_figures(results, out)
     typer.echo((out / "table.md").read_text(encoding="utf-8"))
     return {**figures_of(results), "out": str(out)}
 

@@ -15,8 +15,6 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.files import unfinished, write_text
 from rotor_fmu.fmi.packing.python_fmu import package_name
-from rotor_fmu.plotting.figure_style import save
-from rotor_fmu.runs import run_plots
 from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare, write_json
 from rotor_fmu.runs.recording import Recording, load_recording
 from rotor_fmu.runs.run_down import Run
@@ -24,7 +22,7 @@ from rotor_fmu.runs.summary import summary
 
 _RECORDED = ("converged", "paper", "adaptive")  # whose orbits and contact angles are drawn
 _PHASE_STEP = 1e-5  # between perturbed runs, of all unbalances [rad]
-_PLACE = "disc[3]"  # whose motion the paper draws
+PLACE = "disc[3]"  # whose motion the paper draws
 
 
 @dataclass(frozen=True)
@@ -150,14 +148,14 @@ def run_cases(out: Path, announce: Callable[[str], None]) -> list[Result]:
                     _perturbed(job, i * _PHASE_STEP),
                     f"{case.title}, {i + 1} of {case.repetitions}",
                 ),
-                _PLACE,
+                PLACE,
             )
             for i in range(1, case.repetitions)
         )
         recording = None
         if case.name in _RECORDED:
             recording = _recorded(store / f"{case.name}-steps.npz", job, case.title)
-        results.append(Result(case, first, summary(first, _PLACE), repeated, recording))
+        results.append(Result(case, first, summary(first, PLACE), repeated, recording))
         announce(f"{case.title}: {first.status.split(':')[0]}")
     return results
 
@@ -194,59 +192,6 @@ def _stored(path: Path, make: Callable[[], Run]) -> Run:
             part, t=run.t, columns=np.array(list(run.columns.values())), about=json.dumps(about)
         )
     return run
-
-
-def write_figures(results: list[Result], out: Path) -> list[Path]:
-    """The paper's figures 3 to 6 and 9 to 15, its runs with the converged one behind; and the
-    default run with the paper's behind."""
-    by_name = {result.case.name: result for result in results}
-    fixed, damped, adaptive, default, converged = (
-        by_name[name] for name in ("paper", "damped", "adaptive", "controlled", "converged")
-    )
-    coarse = "steps of 4 ms, generalized-alpha 0.1 / 0.08"
-    lower = "steps of 4 ms, generalized-alpha 0.15 / 0.1"
-    variable = "steps of 4 to 20 ms, generalized-alpha 0.1 / 0.08"
-    truth = converged.run, "converged, steps of 0.1 ms"
-    pictures = {
-        "run_down": run_plots.amplitude(
-            default.run,
-            "x",
-            "The test rig runs down from 64 Hz in 40 s",
-            (fixed.run, "paper A's integrator, 4 ms"),
-            "this FMU's default",
-            _PLACE,
-        ),
-        "figure_14_error": run_plots.error_indicator(
-            adaptive.steps, "Paper A, Fig. 14: error indicator of Zienkiewicz and Xie"
-        ),
-        "figure_15_h": run_plots.step_length(adaptive.steps, "Paper A, Fig. 15: step length"),
-    }
-    for number, axis, result, text in (
-        ("03", "x", fixed, coarse),
-        ("04", "y", fixed, coarse),
-        ("09", "x", damped, lower),
-        ("10", "y", damped, lower),
-        ("11", "x", adaptive, variable),
-        ("12", "y", adaptive, variable),
-    ):
-        caption = f"Paper A, Fig. {int(number)}: {text}"
-        pictures[f"figure_{number}_{axis}"] = run_plots.amplitude(
-            result.run, axis, caption, truth, "the paper's run", _PLACE
-        )
-    for key, result, caption in (
-        ("figure_05_psi", fixed, f"Paper A, Fig. 5: {coarse}"),
-        ("figure_13_psi", adaptive, f"Paper A, Fig. 13: {variable}"),
-        ("converged_psi", converged, "Where the journal lies: converged, steps of 0.1 ms"),
-    ):
-        pictures[key] = run_plots.contact_angle(result.steps, caption)
-    for key, result, text in (
-        ("figure_06_orbit", fixed, "Paper A, Fig. 6"),
-        ("converged_orbit", converged, "Converged, steps of 0.1 ms"),
-    ):
-        at_s, at_hz = result.figures["x_peak_s"], result.figures["x_peak_hz"]
-        caption = f"{text}: orbit at the horizontal peak, {at_hz:.1f} Hz"
-        pictures[key] = run_plots.orbit(result.steps, at_s, caption, _PLACE)
-    return [save(figure, out / f"{name}.png") for name, figure in pictures.items()]
 
 
 def table(results: list[Result]) -> str:
@@ -297,9 +242,8 @@ def _peak_cells(result: Result, axis: str, reference: float) -> list[str]:
 
 
 def reproduce(out: Path, announce: Callable[[str], None]) -> list[Result]:
-    """Run what paper A ran and write figures, `table.md` and `table.json` to the folder `out`."""
+    """Run what paper A ran and write `table.md` and `table.json` to the folder `out`."""
     results = run_cases(out, announce)
-    write_figures(results, out)
     text = table(results)
     write_text(text, out / "table.md")
     write_json(figures_of(results), out / "table.json")

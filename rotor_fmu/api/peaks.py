@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from ..runs.plot_data import peak_index, why_no_peak
+from ..runs.peaks import peak_index, why_no_peak
 from ..runs.run_down import Run
-from ..runs.summary import PEAKS_AFTER
 
 
 class Peak(NamedTuple):
@@ -65,11 +64,11 @@ def peaks_of(run: Run | None) -> Peaks:
     amplitudes = [name for name in c if name.endswith((".x_amp", ".y_amp"))]
     result = []
     for name in amplitudes:
-        at = peak_index(t, c["w"], c[name], PEAKS_AFTER)
+        at = peak_index(t, c["w"], c[name])
         if at is not None:
             part, _, quantity = name.rpartition(".")
             values = float(c[name][at]), float(c["w"][at]), float(t[at])
             result.append(Peak(part, quantity[0], *values))
     if not amplitudes:
         return Peaks((), "the machine has no disc, body or sensor, whose motion could have a peak")
-    return Peaks(result, "" if result else why_no_peak(t, c["w"], PEAKS_AFTER))
+    return Peaks(result, "" if result else why_no_peak(t, c["w"]))

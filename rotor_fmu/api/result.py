@@ -15,9 +15,9 @@ import numpy as np
 from ..errors import InputError
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
+from ..runs.measuring_points import probe_that_moves_most
 from ..runs.recording import load_recording
 from ..runs.run_down import Run
-from ..vibration.measuring_points import Recorded
 from .machine import Machine
 from .peaks import Peaks, peaks_of
 from .pictures import png, shown
@@ -198,19 +198,15 @@ class Result(RecordedSignals):
         InputError
             If there is no such kind of picture.
         """
-        from ..plotting.signal_plots import KINDS
-        from ..plotting.view import View
+        from ..run_pictures.signal_plots import KINDS
+        from ..run_pictures.view import View
 
         if kind not in KINDS:
             raise InputError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
-        return shown(KINDS[kind](View(self._seen, place, speed, is_pp)))
-
-    @cached_property
-    def _seen(self) -> Recorded:
-        return Recorded(self.recording, str(self.recording.about.get("machine", "run")))
+        return shown(KINDS[kind](View(self.recording, place, speed, is_pp)))
 
     def _signal(self, place: str | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return self.t, self._seen.phi, self._seen.place(place).z
+        return self.t, self.recording.phi, self.recording.place(place).z
 
     def _or_last(self, speed: float | None) -> float:
         return float(self.speed[-1]) if speed is None else speed
@@ -241,12 +237,12 @@ class Result(RecordedSignals):
         return f"<table>{rows}</table>{self._picture()}"
 
     def _picture(self) -> str:
-        from ..runs.plot_data import place_of
-        from ..runs.run_plots import motion
+        from ..run_pictures.run_folder import motion
 
-        if len(self.t) < 3 or place_of(self.recording.columns) is None:
+        place = probe_that_moves_most(self.recording.columns)
+        if len(self.t) < 3 or place is None:
             return ""
-        image = base64.b64encode(png(motion(self.recording, ""))).decode()
+        image = base64.b64encode(png(motion(self.recording, place, ""))).decode()
         return f'<img src="data:image/png;base64,{image}" alt="displacement over time">'
 
 

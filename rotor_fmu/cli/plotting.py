@@ -66,8 +66,8 @@ def plot(
     if at == 0:
         raise InputError(f"--speed {speed}: must not be 0")
     from ..plotting.figure_style import save
-    from ..plotting.signal_plots import KINDS
-    from ..plotting.view import View
+    from ..run_pictures.signal_plots import KINDS
+    from ..run_pictures.view import View
     from ..saved_results.folders import read_run
     from ..vibration import TooFewTurns
 
@@ -232,9 +232,8 @@ def _study_page(paths: list[Path], units: str | None, beside: Path) -> str:
 def _runs_page(paths: list[Path], units: str | None, beside: Path) -> str:
     """Return the page of one or two runs, which lie wherever they lie."""
     from ..report.run_page import runs_page
-    from ..saved_results.folders import read_run, read_summary, told_apart
+    from ..saved_results.folders import read_run, read_summary, with_unique_names
 
-    runs = [read_run(path) for path in paths]
-    told_apart(runs, paths)
+    runs = with_unique_names([read_run(path) for path in paths], paths)
     choose(units, runs[0].rotor.units if runs[0].rotor else "")
     return runs_page(runs, [read_summary(path) for path in paths])

@@ -169,8 +169,8 @@ def _carry_out(job: Job, fmu: Path | None, label: str, verify: bool) -> _Outcome
 def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[str, Any]:
     """Write CSV file, recording, pictures and page, and return the figures of the run."""
     from ..report.run_page import write_report
+    from ..run_pictures.run_folder import write_run_pictures
     from ..runs.job import write_csv
-    from ..runs.run_plots import write_run_pictures
     from ..runs.summary import summary
 
     job, result, recording, apart = outcome

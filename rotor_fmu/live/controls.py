@@ -15,7 +15,7 @@ from ..model.machine.rotor import Rotor
 from ..model.quantities import ANY, Rule
 from ..model.structure.assembly import assemble
 from ..operating_speeds import operating_speeds
-from ..vibration.measuring_points import spoken
+from ..runs.measuring_points import display_name
 
 # What the page sets by itself from the course of the speed, and what no host can set.
 NO_CONTROLS = ("speed", "speed_rate", "speed_continuation", REDUCTION.name)
@@ -83,7 +83,7 @@ def groups(machine: Machine) -> list[dict[str, Any]]:
 
 
 def _title(part: str) -> str:
-    return spoken(part).replace("_", " ")
+    return display_name(part).replace("_", " ")
 
 
 def _kind(v: Variable) -> tuple[str, str]:
@@ -110,13 +110,13 @@ def _weight(machine: Machine) -> float:
 
 def _control(v: Variable, reference: int) -> dict[str, Any]:
     part, _, _ = v.name.rpartition(".")
-    text = v.text.partition(";")[0].removeprefix(f"{spoken(part)}: ")
+    text = v.text.partition(";")[0].removeprefix(f"{display_name(part)}: ")
     return {
         "name": v.name,
         "reference": reference,
         "kind": v.kind,
         "text": text.partition(": 0 ")[0],
-        "label": spoken(v.name),
+        "label": display_name(v.name),
         "about": v.text,
         **shown_in(v.unit if v.kind == "Real" else "1"),
         "start": None if v.start is None else float(v.start),

@@ -7,13 +7,13 @@ import numpy as np
 from ..errors import InputError
 from ..fmi.packing.machine_files import Machine, machine_of
 from ..fmi.solver_parameters import REDUCTION
-from ..vibration.measuring_points import Recorded
+from ..runs.recording import Recording
 from .controls import NO_CONTROLS
 
 _STRAIGHT = 1e-6  # of the largest speed: how far a ramp may be from a straight line
 
 
-def machine_of_run(run: Recorded) -> Machine:
+def machine_of_run(run: Recording) -> Machine:
     """Return the machine of a run. Raises `InputError` if the recording holds none."""
     if run.rotor is None:
         raise InputError(f"{run.name}: its recording holds no machine")
@@ -21,7 +21,7 @@ def machine_of_run(run: Recorded) -> Machine:
     return machine_of(str(run.about["toml"]), False, int(parameters.get(REDUCTION.name, 0)))
 
 
-def settings_of_run(run: Recorded, machine: Machine) -> dict[str, float]:
+def settings_of_run(run: Recording, machine: Machine) -> dict[str, float]:
     """Return the values of controls, SI units, under which a page repeats a run: its parameters and
     the course of its speed.
 
@@ -36,7 +36,7 @@ def settings_of_run(run: Recorded, machine: Machine) -> dict[str, float]:
     return parameters | _course(run)
 
 
-def _course(run: Recorded) -> dict[str, float]:
+def _course(run: Recording) -> dict[str, float]:
     t, w = run.t - run.t[0], run.w
     duration, first, last = float(t[-1]), float(w[0]), float(w[-1])
     line = first + (last - first) * t / (duration or 1.0)

@@ -1,1 +1,1 @@
-"""Pictures of machines and of recorded signals, and the common style of all pictures."""
+"""Pictures of machines, and the common style of all pictures."""

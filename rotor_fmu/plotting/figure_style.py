@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -29,24 +30,36 @@ class PlainFigure(Figure):
         super().draw(renderer)
 
 
+def empty_figure(width: float, height: float, dpi: float = 150) -> Figure:
+    """Return a figure without axes, without the global state of pyplot; size in inches."""
+    figure = PlainFigure(figsize=(width, height), dpi=dpi, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
 def new_figure(width: float = 6.4, height: float = 4.0) -> tuple[Figure, Axes]:
-    """Return a figure with one pair of axes, without the global state of pyplot; size in inches."""
+    """Return a figure with one pair of axes; size in inches."""
     figure, axes = new_panels(width, height, 1, 1)
     return figure, axes[0]
 
 
 def new_panels(
-    width: float, height: float, rows: int, columns: int = 1, share_x: bool = False
+    width: float,
+    height: float,
+    rows: int,
+    columns: int = 1,
+    share_x: bool = False,
+    heights: Sequence[float] | None = None,
 ) -> tuple[Figure, np.ndarray]:
-    """Return a figure with several pairs of axes, shape (rows x columns,); size in inches."""
-    figure = PlainFigure(figsize=(width, height), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, columns, squeeze=False, sharex=share_x).ravel()
-    for each in axes:
-        each.spines[["top", "right"]].set_visible(False)
-        each.grid(color="#dddddd", linewidth=0.6)
-        each.set_axisbelow(True)
-    return figure, axes
+    """Return a figure with several pairs of axes, shape (rows x columns,); size in inches; heights:
+    of the rows, relative to each other."""
+    figure = empty_figure(width, height)
+    panels = figure.subplots(rows, columns, squeeze=False, sharex=share_x, height_ratios=heights)
+    for axes in panels.ravel():
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_axisbelow(True)
+    return figure, panels.ravel()
 
 
 def save(figure: Figure, path: Path) -> Path:

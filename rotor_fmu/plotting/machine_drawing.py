@@ -6,7 +6,6 @@ import io
 from collections.abc import Callable
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon, Rectangle
 from matplotlib.ticker import FuncFormatter, MaxNLocator
@@ -14,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from ..display import current
 from ..model.machine.rotor import Rotor
 from ..model.parts.base import Shape
-from .figure_style import PlainFigure
+from .figure_style import empty_figure
 
 _LABEL = "#555555"
 _LINE = 0.035  # height of a line of names, of the machine's size
@@ -24,8 +23,7 @@ _SHAFT, _BODY, _HOUSING, _PORT = "#bbbbbb", "#56b4e9", "#e69f00", "#d55e00"
 
 def machine_picture(rotor: Rotor) -> bytes:
     """Return a picture of the machine to scale as a PNG, for the importing tool's icon."""
-    figure = PlainFigure(figsize=(6.0, 2.6), dpi=100, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(6.0, 2.6, dpi=100)
     axes = figure.add_subplot()
     axes.set_axis_off()
     axes.set_aspect("equal")
@@ -38,8 +36,7 @@ def machine_picture(rotor: Rotor) -> bytes:
 
 def machine_figure(rotor: Rotor) -> Figure:
     """Draw the machine to scale, in mm, its nodes numbered and its parts named."""
-    figure = PlainFigure(figsize=(9.0, 4.2), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(9.0, 4.2)
     axes = figure.add_subplot()
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.set_aspect("equal", adjustable="datalim")

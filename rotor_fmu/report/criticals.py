@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +10,8 @@ from ..display import current
 from ..model.linear.campbell import campbell
 from ..model.linear.linear_machine import OPEN, PINNED, LinearError, LinearMachine, lowest_speed
 from ..model.machine.rotor import Rotor
-from ..vibration.measuring_points import Recorded, hertz
+from ..runs.recording import Recording
+from ..vibration import TURN
 
 _SPEEDS, _MODES, _MOST = 15, 8, 6
 _LEAST = 0.02  # of the highest speed: below lie rigid-body motions
@@ -28,7 +28,7 @@ class Criticals(NamedTuple):
         """What is to be said of them."""
         if not self.hz:
             return ""
-        in_unit = [hz * 2 * math.pi * current().speed for hz in self.hz]
+        in_unit = [hz * TURN * current().speed for hz in self.hz]
         digits = 1 if max(in_unit) < 1e3 else 0
         listed = " and ".join(f"{value:.{digits}f}" for value in in_unit)
         listed = listed.replace(" and ", ", ", len(self.hz) - 2)
@@ -45,7 +45,7 @@ class Criticals(NamedTuple):
         )
 
 
-def criticals_of(run: Recorded) -> Criticals:
+def criticals_of(run: Recording) -> Criticals:
     """Return the critical speeds within a run's range of speeds; none of a machine that was not
     recorded, or that cannot be linearized."""
     finite = np.abs(run.w[np.isfinite(run.w)])
@@ -60,11 +60,11 @@ def criticals_of(run: Recorded) -> Criticals:
     except (LinearError, np.linalg.LinAlgError):
         return Criticals((), "")
     lowest = max(float(finite.min()), _LEAST * highest)
-    hz = [hertz(c.speed) for c in found.critical if lowest <= c.speed <= highest]
+    hz = [c.speed / TURN for c in found.critical if lowest <= c.speed <= highest]
     return Criticals(tuple(sorted(hz))[:_MOST], found.contacts if machine.has_contacts else "")
 
 
-def _as_run(run: Recorded) -> Rotor | None:
+def _as_run(run: Recording) -> Rotor | None:
     """Return the machine with the parameters of the run."""
     if run.rotor is None:
         return None

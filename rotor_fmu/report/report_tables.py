@@ -13,8 +13,8 @@ import numpy as np
 from .. import vibration
 from ..display import current, shown_speed
 from ..run_status import FAILED, OK
+from ..runs.recording import Recording
 from ..vibration import TooFewTurns
-from ..vibration.measuring_points import Recorded
 from .verification_table import headline_of, rows_of
 
 _UM = 1e-6  # [m], in which signals are recorded and resampled here
@@ -29,7 +29,7 @@ _SUMMARY = {
 }
 
 
-def notices(run: Recorded, why: str | None) -> str:
+def notices(run: Recording, why: str | None) -> str:
     """Return the notices at the head of the page: how far a failed run came, why, and its
     warnings."""
     said = []
@@ -46,18 +46,18 @@ def notices(run: Recorded, why: str | None) -> str:
     return "\n".join(f'<p class="notice">{escape(text)}</p>' for text in said)
 
 
-def _reached(run: Recorded) -> str:
+def _reached(run: Recording) -> str:
     if not len(run.t):
         return "no step"
     return f"t = {run.t[-1]:.4g} s at {_speed(run, -1)} {current().speed_unit}"
 
 
-def _speed(run: Recorded, at: int) -> str:
+def _speed(run: Recording, at: int) -> str:
     # rounding leaves something of a shaft that stands
     return shown_speed(run.w[at]) if abs(run.w[at]) > 1e-9 else "0"
 
 
-def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
+def tables(run: Recording, summary: Mapping[str, Any], runs: int = 1) -> str:
     """Return the tables of a run: responses of its places, contacts, sinks, the solver's work."""
     of = f"{run.name}: " if runs > 1 else ""
     made = [_ran(run, summary, of), _verification(run, of)]
@@ -67,7 +67,7 @@ def tables(run: Recorded, summary: Mapping[str, Any], runs: int = 1) -> str:
     return "\n".join(text for text in made if text)
 
 
-def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
+def _ran(run: Recording, summary: Mapping[str, Any], of: str) -> str:
     rows: list[Sequence[object]] = [
         ["status", "failed" if run.status.startswith(FAILED) else run.status]
     ]
@@ -87,7 +87,7 @@ def _ran(run: Recorded, summary: Mapping[str, Any], of: str) -> str:
     return table(f"{of}the run", ["", ""], rows)
 
 
-def _verification(run: Recorded, of: str) -> str:
+def _verification(run: Recording, of: str) -> str:
     figures = run.about.get("verification")
     if not figures:
         return ""
@@ -95,7 +95,7 @@ def _verification(run: Recorded, of: str) -> str:
     return table(f"{of}{headline_of(figures)}", heads, rows_of(figures))
 
 
-def _places(run: Recorded, of: str) -> str:
+def _places(run: Recording, of: str) -> str:
     d = current()
     small = d.small_unit
     heads = [
@@ -132,7 +132,7 @@ def _passes(speed: np.ndarray) -> bool:
     return bool(abs(ways.sum()) == len(ways) and span.max() > 1.3 * span.min())
 
 
-def _contacts(run: Recorded, of: str) -> str:
+def _contacts(run: Recording, of: str) -> str:
     d = current()
     heads = [
         *("contact", f"largest force [{d.force_unit}]", f"at [{d.speed_unit}]"),
@@ -140,14 +140,14 @@ def _contacts(run: Recorded, of: str) -> str:
     ]
     rows = []
     weight = np.gradient(run.t) if len(run.t) > 1 else run.t
-    for touch in run.touches if weight.any() else ():
-        at = int(np.argmax(np.nan_to_num(touch.fn)))
-        share = 100 * float((weight * (touch.fn > 0)).sum() / weight.sum())
-        rows.append([touch.label, touch.fn[at] * d.force, run.w[at] * d.speed, share])
+    for contact in run.contacts if weight.any() else ():
+        at = int(np.argmax(np.nan_to_num(contact.fn)))
+        share = 100 * float((weight * (contact.fn > 0)).sum() / weight.sum())
+        rows.append([contact.label, contact.fn[at] * d.force, run.w[at] * d.speed, share])
     return table(f"{of}contacts", heads, rows) if rows else ""
 
 
-def _sinks(run: Recorded, of: str) -> str:
+def _sinks(run: Recording, of: str) -> str:
     losses = {name: float(column[-1]) for name, column in run.losses.items() if len(column)}
     whole = sum(losses.values())
     if not whole:

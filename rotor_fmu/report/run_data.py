@@ -8,8 +8,10 @@ import numpy as np
 
 from .. import vibration
 from ..display import current
-from ..vibration import Synchronous, TooFewTurns
-from ..vibration.measuring_points import MeasuringPoint, Recorded, hertz
+from ..runs.measuring_points import MeasuringPoint
+from ..runs.peaks import is_constant
+from ..runs.recording import Recording
+from ..vibration import TURN, Synchronous, TooFewTurns
 from .criticals import criticals_of
 from .packed import COARSE, packed
 
@@ -19,10 +21,9 @@ _BLOCK, _ORBIT = 16, 2  # turns of a spectrum, of an orbit
 _ORBIT_POINTS = 64  # a turn
 _LEAST_BLOCK = 4
 _MOST_PLACES = 12
-_ONE_SPEED = 0.005  # share by which one speed may vary
 
 
-def run_data(run: Recorded) -> dict[str, Any]:
+def run_data(run: Recording) -> dict[str, Any]:
     """Return everything but the signals over time, as JSON values; lengths in µm, speeds in Hz,
     forces in the unit that is shown.
 
@@ -40,7 +41,7 @@ def run_data(run: Recorded) -> dict[str, Any]:
     return data
 
 
-def _turns(run: Recorded) -> dict[str, Any]:
+def _turns(run: Recording) -> dict[str, Any]:
     shown = sorted(run.places, key=lambda p: (p.name != run.place().name, -p.motion))
     retained = {place.name for place in shown[:_MOST_PLACES]}
     result: dict[str, Any] = {"places": []}
@@ -52,42 +53,42 @@ def _turns(run: Recorded) -> dict[str, Any]:
         if "stations" not in result:
             result |= _shared(signal)
     result["chosen"] = run.place().name
-    d, touches = current(), []
-    for touch in run.touches:
-        rub = vibration.contact(run.t, run.phi, touch.psi, touch.fn)
+    d, contacts = current(), []
+    for contact in run.contacts:
+        rub = vibration.contact(run.t, run.phi, contact.psi, contact.fn)
         rows = _thin(len(rub.t))
-        values = {"hz": hertz(rub.speed), "peak": rub.peak * d.force, "mean": rub.mean * d.force}
+        values = {"hz": rub.speed / TURN, "peak": rub.peak * d.force, "mean": rub.mean * d.force}
         values |= {"share": 100 * rub.share, "angle": np.degrees(rub.angle), "t": rub.t}
         values |= {"low": np.degrees(rub.low), "width": np.degrees(rub.width)}
         entry = {key: packed(column[rows]) for key, column in values.items()}
-        touches.append({"name": touch.name, "label": touch.label, **entry})
+        contacts.append({"name": contact.name, "label": contact.label, **entry})
     t, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
     rows = _thin(len(t))
     taking = [name for name in powers if run.losses[name][-1] != 0.0]
     sinks = sorted(taking or powers, key=lambda name: -run.losses[name][-1])
     power = {
-        "hz": packed(hertz(speed)[rows]),
+        "hz": packed(speed[rows] / TURN),
         "t": packed(t[rows]),
         "sinks": [
             {"label": s, "total": float(run.losses[s][-1]), "p": packed(powers[s][rows])}
             for s in sinks
         ],
     }
-    return result | {"touches": touches, "power": power, "force": d.force_unit}
+    return result | {"touches": contacts, "power": power, "force": d.force_unit}
 
 
 def _shared(signal: Synchronous) -> dict[str, Any]:
     """Return the data common to all places: the turns' times and speeds, and the stations."""
     track, cascade = _tracked(signal)
     rows = _thin(len(track.t))
-    speed = hertz(cascade.speed)
+    speed = cascade.speed / TURN
     ways = np.diff(speed)
     turns = _thin(len(signal.values))
     whirl = vibration.whirl_of(signal, turns=_block(signal))
     blocks = _thin(len(whirl.t))
-    whirls = {"t": packed(whirl.t[blocks]), "hz": packed(hertz(whirl.speed)[blocks])}
+    whirls = {"t": packed(whirl.t[blocks]), "hz": packed(whirl.speed[blocks] / TURN)}
     return {
-        "track": {"t": packed(track.t[rows]), "hz": packed(hertz(track.speed)[rows])},
+        "track": {"t": packed(track.t[rows]), "hz": packed(track.speed[rows] / TURN)},
         "stations": {
             "t": cascade.t.tolist(),
             "hz": speed.tolist(),
@@ -96,7 +97,7 @@ def _shared(signal: Synchronous) -> dict[str, Any]:
         "isOneWay": bool(np.all(ways < 0) or np.all(ways > 0)),
         "isConstant": is_constant(speed),
         "orders": cascade.order.tolist(),
-        "turns": {"t": packed(signal.begin[turns]), "hz": packed(hertz(signal.speed)[turns])},
+        "turns": {"t": packed(signal.begin[turns]), "hz": packed(signal.speed[turns] / TURN)},
         "whirl": whirls | {"turns": _block(signal)},
         "orbit": {"turns": _ORBIT, "points": _ORBIT_POINTS},
     }
@@ -134,11 +135,6 @@ def _place(place: MeasuringPoint, signal: Synchronous) -> dict[str, Any]:
         "sense": packed(whirl.sense[blocks]),
         "order": packed(whirl.order[blocks]),
     }
-
-
-def is_constant(speed: np.ndarray) -> bool:
-    """Return whether a run is at one speed, so that time is what goes across its pictures."""
-    return bool(np.ptp(speed) <= _ONE_SPEED * np.abs(speed).max(initial=0.0))
 
 
 def _block(signal: Synchronous) -> int:

@@ -18,7 +18,7 @@ from ..display import current
 from ..errors import InputError, optional
 from ..files import write_text
 from ..output_options import as_json_value
-from ..vibration.measuring_points import Recorded, Recording
+from ..runs.recording import Recording
 from .criticals import criticals_of
 from .report_tables import notices, tables
 from .run_data import run_data
@@ -37,14 +37,15 @@ def write_report(recording: Recording, summary: Mapping[str, Any], path: Path) -
     """Write the page of a run, whole or not at all; summary: its figures by name. Where what draws
     it is not installed a warning says so instead."""
     try:
-        page = runs_page([Recorded(recording, path.parent.resolve().name)], [summary])
+        recording.check_rotation()
+        page = runs_page([recording.named(path.parent.resolve().name)], [summary])
     except InputError as error:
         print(f"warning: {path.name} is not written: {error}", file=sys.stderr)
     else:
         write_text(page, path)
 
 
-def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) -> str:
+def runs_page(runs: Sequence[Recording], summaries: Sequence[Mapping[str, Any]]) -> str:
     """Return the page of one or two runs as HTML."""
     data = [run_data(run) for run in runs]
     body = template("run.html").substitute(
@@ -58,9 +59,7 @@ def runs_page(runs: Sequence[Recorded], summaries: Sequence[Mapping[str, Any]]) 
     )
     room = ROOM // len(runs)
     return page(
-        title=" and ".join(
-            dict.fromkeys(str(run.about.get("machine") or run.name) for run in runs)
-        ),
+        title=" and ".join(dict.fromkeys(run.machine for run in runs)),
         about=" | ".join(run.name for run in runs),
         body=body,
         data={"runs": data},

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..display import current
-from ..vibration.measuring_points import Recorded, spoken
+from ..plotting.thinning import extremes
+from ..runs.measuring_points import display_name
+from ..runs.recording import Recording
 from .packed import COARSE, packed
 
 ROOM = 2_400_000  # samples that a page holds in full
@@ -15,7 +17,7 @@ _STRETCHES = 15_000
 _MOST = 40  # signals
 
 
-def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
+def signal_data(run: Recording, room: int = ROOM) -> dict[str, Any]:
     """Return displacements, contact forces and the drive torque of a run over its time.
 
     Keys: t, packed [s], None where no signal is there in full; signals, each with name, label,
@@ -27,7 +29,7 @@ def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
     for i, (name, unit, values) in enumerate(entries):
         entry: dict[str, Any] = {
             "name": name,
-            "label": spoken(name),
+            "label": display_name(name),
             "unit": unit,
             "t": None,
             "every": 1,
@@ -41,19 +43,7 @@ def signal_data(run: Recorded, room: int = ROOM) -> dict[str, Any]:
     return {"t": packed(run.t) if is_shared else None, "signals": signals}
 
 
-def extremes(values: np.ndarray, stretches: int) -> np.ndarray:
-    """Return the places of the least and the largest value of even stretches of a signal, in their
-    order."""
-    n = len(values)
-    edges = np.linspace(0, n, min(stretches, n) + 1).astype(int)
-    width = int(np.diff(edges).max())
-    at = np.minimum(edges[:-1, None] + np.arange(width), edges[1:, None] - 1)
-    rows = np.arange(len(at))
-    result = [at[rows, pick(values[at], axis=1)] for pick in (np.argmin, np.argmax)]
-    return np.unique(np.concatenate([*result, [0, n - 1]]))
-
-
-def _entries(run: Recorded) -> list[tuple[str, str, np.ndarray]]:
+def _entries(run: Recording) -> list[tuple[str, str, np.ndarray]]:
     """Return the names, units and values in the units that are shown, what moves most first."""
     d, result = current(), list[tuple[str, str, np.ndarray]]()
     moving = sorted(run.places, key=lambda p: (not p.name.startswith("disc"), -p.motion))
@@ -62,7 +52,9 @@ def _entries(run: Recorded) -> list[tuple[str, str, np.ndarray]]:
             (f"{place.name}.x", d.small_unit, place.z.real * d.small),
             (f"{place.name}.y", d.small_unit, place.z.imag * d.small),
         ]
-    result += [(f"{touch.name}.fn", d.force_unit, touch.fn * d.force) for touch in run.touches]
+    result += [
+        (f"{contact.name}.fn", d.force_unit, contact.fn * d.force) for contact in run.contacts
+    ]
     if "tau" in run.columns:
         result.append(("tau", d.torque_unit, run.columns["tau"] * d.torque))
     result.append(("w", d.speed_unit, run.w * d.speed))

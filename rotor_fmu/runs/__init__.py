@@ -1,4 +1,4 @@
-"""Runs through a built FMU: signals, run-down, its figures, reproduction, reports."""
+"""One run: its inputs, the run itself through an FMU or directly, its recording and figures."""
 
 # What `rotor-fmu plot` draws of a run, beside its recording.
 PLOTS = (

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import zipfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,20 @@ import numpy as np
 
 from ..errors import InputError
 from ..files import unfinished
+from ..model.machine.rotor import Rotor
+from ..model.machine.toml import parse_rotor
+from ..model.quantities import QuantityError
+from ..run_status import OK
 from ..short_repr import ShortRepr
+from ..vibration import Synchronous, synchronous
+from .measuring_points import (
+    ContactSignals,
+    MeasuringPoint,
+    moves_most,
+    named,
+    points_of,
+    probe_that_moves_most,
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -22,13 +36,15 @@ class Recording(ShortRepr):
 
     t, shape (n,) [s], growing; columns: by the names of `observed_names`, the angle of rotation
     `phi` [rad] and the speed `w` [rad/s] among them, shape (n,); units: by name; about: description
-    of the run, as JSON values (machine, toml, parameters, status, messages).
+    of the run, as JSON values (machine, toml, parameters, status, messages); name: of the run, such
+    as its folder's.
     """
 
     t: np.ndarray
     columns: Mapping[str, np.ndarray]
     units: Mapping[str, str]
     about: Mapping[str, Any]
+    name: str = ""
 
     def save(self, path: Path) -> None:
         """Write a file of NumPy arrays, whole or not at all; a motion hardly compresses."""
@@ -37,13 +53,122 @@ class Recording(ShortRepr):
         with unfinished(path) as part:
             np.savez(part, t=self.t, values=values, head=json.dumps(head))
 
+    def named(self, name: str) -> Recording:
+        """Return the same recording under another name."""
+        return replace(self, name=name)
+
+    @property
+    def phi(self) -> np.ndarray:
+        """Angle of rotation [rad]."""
+        return self.columns["phi"]
+
+    @property
+    def w(self) -> np.ndarray:
+        """Speed of rotation [rad/s]."""
+        return self.columns["w"]
+
+    def check_rotation(self) -> None:
+        """Raise `InputError` where the angle or the speed of rotation was not recorded."""
+        for name in ("phi", "w"):
+            if name not in self.columns:
+                raise InputError(
+                    f"{self.name}: its recording has no {name}, which is needed to count turns"
+                )
+
+    @property
+    def status(self) -> str:
+        """How the run ended; see `run_status`."""
+        return str(self.about.get("status", OK))
+
+    @property
+    def machine(self) -> str:
+        """Name of the machine, of the run where the recording does not hold it."""
+        return str(self.about.get("machine") or self.name)
+
+    @cached_property
+    def rotor(self) -> Rotor | None:
+        """The machine, if the recording holds it."""
+        try:
+            return parse_rotor(str(self.about["toml"]))
+        except (KeyError, QuantityError):
+            return None
+
+    @cached_property
+    def places(self) -> tuple[MeasuringPoint, ...]:
+        """Everything with a horizontal and a vertical displacement, in the machine's order."""
+        return tuple(
+            replace(point, clearance=self._clearance(point.name))
+            for point in points_of(self.columns)
+        )
+
+    @cached_property
+    def contacts(self) -> tuple[ContactSignals, ...]:
+        """Every contact, in the machine's order."""
+        columns = self.columns
+        names = [name.removesuffix(".fn") for name in columns if name.endswith(".fn")]
+        return tuple(
+            ContactSignals(name, columns[f"{name}.psi"], columns[f"{name}.fn"])
+            for name in names
+            if f"{name}.psi" in columns
+        )
+
+    @property
+    def losses(self) -> dict[str, np.ndarray]:
+        """Energy dissipated since the start by sink, shape (n,) [J]."""
+        return {
+            name.removeprefix("energy.").removesuffix("_loss"): column
+            for name, column in self.columns.items()
+            if name.startswith("energy.") and name.endswith("_loss")
+        }
+
+    def place(self, name: str | None = None) -> MeasuringPoint:
+        """Return a place by its name; None: the probe that moves most, without probes whatever else
+        of the shaft does, or else the journal. Raises `InputError` for an unknown name."""
+        if name is None:
+            name = probe_that_moves_most(self.columns)
+        if name is not None:
+            return named(name, self.places, "place")
+        if not self.places:
+            raise InputError(f"{self.name}: its recording has no place with x and y")
+        journals = {contact.name for contact in self.contacts}  # x, y relative to the housing
+        return moves_most([p for p in self.places if p.name not in journals] or self.places)
+
+    def contact(self, name: str | None = None) -> ContactSignals:
+        """Return a contact by its name; None: the one with the largest mean force. Raises
+        `InputError` for an unknown name."""
+        if name is not None:
+            return named(name, self.contacts, "contact")
+        if not self.contacts:
+            raise InputError(f"{self.name}: its recording has no contact")
+        return max(self.contacts, key=lambda contact: float(np.nan_to_num(contact.fn).sum()))
+
+    def resampled(self, place: MeasuringPoint) -> Synchronous:
+        """Return a place's motion over whole turns, x + i y in µm; raises `TooFewTurns`."""
+        if place.name not in self._resampled:
+            self._resampled[place.name] = synchronous(self.t, self.phi, place.z * 1e6, turns=4)
+        return self._resampled[place.name]
+
+    @cached_property
+    def _resampled(self) -> dict[str, Synchronous]:
+        return {}
+
+    def _clearance(self, name: str) -> float | None:
+        given: Mapping[str, Any] = self.about.get("parameters", {})
+        if f"{name}.clearance" in given:
+            return float(given[f"{name}.clearance"])
+        parts = dict(self.rotor.named_parts()) if self.rotor else {}
+        clearance = getattr(parts.get(name), "clearance", None)
+        return None if clearance is None else float(clearance)
+
 
 def load_recording(path: Path) -> Recording:
-    """Read what `Recording.save` wrote; `InputError` for any other file."""
+    """Read what `Recording.save` wrote, under the name of its folder; `InputError` for any other
+    file."""
     try:
         with np.load(path) as data:
             head = json.loads(str(data["head"]))
             columns = dict(zip(head["names"], data["values"], strict=True))
-            return Recording(data["t"], columns, head["units"], head["about"])
+            name = path.resolve().parent.name
+            return Recording(data["t"], columns, head["units"], head["about"], name)
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
         raise InputError(f"{path}: is no recording of a run") from error

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
 from ..run_status import messages_and_codes
-from .plot_data import contact_of, peak_index, place_of, why_no_peak
+from .measuring_points import probe_that_moves_most
+from .peaks import PEAKS_AFTER, peak_index, why_no_peak
 from .run_down import Run
 
-PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
 _NEAR_PEAK = 0.15  # [Hz]
 
 
@@ -47,6 +48,11 @@ def summary(run: Run, place: str | None = None) -> dict[str, Any]:
     }
 
 
+def last_contact(names: Collection[str]) -> str | None:
+    """Return the last part that has a contact angle."""
+    return next((n.removesuffix(".psi") for n in reversed([*names]) if n.endswith(".psi")), None)
+
+
 def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     keys = [
         "place",
@@ -62,23 +68,23 @@ def _peaks(run: Run, place: str | None) -> dict[str, Any]:
     ]
     figures: dict[str, Any] = dict.fromkeys(keys)
     c, hz = run.columns, run.hz
-    place, contact = place or place_of(c), contact_of(c)
+    place, contact = place or probe_that_moves_most(c), last_contact(c)
     figures["place"] = place
     if len(hz) and place:
         figures["y_static_um"] = float(c[f"{place}.y"][0]) * 1e6
     late = np.flatnonzero(run.t > PEAKS_AFTER)
     if not len(late):
-        return figures | {"no_peak": why_no_peak(run.t, c["w"], PEAKS_AFTER)}
+        return figures | {"no_peak": why_no_peak(run.t, c["w"])}
     for axis in "xy" if place else "":
         amplitude = c[f"{place}.{axis}_amp"]
         figures[f"{axis}_largest_um"] = float(amplitude[late].max()) * 1e6
-        at = peak_index(run.t, c["w"], amplitude, PEAKS_AFTER)
+        at = peak_index(run.t, c["w"], amplitude)
         if at is not None:
             figures[f"{axis}_peak_um"] = float(amplitude[at]) * 1e6
             figures[f"{axis}_peak_hz"] = float(hz[at])
             figures[f"{axis}_peak_s"] = float(run.t[at])
         else:
-            figures["no_peak"] = why_no_peak(run.t, c["w"], PEAKS_AFTER)
+            figures["no_peak"] = why_no_peak(run.t, c["w"])
     if contact:
         psi = c[f"{contact}.psi"]
         if figures["x_peak_hz"] is not None:

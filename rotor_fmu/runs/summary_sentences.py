@@ -10,6 +10,7 @@ import numpy as np
 
 from ..display import current
 from ..run_status import FAILED, OK
+from .measuring_points import display_name
 from .recording import Recording
 
 _AXES = {"x": "horizontal", "y": "vertical"}
@@ -19,11 +20,6 @@ def sentences(figures: Mapping[str, Any], recording: Recording, page: Path) -> l
     """Return the peak, the contacts and the state of a run; figures: its `summary`; page: its
     report."""
     return [_peak(figures), _contacts(recording), _state(figures, page)]
-
-
-def spoken(part: str) -> str:
-    """Return `disc[3]` as `disc 3`."""
-    return part.replace("[", " ").rstrip("]")
 
 
 def _peak(figures: Mapping[str, Any]) -> str:
@@ -37,11 +33,11 @@ def _peak(figures: Mapping[str, Any]) -> str:
         if (amount := figures[f"{axis}_peak_um"]) is not None
     ]
     if peaks:
-        return f"Peak of {spoken(place)}, 0-p from rest: {', '.join(peaks)}."
+        return f"Peak of {display_name(place)}, 0-p from rest: {', '.join(peaks)}."
     largest = [um for axis in "xy" if (um := figures[f"{axis}_largest_um"]) is not None]
-    moved = (
-        f"; {spoken(place)} moved by at most {_length(max(largest))} from rest" if largest else ""
-    )
+    moved = ""
+    if largest:
+        moved = f"; {display_name(place)} moved by at most {_length(max(largest))} from rest"
     return f"No peak, because {figures['no_peak']}{moved}."
 
 
@@ -75,7 +71,7 @@ def _contacts(recording: Recording) -> str:
     least, most = (round(100 * f(shares.values())) for f in (min, max))
     if least == most:
         return f"The journals touched for {most} % of the time."
-    each = ", ".join(f"{spoken(name)} {100 * share:.0f} %" for name, share in shares.items())
+    each = ", ".join(f"{display_name(name)} {100 * share:.0f} %" for name, share in shares.items())
     return f"The journals touched for {least} to {most} % of the time ({each})."
 
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InputError, optional
-from ..runs.recording import load_recording
-from ..vibration.measuring_points import Recorded
+from ..runs.recording import Recording, load_recording
 
 if TYPE_CHECKING:
     import pyarrow
@@ -24,15 +23,16 @@ def is_study(path: Path) -> bool:
     return (path / STUDY).is_file()
 
 
-def read_run(path: Path) -> Recorded:
-    """Return the recording of a run's folder, or a recording's file."""
+def read_run(path: Path) -> Recording:
+    """Return the recording of a run's folder, or a recording's file, in which turns of the shaft
+    can be counted."""
     file = path / RUN if path.is_dir() else path
     if not file.exists():
         what = f"holds no {RUN}" if path.is_dir() else "is not there"
         raise InputError(f"{path}: {what}; give the folder of a run")
     recording = load_recording(file)
-    whole = path.resolve()
-    return Recorded(recording, whole.name if path.is_dir() else whole.parent.name)
+    recording.check_rotation()
+    return recording
 
 
 def read_summary(path: Path) -> dict[str, Any]:
@@ -69,11 +69,11 @@ def rows_of_quantiles(about: dict[str, Any], rows: pyarrow.Table) -> np.ndarray:
     return drawn_rows(design, rows["run"].to_numpy())
 
 
-def told_apart(runs: Sequence[Recorded], paths: Sequence[Path]) -> None:
-    """Return names that differ, longer where folders have the same name."""
-    if len({run.name for run in runs}) < len(runs):
-        for run, path in zip(runs, paths, strict=True):
-            run.name = "/".join(path.resolve().parts[-2:])
-    if len({run.name for run in runs}) < len(runs):
-        for run, letter in zip(runs, "AB", strict=True):
-            run.name = f"{run.name} ({letter})"
+def with_unique_names(runs: Sequence[Recording], paths: Sequence[Path]) -> list[Recording]:
+    """Return the runs under names that differ, longer where folders have the same name."""
+    names = [run.name for run in runs]
+    if len({*names}) < len(names):
+        names = ["/".join(path.resolve().parts[-2:]) for path in paths]
+    if len({*names}) < len(names):
+        names = [f"{name} ({letter})" for name, letter in zip(names, "AB", strict=True)]
+    return [run.named(name) for run, name in zip(runs, names, strict=True)]

@@ -28,10 +28,29 @@ from .orbits import (
     whirl_of,
 )
 from .orders import OrderTrack, Resonance, order_track, order_track_of, resonances
-from .spectra import Cascade, FullSpectrum, cascade, cascade_of, full_spectrum
-from .turns import Synchronous, TooFewRows, TooFewTurns, Turns, synchronous, turns_of
+from .spectra import (
+    Cascade,
+    FullSpectrum,
+    cascade,
+    cascade_of,
+    full_spectrum,
+    second_half,
+    spectrum,
+)
+from .time_share import TimeShare, time_share
+from .turns import (
+    TURN,
+    Synchronous,
+    TooFewRows,
+    TooFewTurns,
+    Turns,
+    rows_per_turn,
+    synchronous,
+    turns_of,
+)
 
 __all__ = [
+    "TURN",
     "Cascade",
     "Contact",
     "Displacement",
@@ -41,6 +60,7 @@ __all__ = [
     "Poincare",
     "Resonance",
     "Synchronous",
+    "TimeShare",
     "TooFewRows",
     "TooFewTurns",
     "Turns",
@@ -57,7 +77,11 @@ __all__ = [
     "poincare",
     "power_by_sink",
     "resonances",
+    "rows_per_turn",
+    "second_half",
+    "spectrum",
     "synchronous",
+    "time_share",
     "turns_of",
     "whirl",
     "whirl_of",

@@ -1,4 +1,5 @@
-"""Full spectrum and cascade: how much of a motion turns forward, how much backward, at each order.
+"""Full spectra and cascades: forward and backward amplitude at each order; and the spectrum of a
+signal over time, for shafts that may stand.
 
 The full spectrum of z = x + i y (Southwick, Orbit 14 (1993); Muszynska, Rotordynamics, 2005) has
 forward whirl at positive and backward whirl at negative orders; a straight line is equal halves.
@@ -6,12 +7,13 @@ forward whirl at positive and backward whirl at negative orders; a straight line
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..short_repr import ShortRepr
-from .turns import Synchronous, hann, synchronous
+from .turns import TURN, Synchronous, hann, synchronous
 
 MOST_ORDER = 8.0
 
@@ -148,3 +150,23 @@ def _spectra(
     # what the rows that were recorded cannot show is not known
     known = signal.rows_of(first, turns)[:, None] / 2
     return order[retained], np.where(np.abs(order[retained]) < known, amplitude, np.nan)
+
+
+def spectrum(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the frequencies [Hz] and the amplitudes 0-p of a real signal, without its mean, under
+    Hann's window: resampled at equal times, the median step apart."""
+    count = 1 + round(float(t[-1] - t[0]) / float(np.median(np.diff(t))))
+    even = np.linspace(t[0], t[-1], count)
+    signal = np.interp(even, t, values)
+    window = np.hanning(count)
+    lines = np.fft.rfft(window * (signal - np.average(signal, weights=window)))
+    return np.fft.rfftfreq(count, float(even[1] - even[0])), 2 * np.abs(lines) / window.sum()
+
+
+def second_half(t: np.ndarray, phi: np.ndarray) -> slice:
+    """Return the rows of the second half of a run, cut to whole turns where it holds any: orders
+    then lie on lines of a spectrum."""
+    turned = np.abs(phi - phi[-1])
+    half = int(np.searchsorted(t, (t[0] + t[-1]) / 2))
+    whole = TURN * math.floor(turned[half] / TURN)
+    return slice(half + int(np.argmax(turned[half:] <= whole)) if whole else half, None)

@@ -118,6 +118,12 @@ class Turns(ShortRepr):
         first = self.blocks(turns)
         return int(first[np.argmin(np.abs(self.speed_of(first, turns) - speed))])
 
+    def nearest_in_time(self, t: float, turns: int) -> int:
+        """Return the first turn of the block whose middle is nearest to a time [s]."""
+        self.needs(turns)
+        first = self.blocks(turns)
+        return int(first[np.argmin(np.abs(self.middle_of(first, turns) - t))])
+
 
 @dataclass(frozen=True)
 class Synchronous(Turns):
@@ -142,6 +148,14 @@ def turns_of(t: np.ndarray, phi: np.ndarray) -> Turns:
     """Return the whole turns of a shaft whose angle is phi [rad], recorded at t [s], both finite
     and of shape (n,); none is fine."""
     return _joined([passage.turns for passage in _passages(t, phi)])
+
+
+def rows_per_turn(phi: np.ndarray) -> float:
+    """Return the median number of rows in a turn of a shaft whose angle is phi [rad]; infinite
+    where it does not turn."""
+    steps = np.abs(np.diff(phi))
+    angle = float(np.median(steps)) if len(steps) else 0.0
+    return TURN / angle if angle else math.inf
 
 
 def synchronous(

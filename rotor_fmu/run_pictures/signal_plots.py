@@ -7,20 +7,26 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import PowerNorm
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 
 from .. import vibration
-from ..display import current, frequency_unit
-from .figure_style import BLUE, GREEN, GREY, ORANGE, PlainFigure, new_figure
-from .view import View, parted, two
+from ..display import current, frequency_unit, shown_speed
+from ..plotting.figure_style import BLUE, GREEN, GREY, ORANGE, empty_figure, new_figure
+from .view import (
+    View,
+    angle_axis,
+    broken_at_reversals,
+    displacement_axes,
+    legend_below,
+    two_over_speed,
+)
 
 PURPLE, BLACK = "#cc79a7", "#000000"
 _SINKS = (BLUE, ORANGE, GREEN, PURPLE, "#e69f00", "#56b4e9", BLACK, GREY)
-_PSI = ([0, 90, 180, 270, 360], ["0 right", "90 top", "180 left", "270 bottom", "360"])
 _SEEN = 0.01  # of the largest line of a spectrum: smaller ones do not widen its axis
+_ORBIT_TURNS = 4
+FINE = 24  # rows a turn, below which a curve between them is drawn, not computed
 
 
 def _speed(omega: Any) -> Any:
@@ -29,22 +35,21 @@ def _speed(omega: Any) -> Any:
 
 def bode(view: View) -> Figure:
     """Draw the 1x amplitude and phase of x and y over speed, with 2x and 0.5x."""
-    figure, (above, below) = two()
-    place = view.run.place(view.name)
+    figure, (above, below) = two_over_speed()
     track = vibration.order_track(*view.signal)
     n = _speed(track.speed)
     for vector, color, label, style in (
         (track.x(), BLUE, "1x of x", (0, ())),
         (track.y(), ORANGE, "1x of y", (0, (4, 2))),
     ):
-        length = parted(n, np.abs(vector) * view.scale)
+        length = broken_at_reversals(n, np.abs(vector) * view.scale)
         above.plot(n, length, color=color, lw=1.5, ls=style, label=label)
         phase = np.degrees(np.angle(vector))
         phase[1:][np.abs(np.diff(phase)) > 180] = np.nan
-        below.plot(n, parted(n, phase), color=color, lw=1.2, ls=style)
+        below.plot(n, broken_at_reversals(n, phase), color=color, lw=1.2, ls=style)
     for order, color, dashes in ((2.0, GREEN, (0, (1, 1))), (0.5, PURPLE, (0, (5, 1, 1, 1)))):
         label = f"{order:g}x, major axis"
-        length = parted(n, track.major(order) * view.scale)
+        length = broken_at_reversals(n, track.major(order) * view.scale)
         above.plot(n, length, color=color, lw=1.1, ls=dashes, label=label)
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
@@ -52,15 +57,13 @@ def bode(view: View) -> Figure:
     below.set_ylabel("Phase to the mark [deg]")
     below.set_yticks([-180, -90, 0, 90, 180])
     below.set_ylim(-190, 190)
-    below.set_xlabel(current().speed_label)
-    view.title(above, f"Bode plot of {place.label}")
+    view.title(above, f"Bode plot of {view.place.label}")
     return figure
 
 
 def polar(view: View) -> Figure:
     """Draw the 1x vector of x over speed, from the keyphasor mark; lag clockwise."""
-    figure = PlainFigure(figsize=(5.8, 5.4), dpi=150, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = empty_figure(5.8, 5.4)
     axes = figure.add_subplot(projection="polar")
     track = vibration.order_track(*view.signal, (1.0,))
     n = _speed(track.speed)
@@ -75,8 +78,7 @@ def polar(view: View) -> Figure:
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.tick_params(labelsize=8)
     units = f"radius [{view.unit}], speeds in {current().speed_unit}"
-    text = f"polar plot of {view.run.place(view.name).label}\n{units}"
-    view.title(axes, text)
+    view.title(axes, f"polar plot of {view.place.label}\n{units}")
     return figure
 
 
@@ -92,35 +94,33 @@ def _speeds_along(axes: Axes, vector: np.ndarray, n: np.ndarray, color: str) -> 
         )
 
 
-def orbit(view: View) -> Figure:
-    """Draw the orbit at a speed, its keyphasor marks, and the clearance."""
+def orbit(view: View, caption: str = "") -> Figure:
+    """Draw the orbit at a speed or a time as it was recorded, with the keyphasor marks, the rest
+    position and the clearance; caption: by default what it is."""
     figure, axes = new_figure(5.4, 5.2)
-    place = view.run.place(view.name)
-    result = vibration.orbit(*view.signal, view.speed)
-    z, marks = result.z * current().small, result.marks * current().small
-    axes.plot(z.real, z.imag, color=BLUE, lw=1.0)
-    axes.plot(marks.real, marks.imag, "o", color=ORANGE, ms=5, label="keyphasor mark")
-    ahead = len(z) // len(marks) // 24
-    axes.annotate(
-        "",
-        (z[ahead].real, z[ahead].imag),
-        (z[0].real, z[0].imag),
-        arrowprops={"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4},
-    )
-    if place.clearance is not None:
-        ring = Circle(
-            (0, 0), place.clearance * current().small, fill=False, color=BLACK, lw=1, ls=(0, (5, 3))
-        )
-        ring.set_label(f"clearance, {place.clearance * current().small:.4g} {current().small_unit}")
-        axes.add_patch(ring)
-        axes.autoscale_view()
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(frameon=False, fontsize=8, loc="upper right")
-    axes.set_xlabel(f"Horizontal displacement [{current().small_unit}]")
-    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
-    turns = len(marks)
-    at = f"{_speed(result.speed):.4g} {current().speed_unit}"
-    view.title(axes, f"orbit of {place.label}, {turns} turns at {at}")
+    place, shown = view.place, view.turns(_ORBIT_TURNS)
+    small = current().small
+    z = place.z[shown.rows] * small
+    per_turn = vibration.rows_per_turn(view.run.phi[shown.rows])
+    name, marker = f"{shown.turns} turns at {shown_speed(shown.speed)} {current().speed_unit}", ""
+    if not shown.turns:
+        name = "at standstill"
+    elif per_turn < FINE:
+        name, marker = f"{name}, its corners the steps, {per_turn:.0f} a turn", "."
+    axes.plot(z.real, z.imag, color=BLUE, lw=1.0, marker=marker, ms=3, label=name)
+    if shown.turns and per_turn >= FINE:
+        section = vibration.poincare(*view.signal)
+        is_shown = (section.t >= shown.begin) & (section.t < shown.end)
+        marks = section.points[is_shown] * small
+        axes.plot(marks.real, marks.imag, "o", color=ORANGE, ms=5, label="keyphasor mark")
+        ahead = z[max(1, round(per_turn / FINE))]
+        arrow = {"arrowstyle": "-|>", "color": ORANGE, "lw": 1.4}
+        axes.annotate("", (ahead.real, ahead.imag), (z[0].real, z[0].imag), arrowprops=arrow)
+    rest = place.z[0] * small
+    axes.plot(rest.real, rest.imag, "+", color=GREY, ms=10, mew=1.5, label="rest")
+    displacement_axes(axes, place)
+    legend_below(figure, 2)
+    view.title(axes, caption or f"orbit of {place.label}")
     return figure
 
 
@@ -149,9 +149,8 @@ def spectrum(view: View) -> Figure:
     axes.set_xlim(-reach, reach)
     axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
     axes.set_ylabel(f"Amplitude [{view.unit}]")
-    place = view.run.place(view.name).label
     at = f"{_speed(result.speed):.4g} {current().speed_unit}"
-    view.title(axes, f"full spectrum of {place} at {at}")
+    view.title(axes, f"full spectrum of {view.place.label} at {at}")
     return figure
 
 
@@ -208,43 +207,28 @@ def cascade(view: View) -> Figure:
     figure.colorbar(shades, ax=axes, label=f"Amplitude [{view.unit}]")
     axes.set_xlabel(f"Whirl frequency [{frequency_unit()}], backward < 0 < forward")
     axes.set_ylabel(current().speed_label if is_one_way else "Time [s]")
-    axes.set_title(
-        f"{view.machine}: {'cascade' if is_one_way else 'waterfall'} of the full spectrum of "
-        f"{view.run.place(view.name).label}",
-        loc="left",
-        fontsize=10,
-        pad=16,
-        parse_math=False,
-    )
+    kind = "cascade" if is_one_way else "waterfall"
+    view.title(axes, f"{kind} of the full spectrum of {view.place.label}", pad=16)
     return figure
 
 
 def poincare(view: View) -> Figure:
     """Draw the points of the Poincare section, coloured by the speed, with the clearance."""
     figure, axes = new_figure(6.0, 5.2)
-    place = view.run.place(view.name)
     result = vibration.poincare(*view.signal)
     points = result.points * current().small
     shown = axes.scatter(
         points.real, points.imag, c=_speed(result.speed), s=6, cmap="cividis", lw=0
     )
     figure.colorbar(shown, ax=axes, label=current().speed_label)
-    if place.clearance is not None:
-        ring = Circle(
-            (0, 0), place.clearance * current().small, fill=False, color=BLACK, lw=1, ls=(0, (5, 3))
-        )
-        axes.add_patch(ring)
-        axes.autoscale_view()
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel(f"Horizontal displacement [{current().small_unit}]")
-    axes.set_ylabel(f"Vertical displacement [{current().small_unit}]")
-    view.title(axes, f"{place.label} once a turn, at the mark")
+    displacement_axes(axes, view.place)
+    view.title(axes, f"{view.place.label} once a turn, at the mark")
     return figure
 
 
 def whirl(view: View) -> Figure:
     """Draw the sense and the order of the whirl."""
-    figure, (above, below) = two()
+    figure, (above, below) = two_over_speed()
     result = vibration.whirl(*view.signal)
     n = _speed(result.speed)
     above.axhline(0, color=GREY, lw=0.8)
@@ -255,19 +239,18 @@ def whirl(view: View) -> Figure:
     below.plot(n, result.order, ".", color=ORANGE, ms=3, mew=0)
     below.axhline(0, color=GREY, lw=0.8)
     below.set_ylabel("Whirl over rotation [1]")
-    below.set_xlabel(current().speed_label)
-    view.title(above, f"whirl of {view.run.place(view.name).label}, over 16 turns each")
+    view.title(above, f"whirl of {view.place.label}, over 16 turns each")
     return figure
 
 
 def contact_angle(view: View) -> Figure:
     """Draw the contact angle over speed."""
     figure, axes = new_figure()
-    touch = view.run.touch(view.name)
-    touches = touch.fn > 0
+    contact = view.run.contact(view.name)
+    touches = contact.fn > 0
     n = _speed(view.run.w[touches])
-    axes.plot(n, np.degrees(touch.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
-    result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
+    axes.plot(n, np.degrees(contact.psi[touches]), ".", color=GREY, ms=1.2, mew=0, rasterized=True)
+    result = vibration.contact(view.run.t, view.run.phi, contact.psi, contact.fn)
     at, low = _speed(result.speed), np.degrees(result.low)
     high = low + np.degrees(result.width)
     for bottom, top in ((low, np.minimum(high, 360)), (np.zeros_like(low), high - 360)):
@@ -278,38 +261,38 @@ def contact_angle(view: View) -> Figure:
     axes.plot([], [], ".", color=GREY, label="every recorded step that touches")
     axes.plot([], [], "|", color=BLUE, alpha=0.4, ms=12, label="range of a turn")
     axes.plot([], [], ".", color=BLUE, label="mean of a turn that does not go all round")
-    figure.legend(loc="outside lower center", frameon=False, fontsize=8, ncols=3)
-    axes.set_ylim(0, 360)
-    axes.set_yticks(*_PSI)
+    legend_below(figure)
+    angle_axis(axes, "")
     axes.set_xlabel(current().speed_label)
-    axes.set_ylabel("Contact angle ψ [deg]")
-    view.title(axes, f"where {touch.label} touches")
+    view.title(axes, f"where {contact.label} touches")
     return figure
 
 
 def contact_force(view: View) -> Figure:
     """Draw the normal force of a contact and the share of the time that it touches, over speed."""
-    figure, (above, below) = two()
-    touch = view.run.touch(view.name)
-    result = vibration.contact(view.run.t, view.run.phi, touch.psi, touch.fn)
+    figure, (above, below) = two_over_speed()
+    contact = view.run.contact(view.name)
+    result = vibration.contact(view.run.t, view.run.phi, contact.psi, contact.fn)
     n, d = _speed(result.speed), current()
-    largest, mean = parted(n, result.peak * d.force), parted(n, result.mean * d.force)
+    largest, mean = (
+        broken_at_reversals(n, result.peak * d.force),
+        broken_at_reversals(n, result.mean * d.force),
+    )
     above.plot(n, largest, color=BLUE, lw=1.0, label="largest of the turn")
     above.plot(n, mean, color=ORANGE, lw=1.2, ls=(0, (4, 2)), label="mean of the turn")
     above.legend(frameon=False, fontsize=8)
     above.set_ylim(bottom=0)
     above.set_ylabel(f"Normal force [{d.force_unit}]")
-    below.plot(n, parted(n, 100 * result.share), color=GREEN, lw=1.0)
+    below.plot(n, broken_at_reversals(n, 100 * result.share), color=GREEN, lw=1.0)
     below.set_ylim(0, 105)
     below.set_ylabel("Touches [% of the turn]")
-    below.set_xlabel(current().speed_label)
-    view.title(above, f"contact force of {touch.label}")
+    view.title(above, f"contact force of {contact.label}")
     return figure
 
 
 def energy(view: View) -> Figure:
     """Draw the power of every sink over speed, and the energy since the start."""
-    figure, (above, below) = two(even=True)
+    figure, (above, below) = two_over_speed((1, 1))
     run = view.run
     _, speed, powers = vibration.power_by_sink(run.t, run.phi, run.losses)
     taking = [name for name in powers if run.losses[name][-1] != 0.0]
@@ -318,13 +301,12 @@ def energy(view: View) -> Figure:
         color, style = _SINKS[i % len(_SINKS)], ("-", (0, (4, 2)), (0, (1, 1)))[i % 3]
         energy = run.losses[name]
         label = f"{name}: {_joules(energy[-1])}"
-        power = parted(speed, powers[name])
+        power = broken_at_reversals(speed, powers[name])
         above.plot(_speed(speed), power, color=color, ls=style, lw=1.2, label=label)
         below.plot(_speed(run.w), energy, color=color, ls=style, lw=1.2)
     above.legend(frameon=False, fontsize=8)
     above.set_ylabel("Power [W], mean of a turn")
     below.set_ylabel("Energy since the start [J]")
-    below.set_xlabel(current().speed_label)
     view.title(above, "energy dissipated by sink")
     return figure
 

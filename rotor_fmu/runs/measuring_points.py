@@ -1,0 +1,93 @@
+"""What is measured in a run: places that move, contacts, and how their names are shown."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+
+_EQUAL = 0.02  # relative difference of two places' motions that are taken to be equal
+
+
+@dataclass(frozen=True)
+class MeasuringPoint:
+    """A place that moves: its name in the machine, x + i y, shape (n,) [m], and the radius of the
+    clearance about it [m], None where it has none."""
+
+    name: str
+    z: np.ndarray
+    clearance: float | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name in a sentence: `disc 3`."""
+        return display_name(self.name)
+
+    @property
+    def motion(self) -> float:
+        """Root of the mean square distance from the mean position [m]."""
+        known = self.z[np.isfinite(self.z)]  # not what diverged in the end
+        return float(np.std(known)) if len(known) else 0.0
+
+
+@dataclass(frozen=True)
+class ContactSignals:
+    """A contact: its name, angle psi [rad] and normal force fn [N], shape (n,)."""
+
+    name: str
+    psi: np.ndarray
+    fn: np.ndarray
+
+    @property
+    def label(self) -> str:
+        """Its name in a sentence."""
+        return display_name(self.name)
+
+
+def display_name(name: str) -> str:
+    """Return `disc[3].x` as `disc 3 x`."""
+    return name.replace("[", " ").replace("]", "").replace(".", " ")
+
+
+def points_of(columns: Mapping[str, np.ndarray]) -> tuple[MeasuringPoint, ...]:
+    """Return everything with a horizontal and a vertical displacement, in the machine's order."""
+    names = [name.removesuffix(".x") for name in columns if name.endswith(".x")]
+    return tuple(
+        MeasuringPoint(name, columns[f"{name}.x"] + 1j * columns[f"{name}.y"])
+        for name in names
+        if f"{name}.y" in columns
+    )
+
+
+def probe_that_moves_most(columns: Mapping[str, np.ndarray]) -> str | None:
+    """Return the name of the place that stands for a machine: of all whose amplitude or velocity is
+    observed the one that moves most, None where there is none."""
+    probes = [
+        point
+        for point in points_of(columns)
+        if {f"{point.name}.x_amp", f"{point.name}.vx"} & columns.keys()
+    ]
+    return moves_most(probes).name if probes else None
+
+
+def moves_most(points: Sequence[MeasuringPoint]) -> MeasuringPoint:
+    """Return the point that moves most, the last of several that move as much."""
+    motions = [point.motion for point in points]
+    largest = [i for i, motion in enumerate(motions) if motion >= (1 - _EQUAL) * max(motions)]
+    return points[largest[-1]]
+
+
+def named(name: str, known: Sequence[Any], what: str) -> Any:
+    """Return the point or contact of this name; `InputError` with the nearest name otherwise."""
+    for item in known:
+        if item.name == name:
+            return item
+    names = [item.name for item in known]
+    near = difflib.get_close_matches(name, names, 1, 0.0)
+    hint = f"did you mean {near[0]}?" if near else "there is none"
+    raise InputError(f"--place {name}: the recording has no such {what}; {hint}")

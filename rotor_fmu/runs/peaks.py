@@ -1,0 +1,44 @@
+"""Whether a run has one speed, and where an amplitude over its speed has a peak."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..vibration.turns import TURN
+
+PEAKS_AFTER = 2.0  # the start's transient is over by then [s]
+# Relative to the highest speed, how far a constant one may vary: less than the half-power width of
+# any resonance whose amplification factor is below 100, so that no peak lies within.
+_CONSTANT = 0.01
+_EDGE = 0.01  # of a run's length at its ends, where an amplitude may still be growing
+
+
+def is_constant(w: np.ndarray) -> bool:
+    """Return whether a speed is one speed, so that nothing can be drawn against it."""
+    return len(w) == 0 or float(np.ptp(w)) <= _CONSTANT * float(np.abs(w).max())
+
+
+def peak_index(t: np.ndarray, w: np.ndarray, amplitude: np.ndarray) -> int | None:
+    """Return the row at which an amplitude over the last turn, shape (n,), has a peak after
+    `PEAKS_AFTER`; None where it is largest at an edge of the run or of its speeds: that is no
+    peak."""
+    late = np.flatnonzero(t > PEAKS_AFTER)
+    if not len(late) or is_constant(w):
+        return None
+    at = int(late[np.argmax(amplitude[late])])
+    turn = TURN / max(abs(float(w[at])), 1e-9)
+    margin = max(_EDGE * float(t[-1] - t[late[0]]), min(turn, 0.1 * float(t[-1])))
+    is_inside = t[late[0]] + margin < t[at] < t[-1] - margin
+    passed = w[late]
+    of_speeds = _EDGE * float(np.ptp(passed))
+    is_passed = passed.min() + of_speeds < w[at] < passed.max() - of_speeds
+    return at if is_inside and is_passed else None
+
+
+def why_no_peak(t: np.ndarray, w: np.ndarray) -> str:
+    """Return why a run, in which `peak_index` finds none, has no peak."""
+    if not len(t) or t[-1] <= PEAKS_AFTER:
+        return f"the run ends within the start-up, {PEAKS_AFTER:g} s"
+    if is_constant(w):
+        return "the speed is constant"
+    return "the amplitude is largest at an edge of the run"
