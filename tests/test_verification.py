@@ -10,7 +10,7 @@ from rotor_fmu.model.simulation import RotorWarning
 import rotor_fmu as rf
 from rotor_fmu import studies
 from rotor_fmu.cli import app
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.verify_run import CONFIRMED, NOT_CONFIRMED, SENSITIVE, compare
 from rotor_fmu.studies.runner import run_study

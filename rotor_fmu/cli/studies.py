@@ -19,8 +19,8 @@ from ..cells import cell
 from ..display import choose, current
 from ..errors import InputError, optional, writable_folder
 from ..machine_studies.machine_runs import MachineRuns
+from ..machine_studies.machine_tables import read_study
 from ..machine_studies.response_runs import ResponseRuns
-from ..machine_studies.study_file import read_study
 from ..output_options import with_output_options
 from ..run_status import FAILED
 from ..screen import progress_of, text_table

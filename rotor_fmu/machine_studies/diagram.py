@@ -17,8 +17,8 @@ from ..errors import InputError
 from ..studies.design import Axis
 from ..studies.study import Study
 from .machine_runs import RUN, MachineRuns, machine_of
-from .metrics import Metric
-from .run_excitation import LEVELS
+from .metric import Metric
+from .run_kinds import STEPS
 
 if TYPE_CHECKING:
     import xarray
@@ -50,7 +50,7 @@ def diagrams(study: Study, data: xarray.Dataset, say: Say) -> dict[str, Figure]:
     that keeps none.
     """
     runs, sections = sections_of(study)
-    axis = None if runs.how.kind == "steps" else _across(study.design.axes)
+    axis = None if runs.how.kind.name == STEPS.name else _across(study.design.axes)
     panels = _panels(study, data, runs, axis, say)
     return {m.name: _figure(m, runs, axis, panels[m.name]) for m in sections}
 
@@ -58,8 +58,8 @@ def diagrams(study: Study, data: xarray.Dataset, say: Say) -> dict[str, Figure]:
 def sections_of(study: Study) -> tuple[MachineRuns, list[Metric]]:
     """Return the runs of a study and the Poincare sections that it keeps; `InputError` for none."""
     runs = study.model
-    if isinstance(runs, MachineRuns) and runs.how.kind in LEVELS:
-        sections = [metric for metric in runs.metrics if metric.kind == "poincare"]
+    if isinstance(runs, MachineRuns) and runs.how.kind.holds_speeds:
+        sections = [metric for metric in runs.metrics if metric.kind.name == "poincare"]
         if sections:
             return runs, sections
     raise InputError("--diagram: the study keeps no poincare of runs at constant speed")
@@ -89,7 +89,7 @@ def _panels(
         others = dict(zip((a.name for a in rest), group.tolist(), strict=True))
         settings = {t: others[a.name] for a in rest for t in a.targets}
         response = None
-        for metric in (m for m in runs.metrics if m.kind == "poincare"):
+        for metric in (m for m in runs.metrics if m.kind.name == "poincare"):
             over, section, falls = _points(
                 data[metric.name].values[rows],
                 runs,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -26,29 +26,37 @@ from ..run_status import FAILED, messages_and_codes, status_of, with_doubt
 from ..runs.recording import Recording
 from ..runs.verify_run import NOT_CONFIRMED_CODE, allowed, finer
 from ..studies.study import Cell, Column, Result
-from .metric_cells import cells
-from .metrics import KINDS, Metric
-from .monitor import RECORDER_ROWS, Monitor
-from .run_excitation import FREE, Excitation, excite
+from ..studies.study_tables import nearest
+from . import run_metrics
+from .metric import Metric, MetricKind
+from .monitor import RECORDER_ROWS, Monitor, Window
+from .run_excitation import Excitation, excite
 
 RUN = "run."
 VERIFICATION = "verification"  # the column of a study whose runs are verified
+# Variables that follow from the excitation.
+_OF_THE_EXCITATION = ("speed", "speed_rate", "speed_continuation", "w_start", "tau_drive")
 
 
-class Machine(NamedTuple):
+class MachineModel(NamedTuple):
     """A machine as a worker keeps it: the rotor, its variables, their start values."""
 
     rotor: Rotor
     table: tuple[Variable, ...]
     start: Mapping[str, float]
 
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the parameters of the machine itself, by name."""
+        return {str(name): described.unit for name, described, _ in self.rotor.parameters()}
+
 
 @lru_cache(maxsize=4)
-def machine_of(toml: str, is_free: bool) -> Machine:
+def machine_of(toml: str, is_free: bool) -> MachineModel:
     """Return the machine of a TOML text, made once in a process."""
     rotor = parse_rotor(toml)
     table = interface(rotor, is_free)
-    return Machine(rotor, table, {v.name: v.start for v in table if v.start is not None})
+    return MachineModel(rotor, table, {v.name: v.start for v in table if v.start is not None})
 
 
 @dataclass(frozen=True)
@@ -63,16 +71,60 @@ class MachineRuns:
     columns: tuple[Column, ...] = field(default=())
     is_verified: bool = False
 
+    metric_kinds: ClassVar[Mapping[str, MetricKind]] = run_metrics.KINDS
+    can_be_verified: ClassVar[bool] = True
+
     @property
-    def is_free(self) -> bool:
-        """Whether the rotor's speed is a state."""
-        return self.how.kind in FREE
+    def machine(self) -> MachineModel:
+        """The machine that runs."""
+        return machine_of(self.toml, self.how.kind.is_free)
 
     @property
     def units(self) -> dict[str, str]:
         """Return the quantities of a run by name, with their units."""
-        table = machine_of(self.toml, self.is_free).table
-        return {v.name: v.unit for v in table if v.is_observed}
+        return {v.name: v.unit for v in self.machine.table if v.is_observed}
+
+    @property
+    def settable(self) -> dict[str, Variable]:
+        """Return the machine's variables that may be set or varied, by name."""
+        return {
+            v.name: v
+            for v in self.machine.table
+            if v.causality == "parameter" and v.name not in _OF_THE_EXCITATION
+        }
+
+    @property
+    def variable_units(self) -> dict[str, str]:
+        """Return the units of all that can be varied, by name."""
+        numbers = {f"{RUN}{name}": self.how.kind.numbers[name].unit for name in self.how.numbers}
+        return {name: v.unit or "1" for name, v in self.settable.items()} | numbers
+
+    def check_metric(self, metric: Metric, how: Excitation) -> None:
+        """Raise `InputError` for a metric that does not suit the runs."""
+        run_metrics.check(metric, how)
+        if metric.kind.name == "lyapunov":
+            # with SciPy, which other studies do without
+            from ..model.periodic.problem import check_parts
+
+            check_parts(self.machine.rotor)
+        for output in metric.kind.samples(metric.of):
+            if output not in self.units:
+                raise metric.refusal(
+                    f"{metric.of}: unknown name; {self._suggestion(metric, output)}"
+                )
+
+    def _suggestion(self, metric: Metric, output: str) -> str:
+        """Return a suggestion for the name of an unknown quantity or part."""
+        parts = {name.rpartition(".")[0] for name in self.units if "." in name}
+        if output.startswith(f"{metric.of}."):
+            return nearest(metric.of, parts)
+        return nearest(metric.of, {*self.units, *(f"{part}.r" for part in parts)})
+
+    def column_of(self, metric: Metric, varied: Collection[str]) -> Column:
+        """Return the column of a metric; varied: names of the parameters that are varied."""
+        unit = self.units.get(metric.of, self.units.get(f"{metric.of.removesuffix('.r')}.x", "1"))
+        is_varied = not {f"{RUN}from", f"{RUN}to"}.isdisjoint(varied)
+        return metric.column(unit, run_metrics.axis_of(metric, self.how, is_varied))
 
     @cached_property
     def identity(self) -> str:
@@ -83,11 +135,11 @@ class MachineRuns:
             columns = {name: value.tolist() for name, value in how.signals.values.items()}
             signals = [how.signals.t.tolist(), columns]
         kick = None if how.kick is None else vars(how.kick)
-        metrics = [[k.name, k.kind, k.of, k.options, k.scale] for k in self.metrics]
+        metrics = [[k.name, k.kind.name, k.of, k.options, k.radius] for k in self.metrics]
         identity = [
             self.toml,
             dict(self.values),
-            how.kind,
+            how.kind.name,
             dict(how.numbers),
             signals,
             kick,
@@ -99,11 +151,11 @@ class MachineRuns:
     def warm(self) -> None:
         """Compile what runs need, or load it, by a start and a short step."""
         try:
-            _, simulation = self._prepared({}, [], self._needs(False))
-            speed = 0.0 if self.is_free else self.how.start["speed"]
+            _, simulation = self._prepared({}, [], self.samples(False))
+            speed = 0.0 if self.how.kind.is_free else self.how.start["speed"]
             simulation.advance(1e-6, speed)
         except (InputError, EquilibriumError, StepFailure):
-            return  # the runs will say so, each for itself
+            return  # which each run reports in its own row
 
     def run(self, values: Mapping[str, float]) -> Result:
         """Make one run; a failure in it, impossible values included, is its status. A verified one
@@ -124,26 +176,29 @@ class MachineRuns:
         settings = None
         try:
             messages: list[Message] = []
-            how, simulation = self._prepared(values, messages, self._needs(False))
+            how, simulation = self._prepared(values, messages, self.samples(False))
             settings = simulation.settings
-            has_exponent = any(metric.kind == "lyapunov" for metric in self.metrics)
+            has_exponent = any(metric.kind.name == "lyapunov" for metric in self.metrics)
             monitor = Monitor(
-                simulation, self._needs(False), self._needs(True), has_exponent=has_exponent
+                simulation, self.samples(False), self.samples(True), has_exponent=has_exponent
             )
             windows = list(excite(simulation, how, monitor))
         except StepFailure as error:
             return Result(f"{FAILED}{error}", {}), settings
         except (InputError, QuantityError, SettingsError, EquilibriumError) as error:
             return Result(f"{FAILED}{error}", {}), settings
-        row_cells = {metric.name: cells(metric, windows, how) for metric in self.metrics}
-        return Result(status_of(messages), row_cells), settings
+        return Result(status_of(messages), self.cells_of(windows, how)), settings
+
+    def cells_of(self, windows: list[Window], how: Excitation) -> dict[str, Cell]:
+        """Return the cells of a finished run by the names of their columns."""
+        return {metric.name: run_metrics.cell(metric, windows, how) for metric in self.metrics}
 
     def record(self, values: Mapping[str, float]) -> Recording:
         """Record one run at its own steps, up to its end or failure; the same run as its row's."""
         from ..runs.run_down import usual  # with FMPy, which no worker needs
 
-        machine = machine_of(self.toml, self.is_free)
-        names = ("phi", "w", *usual(machine.rotor), *self._needs(False), *self._needs(True))
+        rotor = self.machine.rotor
+        names = ("phi", "w", *usual(rotor), *self.samples(False), *self.samples(True))
         names = tuple(dict.fromkeys(names))
         messages: list[Message] = []
         how, simulation = self._prepared(values, messages, names)
@@ -154,40 +209,54 @@ class MachineRuns:
         except StepFailure as error:
             failure = str(error)
         seen = monitor.window().steps
-        units = {str(entry.name): entry.output.unit for entry in recordable(machine.rotor)}
-        about = {
-            "machine": machine.rotor.name,
+        units = {str(entry.name): entry.output.unit for entry in recordable(rotor)}
+        about = self.description(values, how, messages, failure)
+        return Recording(seen.t, seen.columns, {name: units[name] for name in names}, about)
+
+    def description(
+        self,
+        values: Mapping[str, float],
+        how: Excitation,
+        messages: Sequence[Message],
+        failure: str | None,
+    ) -> dict[str, Any]:
+        """Return the description of a run for its recording."""
+        return {
+            "machine": self.machine.rotor.name,
             "toml": self.toml,
             "parameters": {**self.values, **values},
-            "run": {"kind": how.kind, **how.numbers},
+            "run": {"kind": how.kind.name, **how.numbers},
             "status": status_of(messages, failure),
             **messages_and_codes(messages),
         }
-        return Recording(seen.t, seen.columns, {name: units[name] for name in names}, about)
 
-    def _needs(self, by_turns: bool) -> tuple[str, ...]:
-        """Return the outputs that the metrics need, at the solver's steps or by turns at equal
+    def samples(self, in_turns: bool) -> tuple[str, ...]:
+        """Return the outputs that the metrics need, at the solver's steps or in turns at equal
         angles."""
-        chosen = (metric for metric in self.metrics if KINDS[metric.kind].in_turns == by_turns)
-        return tuple(dict.fromkeys(name for metric in chosen for name in metric.needs))
+        chosen = [m for m in self.metrics if bool(m.kind.held) == in_turns]
+        return tuple(dict.fromkeys(name for m in chosen for name in m.kind.samples(m.of)))
+
+    def split(self, values: Mapping[str, float]) -> tuple[Excitation, dict[str, float]]:
+        """Return the excitation of a run, and the values of the machine's variables, of the values
+        of the varied parameters."""
+        of_run = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
+        of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
+        return self.how.changed(of_run), {**self.values, **of_machine}
 
     def _prepared(
         self, values: Mapping[str, float], messages: list[Message], recorded: Sequence[str]
     ) -> tuple[Excitation, Simulation]:
-        own = {name.removeprefix(RUN): v for name, v in values.items() if name.startswith(RUN)}
-        of_machine = {name: v for name, v in values.items() if not name.startswith(RUN)}
-        how = self.how.changed(own)
-        machine = machine_of(self.toml, self.is_free)
-        everything = {**machine.start, **how.start, **self.values, **of_machine}
-        recorder = Record(recorded, 0.0, RECORDER_ROWS)
+        how, of_machine = self.split(values)
+        machine, record = self.machine, Record(recorded, 0.0, RECORDER_ROWS)
+        everything = {**machine.start, **how.start, **of_machine}
         return how, build_simulation(
-            machine.rotor, machine.table, everything, messages.append, record=recorder
+            machine.rotor, machine.table, everything, messages.append, record=record
         )
 
 
 def _difference(cells: Mapping[str, Cell], finer_cells: Mapping[str, Cell]) -> float:
-    """Return the largest difference of what two runs have, of the size of each [1]; what neither
-    has differs by nothing, what one has by all."""
+    """Return the largest difference of two runs' cells, relative to the size of each [1]; infinite
+    where only one run has a value."""
     largest = 0.0
     for name, cell in cells.items():
         one, other = np.atleast_1d(cell), np.atleast_1d(finer_cells[name])

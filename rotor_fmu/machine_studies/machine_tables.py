@@ -1,10 +1,10 @@
-"""A machine's runs from the tables of a study's file: machine, parameters and metrics."""
+"""A machine's runs from the tables of a study's file: machine, parameters, run and metrics."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -16,45 +16,73 @@ from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
 from ..runs.job import load_rotor
 from ..studies.design import Axis, number, whole
-from ..studies.study import Column
-from ..studies.study_tables import Tables, known_name, nearest, table_of
-from . import response_metrics
-from .coupled_runs import CoupledRuns
-from .machine_runs import RUN, VERIFICATION, Machine, MachineRuns, machine_of
-from .metrics import KINDS as METRIC_DEFAULTS
-from .metrics import WAYS, Metric, check, column
-from .response_runs import ResponseRuns
-from .run_excitation import COUPLED, FREE, KINDS, RESPONSE, WHOLE, Excitation, Kick, check_numbers
+from ..studies.study import Column, Study
+from ..studies.study_file import read_study_file
+from ..studies.study_tables import Tables, known_name, table_of
+from .machine_runs import RUN, VERIFICATION, MachineModel, MachineRuns, machine_of
+from .metric import Metric
+from .response_runs import RESPONSE, ResponseRuns
+from .run_excitation import Excitation, Kick
+from .run_kinds import IN_TIME, SIGNALS, RunKind
+from .run_metrics import DIRECTIONS
+
+# Kinds of runs by name, with the class of their runs.
+RunKinds = Mapping[str, tuple[RunKind, type[MachineRuns]]]
+KINDS: RunKinds = {
+    **{kind.name: (kind, MachineRuns) for kind in IN_TIME},
+    RESPONSE.name: (RESPONSE, ResponseRuns),
+}
 
 
-def read_machine(tables: Tables, folder: Path) -> tuple[MachineRuns, dict[str, str]]:
-    """Return the runs of a machine, without what is kept, and what can be varied: the unit by the
-    name."""
+def read_study(path: Path, *, is_quick: bool = False) -> Study:
+    """Read the file of a study, of a machine unless it names a module of its own; see
+    `studies.study_file`."""
+    return read_study_file(path, read_machine, is_quick=is_quick)
+
+
+def read_machine(tables: Tables, folder: Path, kinds: RunKinds = KINDS) -> MachineSubject:
+    """Return a machine as the subject of a study; folder: of the study's file; kinds: of runs that
+    it may have."""
     machine_file = tables.get("machine")
     if machine_file is not None and not isinstance(machine_file, str):
         raise InputError(f"machine = {machine_file!r}: must be the name of a file")
     toml, _ = load_rotor(_machine_path(machine_file, folder))
     run = dict(table_of(tables, "run"))
-    kind = run.pop("kind", None)
-    if kind not in KINDS:
-        raise InputError(f"run kind = {kind!r}: must be one of {', '.join(KINDS)}")
-    machine = machine_of(toml, kind in FREE)
-    how = _drive(kind, run, machine, folder)
+    name = run.pop("kind", None)
+    if name not in kinds:
+        raise InputError(f"run kind = {name!r}: must be one of {', '.join(kinds)}")
+    kind, make = kinds[name]
+    runs = make(toml, {}, _excitation(kind, run, machine_of(toml, kind.is_free), folder), ())
     values = {}
-    known = _settable_names(machine)
-    if kind == RESPONSE:
-        of_rotor = {str(name) for name, _, _ in machine.rotor.parameters()}
-        known = [name for name in known if name in of_rotor]
-    for name, value in table_of(tables, "set").items():
-        variable = _settable(machine, known_name("set", name, known))
-        values[name] = _value(f"set {name}", variable, value)
-    runs = _MAKE.get(kind, MachineRuns)(toml, values, how, ())
-    units = {name: _settable(machine, name).unit or "1" for name in known}
-    if isinstance(runs, ResponseRuns):
-        units.pop(how.over, None)
-        units |= {f"{RUN}{name}": runs.unit for name in ("from", "to")}
-        return runs, {f"{RUN}{name}": KINDS[kind][name].unit for name in how.numbers} | units
-    return runs, units | {f"{RUN}{name}": KINDS[kind][name].unit for name in how.numbers}
+    for target, value in table_of(tables, "set").items():
+        variable = runs.settable[known_name("set", target, runs.settable)]
+        values[target] = _value(f"set {target}", variable, value)
+    return MachineSubject(replace(runs, values=values), tables)
+
+
+@dataclass(frozen=True)
+class MachineSubject:
+    """A machine as the subject of a study: its runs, without what is kept, and the study's
+    tables."""
+
+    runs: MachineRuns
+    tables: Tables
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of all that can be varied, by name."""
+        return self.runs.variable_units
+
+    @property
+    def display_units(self) -> str:
+        """Units that the machine's file asks to be shown."""
+        return machine_of(self.runs.toml, False).rotor.units
+
+    def model(self, axes: tuple[Axis, ...]) -> MachineRuns:
+        """Return the runs with their metrics; axes: the varied parameters. Raises `InputError`."""
+        runs = _with_metrics(self.runs, self.tables, axes)
+        check_values(runs, axes)
+        return runs
 
 
 def _machine_path(name: str | None, folder: Path) -> Path | None:
@@ -65,19 +93,6 @@ def _machine_path(name: str | None, folder: Path) -> Path | None:
     path = folder / str(name)
     packaged = Path(str(files("rotor_fmu.examples"))) / str(name)
     return packaged if packaged.is_file() and not path.is_file() else path
-
-
-_MAKE = {COUPLED: CoupledRuns, RESPONSE: ResponseRuns}
-# What the kind of run decides itself.
-_DRIVEN = ("speed", "speed_rate", "speed_continuation", "w_start", "tau_drive")
-
-
-def _settable_names(machine: Machine) -> list[str]:
-    return [v.name for v in machine.table if v.causality == "parameter" and v.name not in _DRIVEN]
-
-
-def _settable(machine: Machine, name: str) -> Variable:
-    return next(v for v in machine.table if v.name == name)
 
 
 def _value(where: str, variable: Variable, value: object) -> float:
@@ -96,49 +111,44 @@ def _value(where: str, variable: Variable, value: object) -> float:
     return given
 
 
-def _drive(kind: str, run: dict[str, Any], machine: Machine, folder: Path) -> Excitation:
+def _excitation(
+    kind: RunKind, run: dict[str, Any], machine: MachineModel, folder: Path
+) -> Excitation:
+    """Return the excitation that the table [run] describes."""
     kick, file, over = run.pop("kick", None), run.pop("file", None), run.pop("over", None)
+    if over is not None:
+        if kind is not RESPONSE or not isinstance(over, str):
+            raise InputError(
+                f"run {kind.name}: over = {over!r}: the name of a quantity, of a response"
+            )
+        known_name("run response: over", over, machine.units)
+    abscissa_unit = machine.units[over] if over else "rad/s"
     speeds = operating_speeds(machine.rotor)
     numbers = {
         name: getattr(speeds, of.default) if isinstance(of.default, str) else of.default
-        for name, of in KINDS[kind].items()
+        for name, of in kind.numbers.items()
     }
-    along = _along(machine, over)
     for name, value in run.items():
-        known_name(f"run {kind}:", name, numbers)
-        numbers[name] = number(f"run.{name}", value, KINDS[kind][name].unit or along)
+        known_name(f"run {kind.name}:", name, numbers)
+        unit = kind.numbers[name].unit or abscissa_unit
+        numbers[name] = number(f"run.{name}", value, unit)
     for name, value in numbers.items():
         if value is None:
-            raise InputError(f"run {kind}: needs {name} [{KINDS[kind][name].unit}]")
+            raise InputError(f"run {kind.name}: needs {name} [{kind.numbers[name].unit}]")
     given = {name: float(value) for name, value in numbers.items() if value is not None}
-    check_numbers(kind, given)
-    if over is not None:
-        if kind != RESPONSE or not isinstance(over, str):
-            raise InputError(f"run {kind}: over = {over!r}: the name of a quantity, of a response")
-        known_name("run response: over", over, _quantities(machine))
-    if kind == RESPONSE and (kick is not None or (over is None) != (given["speed"] == 0)):
+    kind.check(given)
+    if kind is RESPONSE and (kick is not None or (over is None) != (given["speed"] == 0)):
         raise InputError("run response: speed is given with over, and only then; it has no kick")
-    if (kind == "signals") != isinstance(file, str):
-        raise InputError(f"run {kind}: file: only of signals, which need it")
-    signals = read_signals(folder / file, machine.table) if isinstance(file, str) else None
-    if signals is not None and "speed" not in signals.values:
-        raise InputError(f"run signals: {file}: has no column speed")
+    if (kind is SIGNALS) != isinstance(file, str):
+        raise InputError(f"run {kind.name}: file: only of signals, which need it")
     loads = load_names(machine.rotor)
+    signals = read_signals(folder / file, machine.table) if isinstance(file, str) else None
     if signals is not None:
-        zeros = 0.0 * signals.t
-        named = {name: zeros for pair in loads for name in pair}
-        signals = type(signals)(signals.t, named | dict(signals.values))
-    return Excitation(kind, given, signals, _kick(kick, loads), loads, over or "")
-
-
-def _quantities(machine: Machine) -> dict[str, str]:
-    """Return what a response may go over, with its unit."""
-    return {str(name): described.unit for name, described, _ in machine.rotor.parameters()}
-
-
-def _along(machine: Machine, over: object) -> str:
-    """Return the unit of what a run goes over: the speed, or, of a response, another quantity."""
-    return _quantities(machine).get(str(over), "") if over else "rad/s"
+        if "speed" not in signals.values:
+            raise InputError(f"run signals: {file}: has no column speed")
+        zeros = {name: 0.0 * signals.t for pair in loads for name in pair}
+        signals = replace(signals, values=zeros | dict(signals.values))
+    return Excitation(kind, given, signals, _kick(kick, loads), loads, over or "", abscissa_unit)
 
 
 def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
@@ -158,111 +168,85 @@ def _kick(table: object, loads: Iterable[tuple[str, str]]) -> Kick | None:
     return Kick(port, force, rate, duration)
 
 
-def with_keeps(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> MachineRuns:
-    """Return the runs with what the table [keep] says and its columns."""
-    machine = machine_of(runs.toml, runs.is_free)
-    units = runs.units
+def _with_metrics(runs: MachineRuns, tables: Tables, axes: tuple[Axis, ...]) -> MachineRuns:
+    """Return the runs with the metrics of the table [keep] and their columns."""
     varied = {target for axis in axes for target in axis.targets}
-    metrics, columns = [], []
     table = table_of(tables, "keep")
     if not table:
-        raise InputError("[keep] is empty; a study keeps something")
-    for name, given in table.items():
-        metric = _metric(name, given, units, machine, runs.how)
-        moved = bool(varied & {f"{RUN}from", f"{RUN}to"})
-        if varied & {f"{RUN}turns", f"{RUN}count", f"{RUN}back", f"{RUN}measure"}:
-            raise InputError("vary: what decides the length of lists cannot be varied")
-        metrics.append(metric)
-        unit = units.get(metric.of, units.get(f"{metric.of.removesuffix('.r')}.x", "1"))
-        if isinstance(runs, ResponseRuns):
-            columns.append(response_metrics.column(metric, unit, runs.unit))
-        else:
-            columns.append(column(metric, unit, runs.how, moved))
+        raise InputError("[keep] is empty: at least one result must be kept")
+    if varied & {f"{RUN}turns", f"{RUN}count", f"{RUN}back", f"{RUN}measure"}:
+        raise InputError("vary: parameters that change the number of results cannot be varied")
+    metrics = tuple(_metric(name, given, runs) for name, given in table.items())
+    columns = [runs.column_of(metric, varied) for metric in metrics]
     is_verified = tables.get("verify", False)
     if not isinstance(is_verified, bool):
         raise InputError(f"verify = {is_verified!r}: must be true or false")
     if is_verified:
-        if runs.how.kind in (COUPLED, RESPONSE):
-            raise InputError(f"verify: not of runs of the kind {runs.how.kind}")
+        if not runs.can_be_verified:
+            raise InputError(f"verify: not of runs of the kind {runs.how.kind.name}")
         text = "largest difference of the metrics from the same run, solved more finely"
         columns.append(Column(VERIFICATION, "1", text))
-    return replace(runs, metrics=tuple(metrics), columns=tuple(columns), is_verified=is_verified)
+    return replace(runs, metrics=metrics, columns=tuple(columns), is_verified=is_verified)
 
 
-def _metric(
-    name: str, given: object, units: Mapping[str, str], machine: Machine, how: Excitation
-) -> Metric:
-    where = f"keep {name}"
+def _metric(name: str, given: object, runs: MachineRuns) -> Metric:
+    """Return the metric that an entry of the table [keep] describes."""
+    where, known = f"keep {name}", runs.metric_kinds
     if not isinstance(given, dict):
         raise InputError(f"{where} = {given!r}: must be a table such as {{ peak = OUTPUT }}")
-    known = response_metrics.KINDS if how.kind == RESPONSE else METRIC_DEFAULTS
-    kinds = [key for key in given if key in known and key != "passing"]
-    if not kinds and given:
+    named = [key for key in given if key in known and key != "passing"]
+    if not named and given:
         known_name(where + ":", next(iter(given)), known)
-    kind = kinds[0] if kinds else ""
-    # `order = 1, of = OUTPUT`, and likewise of others whose own word is a number or a list
-    if "of" in given:
-        of = given["of"]
-    elif kind:
-        of = given[kind]
-    else:
-        raise InputError(f"{where}: must have one of {', '.join(known)}")
-    identity = known[kind]
-    options = {key: value for key, value in given.items() if key not in (kind, "of")}
-    if kind == "order":  # the order itself, unless a speed is to be passed
-        kind = "passing" if "speed" in given else kind
-        identity = known[kind]
-        options["order"] = given["order"]
+    if not named:
+        listed = ", ".join(key for key in known if key != "passing")
+        raise InputError(f"{where}: must have one of {listed}")
+    kind = known[named[0]]
+    # `order = 1, of = OUTPUT`, and likewise for others whose own word is a number or a list
+    of = given["of"] if "of" in given else given[kind.name]
+    options = {key: value for key, value in given.items() if key not in (kind.name, "of")}
+    if kind.name in kind.needed:
+        options[kind.name] = given[kind.name]
+    if kind.name == "order" and "speed" in given:  # the order where a speed is passed
+        kind = known["passing"]
     for key in options:
-        known_name(where + ":", key, (*identity.needed, *identity.optional))
-    for key in identity.needed:
+        known_name(where + ":", key, (*kind.needed, *kind.optional))
+    for key in kind.needed:
         if key not in options:
-            raise InputError(f"{where}: {kind} needs {key}")
+            raise InputError(f"{where}: {kind.name} needs {key}")
     if not isinstance(of, str):
         raise InputError(f"{where}: of = {of!r}: must be the name of an output")
-    along = _along(machine, how.over)
-    checked = {key: _option(where, key, value, along) for key, value in options.items()}
-    scale = _radius(machine, of) if kind == "dissipated" else 0.0
-    metric = Metric(name, kind, of, tuple(checked.items()), scale)
-    if how.kind == RESPONSE:
-        response_metrics.check(metric, how)
-        if kind != "bifurcation":
-            known_name(f"{where}:", of, units)
-        return metric
-    check(metric, how)
-    if kind == "lyapunov":
-        # with SciPy, which other studies do without
-        from ..model.periodic.problem import check_parts
-
-        check_parts(machine.rotor)
-    for need in metric.needs:
-        if need not in units:
-            parts = {n.rpartition(".")[0] for n in units if "." in n}
-            choice = parts if need.startswith(f"{of}.") else {*units, *(f"{p}.r" for p in parts)}
-            raise InputError(f"{where}: {of}: unknown name; {nearest(of, choice)}")
+    unit = runs.how.abscissa_unit
+    checked = {key: _option(where, key, value, unit) for key, value in options.items()}
+    radius = _radius(runs.machine, of) if kind.name == "dissipated" else 0.0
+    metric = Metric(name, kind, of, tuple(checked.items()), radius)
+    runs.check_metric(metric, runs.how)
     return metric
 
 
-def _option(where: str, key: str, value: object, along: str) -> Any:
+def _option(where: str, key: str, value: object, abscissa_unit: str) -> Any:
+    """Return an option of a metric, checked; abscissa_unit: of the speed, or of the parameter along
+    a curve."""
     if key == "which":
         return value
     if key == "way":
-        if value not in WAYS:
-            raise InputError(f"{where}: way = {value!r}: must be one of {', '.join(WAYS)}")
+        if value not in DIRECTIONS:
+            raise InputError(f"{where}: way = {value!r}: must be one of {', '.join(DIRECTIONS)}")
         return value
     if key == "bins":
         if not isinstance(value, dict) or set(value) != {"from", "to", "count"}:
             raise InputError(f"{where}: bins must be {{ from, to, count }}")
-        low, high = (number(f"{where}: bins {end}", value[end], along) for end in ("from", "to"))
+        low, high = (
+            number(f"{where}: bins {end}", value[end], abscissa_unit) for end in ("from", "to")
+        )
         if not low < high:
             raise InputError(f"{where}: bins from = {low:g}: must be below to = {high:g}")
         return {"from": low, "to": high, "count": whole(f"{where}: bins count", value["count"])}
-    return number(
-        f"{where}: {key}", value, {"speed": along, "at": along, "after": "s"}.get(key, "")
-    )
+    units = {"speed": abscissa_unit, "at": abscissa_unit, "after": "s"}
+    return number(f"{where}: {key}", value, units.get(key, ""))
 
 
-def _radius(machine: Machine, part: str) -> float:
+def _radius(machine: MachineModel, part: str) -> float:
+    """Return the radius of a part's journal [m], 0 where it has none."""
     for where, candidate in machine.rotor.named_parts():
         if where == part and hasattr(candidate, "journal_radius"):
             return float(candidate.journal_radius)
@@ -272,19 +256,18 @@ def _radius(machine: Machine, part: str) -> float:
 def check_values(runs: MachineRuns, axes: tuple[Axis, ...]) -> None:
     """Raise `InputError` for listed values that no run could have; those of distributions fail run
     by run."""
-    machine = machine_of(runs.toml, runs.is_free)
     for axis in axes:
         for target in axis.targets:
             if target in runs.values:
-                raise InputError(f"vary {axis.name}: {target} stands in [set] too")
+                raise InputError(f"vary {axis.name}: {target} is also fixed in [set]")
+            of_run = target.removeprefix(RUN) if target.startswith(RUN) else ""
             for value in axis.values:
-                if target.startswith(RUN):
-                    how = runs.how.changed({target.removeprefix(RUN): value})
-                    is_suited = response_metrics.check if how.kind == RESPONSE else check
+                if of_run:
+                    how = runs.how.changed({of_run: value})
                     for metric in runs.metrics:
-                        is_suited(metric, how)
+                        runs.check_metric(metric, how)
                 else:
-                    _value(f"vary {axis.name}", _settable(machine, target), value)
-            own = target.removeprefix(RUN)
-            if axis.distribution is not None and target.startswith(RUN) and own in WHOLE:
+                    _value(f"vary {axis.name}", runs.settable[target], value)
+            is_whole = of_run and runs.how.kind.numbers[of_run].is_whole
+            if axis.distribution is not None and is_whole:
                 raise InputError(f"vary {axis.name}: is an integer; list its values")

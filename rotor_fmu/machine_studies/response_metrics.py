@@ -1,33 +1,27 @@
-"""The metrics of a periodic response: what can be kept of its curve, with its column and cell.
+"""The metrics of a periodic response, a function a kind: what its curve comes to.
 
 A quantity is PART.QUANTITY as `rf.response(...).curve` has it, such as `disc[3].r_amp`; of the
-whole curve also `parameter`, what is varied along it, `stable`, 1 or 0, and `branch`, from 1.
+whole curve also `parameter`, the one along it, `stable`, 1 or 0, and `branch`, from 1.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..errors import InputError
-from ..studies.study import Cell, Column
-from .metrics import Kind, Metric, bin_middles, edges_of
+from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
 from .run_excitation import Excitation
 
 if TYPE_CHECKING:
     from ..periodic.result import Curve, ResponseResult
 
-KINDS: Mapping[str, Kind] = {
-    "peak": Kind((), {}, False, "largest of the stable motions, of {of}"),
-    "value": Kind(("at",), {}, False, "largest of the stable motions at {at:g}, of {of}"),
-    "amplitude": Kind(("bins",), {}, False, "largest of the stable motions in each bin, of {of}"),
-    "bifurcation": Kind((), {"which": "lowest"}, False, "{which} value with a {of}"),
-    "curve": Kind((), {}, False, "{of} at every point of the curve"),
-}
-WHICH = ("lowest", "highest")
+KINDS: dict[str, MetricKind] = {}
+_kind = partial(declared, KINDS)
+_WHICH = ("lowest", "highest")
 PARAMETER, STABLE, BRANCH = "parameter", "stable", "branch"
 
 
@@ -35,69 +29,65 @@ def check(metric: Metric, how: Excitation) -> None:
     """Raise `InputError` for a metric that no response has."""
     from ..model.periodic.branch import BIFURCATIONS
 
-    where, options = f"keep {metric.name}", dict(metric.options)
-    if metric.kind == "bifurcation" and metric.of not in BIFURCATIONS:
-        raise InputError(
-            f"{where}: bifurcation = {metric.of!r}: must be one of {', '.join(BIFURCATIONS)}"
-        )
-    if metric.kind != "curve" and metric.of in (PARAMETER, STABLE, BRANCH):
-        raise InputError(f"{where}: {metric.of}: only of a curve")
-    if options.get("which", WHICH[0]) not in WHICH:
-        raise InputError(
-            f"{where}: which = {options['which']!r}: must be one of {', '.join(WHICH)}"
-        )
-    low, high = how.numbers["from"], how.numbers["to"]
-    if metric.kind == "value" and not low <= options["at"] <= high:
-        raise InputError(f"{where}: at = {options['at']:g}: must be from {low:g} to {high:g}")
+    kind = metric.kind.name
+    if kind == "bifurcation" and metric.of not in BIFURCATIONS:
+        listed = ", ".join(BIFURCATIONS)
+        raise metric.refusal(f"bifurcation = {metric.of!r}: must be one of {listed}")
+    if kind != "curve" and metric.of in (PARAMETER, STABLE, BRANCH):
+        raise metric.refusal(f"{metric.of}: only of a curve")
+    which = metric.option("which")
+    if which is not None and which not in _WHICH:
+        raise metric.refusal(f"which = {which!r}: must be one of {', '.join(_WHICH)}")
+    low, high, at = how.numbers["from"], how.numbers["to"], metric.option("at")
+    if at is not None and not low <= at <= high:
+        raise metric.refusal(f"at = {at:g}: must be from {low:g} to {high:g}")
 
 
-def column(metric: Metric, unit: str, of_parameter: str) -> Column:
-    """Return the column of a metric; unit: the quantity's, of_parameter: of what is varied along
-    the curve."""
-    options = {**KINDS[metric.kind].optional, **dict(metric.options), "of": metric.of}
-    text = KINDS[metric.kind].text.format(**options)
-    if metric.kind == "bifurcation":
-        return Column(metric.name, of_parameter, text)
-    if metric.kind == "curve":
-        return Column(metric.name, unit, text, "point")
-    if metric.kind == "amplitude":
-        middles = bin_middles(options["bins"])
-        dimension = f"{metric.name} {PARAMETER}"
-        return Column(metric.name, unit, text, dimension, middles, of_parameter)
-    return Column(metric.name, unit, text)
-
-
-def cells(metric: Metric, result: ResponseResult) -> Cell:
-    """Return the cell of a response; nan where it has no such motion or bifurcation."""
-    options = {**KINDS[metric.kind].optional, **dict(metric.options)}
-    if metric.kind == "bifurcation":
-        values = [b.value for b in result.bifurcations if b.kind == metric.of]
-        pick = min if options["which"] == WHICH[0] else max
-        return float(pick(values, default=math.nan))
-    if metric.kind == "curve":
-        return _along(metric.of, result)
-    if metric.kind == "value":
-        part, _, quantity = metric.of.rpartition(".")
-        stable = [p for p in result.at(options["at"]) if p.is_stable]
-        sizes = [result.amplitude(p, part, quantity) for p in stable]
-        return max(sizes, default=math.nan)
+@_kind("largest of the stable motions, of {of}")
+def _peak(metric: Metric, result: ResponseResult) -> float:
+    """Return the largest stable value; nan without stable motions."""
     curve = result.curve(metric.of)
-    if metric.kind == "peak":
-        return (
-            float(curve.value[curve.stable].max(initial=-math.inf))
-            if any(curve.stable)
-            else (math.nan)
-        )
-    return _in_bins(curve, options["bins"])
+    return max(curve.value[curve.stable].tolist(), default=math.nan)
 
 
-def _along(name: str, result: ResponseResult) -> list[float]:
-    if name == BRANCH:
+@_kind("largest of the stable motions at {at:g}, of {of}", "at")
+def _value(metric: Metric, result: ResponseResult) -> float:
+    """Return the largest stable value at a value of the parameter; nan without stable motions."""
+    part, _, quantity = metric.of.rpartition(".")
+    stable = [p for p in result.at(metric.option("at")) if p.is_stable]
+    return max((result.amplitude(p, part, quantity) for p in stable), default=math.nan)
+
+
+def _bin_axis(metric: Metric, how: Excitation) -> ListAxis:
+    middles = bin_middles(metric.option("bins"))
+    return ListAxis(f"{metric.name} {PARAMETER}", middles, how.abscissa_unit)
+
+
+@_kind("largest of the stable motions in each bin, of {of}", "bins", axis=_bin_axis)
+def _amplitude(metric: Metric, result: ResponseResult) -> list[float]:
+    return _in_bins(result.curve(metric.of), metric.option("bins"))
+
+
+@_kind("{which} value with a {of}", optional={"which": _WHICH[0]}, outputs=None)
+def _bifurcation(metric: Metric, result: ResponseResult) -> float:
+    """Return the value of the parameter at a bifurcation; nan without one."""
+    values = [b.value for b in result.bifurcations if b.kind == metric.of]
+    pick = min if metric.option("which") == _WHICH[0] else max
+    return float(pick(values, default=math.nan))
+
+
+def _point_axis(metric: Metric, how: Excitation) -> ListAxis:
+    return ListAxis("point")
+
+
+@_kind("{of} at every point of the curve", axis=_point_axis)
+def _curve(metric: Metric, result: ResponseResult) -> list[float]:
+    if metric.of == BRANCH:
         return [float(i) for i, b in enumerate(result.branches, 1) for _ in b.points]
-    if name in (PARAMETER, STABLE):
-        of = {PARAMETER: "value", STABLE: "is_stable"}[name]
+    if metric.of in (PARAMETER, STABLE):
+        of = {PARAMETER: "value", STABLE: "is_stable"}[metric.of]
         return [float(getattr(p, of)) for p in result.points]
-    return result.curve(name).value.tolist()
+    return result.curve(metric.of).value.tolist()
 
 
 def _in_bins(curve: Curve, bins: Mapping[str, Any]) -> list[float]:

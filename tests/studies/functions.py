@@ -8,10 +8,11 @@ import time
 from dataclasses import dataclass
 
 from rotor_fmu import studies
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.executors import Engine, SerialExecutor
 from rotor_fmu.studies.runner import run_study
 from rotor_fmu.studies.study import Column, Result
+from rotor_fmu.studies.study_file import read_study_file
 
 NAMES = ("x1", "x2", "x3")
 
@@ -48,6 +49,19 @@ class Ishigami:
         return Result("ok", {"y": y, "curve": [y - 0.1, y, y + 0.1]})
 
 
+class Function:
+    """A function as the subject of a study."""
+
+    units = dict.fromkeys(NAMES, "1")
+    display_units = ""
+
+    def __init__(self, function):
+        self._function = function
+
+    def model(self, axes):
+        return self._function
+
+
 def study_text(kind="saltelli", size=16):
     """A study of Ishigami's function."""
     lines = [
@@ -61,11 +75,9 @@ def study_text(kind="saltelli", size=16):
 
 def ishigami_study(folder, model=None, text=None):
     """The study read from a file in a folder."""
-    from rotor_fmu.machine_studies.study_file import read_study  # which a worker need not import
-
     path = folder / "study.toml"
     path.write_text(text or study_text())
-    return read_study(path, lambda tables, beside: (model or Ishigami(), dict.fromkeys(NAMES, "1")))
+    return read_study_file(path, lambda tables, beside: Function(model or Ishigami()))
 
 
 @contextlib.contextmanager

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rotor_fmu.examples.drive_train.study import COUPLING, NUMBERS, fmus
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
-from rotor_fmu.machine_studies.coupled_runs import _OF_THE_DRIVE, drive_train, fmus
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.runner import run_study
@@ -20,6 +20,7 @@ from rotor_fmu.studies.runner import run_study
 from .functions import conducted, here, quiet
 
 STUDY = """
+module = "rotor_fmu.examples.drive_train.study"
 [run]
 kind = "drive-train"
 torque = 0.1
@@ -50,7 +51,7 @@ def test_a_row_is_what_both_fmus_say_coupled_by_themselves(coupled):
     assert (data.status.values == "ok").all()
     for i, torque in enumerate((0.05, 0.1)):
         parameters = {"w_start": 180.0, "w_target": 200.0, "tau_max": torque, "continuation": 1.0}
-        run = drive_train().run(
+        run = COUPLING.run(
             *fmus(rig_toml()),
             stop=1.0,
             step=2e-3,
@@ -128,7 +129,7 @@ def test_values_that_an_fmu_refuses_are_a_failed_row_with_its_own_words(tmp_path
 def test_what_lies_between_communication_points_is_not_kept(tmp_path, kind, keep):
     path = tmp_path / "study.toml"
     path.write_text(f"{STUDY}q = {keep}\n")
-    with pytest.raises(InputError, match=rf"keep q: {kind} looks at the solver's own steps"):
+    with pytest.raises(InputError, match=rf"keep q: {kind} needs the solver's own steps"):
         read_study(path)
 
 
@@ -136,7 +137,7 @@ def test_the_usual_drive_train_of_a_study_of_the_rig_is_that_of_its_fmu(tmp_path
     path = tmp_path / "study.toml"
     path.write_text(STUDY.replace("target = 200\n", ""))
     numbers = read_study(path).model.how.numbers
-    usual = {v.name: v.start for v in drive_train().variables}
-    for name, number in _OF_THE_DRIVE.items():
+    usual = {v.name: v.start for v in COUPLING.variables}
+    for name, number in NUMBERS.items():
         if number not in ("torque", "from"):
             assert numbers[number] == usual[name], name

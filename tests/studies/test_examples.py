@@ -8,7 +8,7 @@ import pytest
 
 from rotor_fmu import studies
 from rotor_fmu.machine_studies.machine_runs import machine_of
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.runner import run_study
 
 from .functions import here, quiet

@@ -11,7 +11,7 @@ from rotor_fmu.model.simulation import Simulation
 import rotor_fmu as rf
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.runner import run_study
 
 from ..periodic.machines import OMEGA, growth, rub

@@ -11,11 +11,12 @@ from scipy.signal import lsim
 
 from rotor_fmu import studies
 from rotor_fmu.cli import main
-from rotor_fmu.machine_studies.metric_cells import cells
-from rotor_fmu.machine_studies.metrics import Metric
+from rotor_fmu.machine_studies.machine_tables import read_study
+from rotor_fmu.machine_studies.metric import Metric
 from rotor_fmu.machine_studies.monitor import Samples, Window
 from rotor_fmu.machine_studies.run_excitation import Excitation
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.run_kinds import CONSTANT, STEPS
+from rotor_fmu.machine_studies.run_metrics import KINDS, cell
 from rotor_fmu.runs.recording import load_recording
 from rotor_fmu.studies.runner import run_study
 
@@ -102,7 +103,7 @@ def test_a_machine_that_cannot_be_is_a_failed_row_with_its_reason(tmp_path):
     assert status.endswith(" m: must be > 0 and finite") or "must be > 0" in status
 
 
-HELD = Excitation("constant", {"speed": 10.0, "turns": 8.0, "per_turn": 32.0, "measure": 0.0})
+HELD = Excitation(CONSTANT, {"speed": 10.0, "turns": 8.0, "per_turn": 32.0, "measure": 0.0})
 
 
 def window(values, turns=8, per_turn=32):
@@ -121,13 +122,13 @@ WHIRL = {
 
 @pytest.mark.parametrize(("order", "amplitude"), [(1, 3), (0.5, 1), (2, 0.25), (3, 0)])
 def test_orders_are_told_apart(order, amplitude):
-    metric = Metric("q", "order", "d.x", (("order", order),))
-    assert cells(metric, [window(WHIRL)], HELD) == pytest.approx(amplitude, abs=1e-12)
+    metric = Metric("q", KINDS["order"], "d.x", (("order", order),))
+    assert cell(metric, [window(WHIRL)], HELD) == pytest.approx(amplitude, abs=1e-12)
 
 
 def test_the_full_spectrum_tells_forward_from_backward_whirl():
-    metric = Metric("q", "spectrum", "d", (("orders", 3),))
-    lines = np.array(cells(metric, [window(WHIRL)], HELD))
+    metric = Metric("q", KINDS["spectrum"], "d", (("orders", 3),))
+    lines = np.array(cell(metric, [window(WHIRL)], HELD))
     at = {float(order): lines[i] for i, order in enumerate(np.arange(-24, 25) / 8)}
     assert at[1.0] == pytest.approx(3)
     assert at[-0.5] == pytest.approx(1)
@@ -136,7 +137,7 @@ def test_the_full_spectrum_tells_forward_from_backward_whirl():
 
 
 def test_poincare_points_are_those_at_the_mark():
-    points = cells(Metric("q", "poincare", "d.x"), [window(WHIRL)], HELD)
+    points = cell(Metric("q", KINDS["poincare"], "d.x"), [window(WHIRL)], HELD)
     # half an order: two points, in turns
     assert points == pytest.approx([0.5 + 3 - 1 + 0.25, 0.5 + 3 + 1 + 0.25] * 4)
 
@@ -148,9 +149,10 @@ def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(
         window({"d.x": lambda a, r=speed if is_up else 0.5: r + 0 * a})._replace(speed=speed)
         for speed, is_up in zip(speeds, upper, strict=True)
     ]
-    steps = Excitation("steps", {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
+    steps = Excitation(STEPS, {**HELD.numbers, "from": 1.0, "to": 3.0, "count": 3.0, "back": 1.0})
     up, down = (
-        cells(Metric("q", "jump", "d.x", (("way", way),)), seen, steps) for way in ("up", "down")
+        cell(Metric("q", KINDS["jump"], "d.x", (("way", way),)), seen, steps)
+        for way in ("up", "down")
     )
     assert (up, down) == (2.5, 1.5)
 
@@ -159,16 +161,17 @@ def test_the_jump_on_the_way_down_is_not_taken_for_the_larger_one_on_the_way_up(
 def test_peak_rms_mean_and_whirl_of_a_circle(per_turn):
     circle = {"d.x": lambda a: 2 * np.cos(-a), "d.y": lambda a: 2 * np.sin(-a)}
     seen = [window(circle, per_turn=per_turn)]
-    assert cells(Metric("q", "whirl", "d"), seen, HELD) == pytest.approx(-10.0)
-    assert cells(Metric("q", "peak", "d.x"), seen, HELD) == pytest.approx(2.0)
-    assert cells(Metric("q", "rms", "d.x"), seen, HELD) == pytest.approx(math.sqrt(2))
-    assert cells(Metric("q", "mean", "d.r"), seen, HELD) == pytest.approx(2.0)
+    assert cell(Metric("q", KINDS["whirl"], "d"), seen, HELD) == pytest.approx(-10.0)
+    assert cell(Metric("q", KINDS["peak"], "d.x"), seen, HELD) == pytest.approx(2.0)
+    assert cell(Metric("q", KINDS["rms"], "d.x"), seen, HELD) == pytest.approx(math.sqrt(2))
+    assert cell(Metric("q", KINDS["mean"], "d.r"), seen, HELD) == pytest.approx(2.0)
 
 
 JEFFCOTT = 'machine = "jeffcott_rub/jeffcott.toml"\n'
+DRIVE_TRAIN = 'module = "rotor_fmu.examples.drive_train.study"\n'
 COMPRESSOR = 'machine = "drop/compressor.toml"\n'
 # head, [run], an output and its value at the end
-KINDS = {
+RUNS = {
     "run-up": (JEFFCOTT, "from = 50\nto = 60\nrate = 100", "w", 60.0),
     "run-down": (JEFFCOTT, "from = 60\nto = 50\nrate = 100", "w", 50.0),
     "up-and-down": (JEFFCOTT, "from = 50\nto = 60\nrate = 100\nstep = 1e-3", "w", 50.0),
@@ -178,13 +181,18 @@ KINDS = {
     # free fall for 5 ms: g t^2 / 2
     "drop": (COMPRESSOR, "speed = 100\nstop = 5e-3", "touchdown_bearing[1].y", -1.226e-4),
     "motor": ("", "torque = 5\ntarget = 20\nramp = 100\nstop = 1\nfrom = 10", "w", 20.0),
-    "drive-train": ("", "torque = 5\ntarget = 20\nramp = 20\nstop = 3\nfrom = 10", "w", 20.0),
+    "drive-train": (
+        DRIVE_TRAIN,
+        "torque = 5\ntarget = 20\nramp = 20\nstop = 3\nfrom = 10",
+        "w",
+        20.0,
+    ),
 }
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", RUNS)
 def test_every_kind_of_run_ends_where_it_is_told_to(tmp_path, kind):
-    head, run, output, end = KINDS[kind]
+    head, run, output, end = RUNS[kind]
     (tmp_path / "speed.csv").write_text("time,speed\n0,50\n1,70\n")
     path = tmp_path / "study.toml"
     path.write_text(
@@ -216,8 +224,9 @@ def test_a_run_is_that_of_the_machines_own_speeds(tmp_path, kind, expected):
     )
     path = tmp_path / "study.toml"
     needed = "torque = 1\nstop = 1\n" if "target" in expected else ""
+    head = DRIVE_TRAIN if kind == "drive-train" else ""
     path.write_text(
-        f'machine = "machine.toml"\n[run]\nkind = "{kind}"\n{needed}'
+        f'{head}machine = "machine.toml"\n[run]\nkind = "{kind}"\n{needed}'
         '[vary]\n"solver.tolerance" = { values = [1e-3] }\n[keep]\nend = { last = "w" }\n'
     )
     numbers = read_study(path).model.how.numbers

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from rotor_fmu import studies
 from rotor_fmu.errors import InputError
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.runner import run_study
 
 from .functions import here, quiet
@@ -184,7 +184,7 @@ def test_a_run_that_fails_is_recorded_as_far_as_it_came(tmp_path):
 @pytest.mark.parametrize(
     ("run", "metric", "expected"),
     [
-        ("speed = 0", '{ mean = "disc.r" }', "run.speed = 0 rad/s: no speed that is held may be 0"),
+        ("speed = 0", '{ mean = "disc.r" }', "run.speed = 0 rad/s: held speeds must not be 0"),
         ("speed = 5\nper_turn = 2", '{ order = 1, of = "disc.x" }', "half of run.per_turn = 2"),
         ("speed = 5\nper_turn = 16", '{ order = 15, of = "disc.x" }', "half of run.per_turn = 16"),
         ("speed = 5\nper_turn = 16", '{ order = 8, of = "disc.x" }', "half of run.per_turn = 16"),

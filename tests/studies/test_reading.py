@@ -7,7 +7,7 @@ import pytest
 
 from rotor_fmu.cli import main
 from rotor_fmu.errors import InputError
-from rotor_fmu.machine_studies.study_file import read_study
+from rotor_fmu.machine_studies.machine_tables import read_study
 from rotor_fmu.studies.design import Axis, Design, Distribution
 
 VALUES = "values = [40e-6, 60e-6]"
@@ -113,12 +113,24 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("rate = 40", "rate = -40", "run.rate = -40 rad/s2: must be > 0"),
         ("rate = 40", 'rate = "fast"', "run.rate = 'fast': must be a finite number"),
         ("[run]", 'machine = "no.toml"\n[run]', "no.toml: cannot be read"),
+        ("[run]", "module = 3\n[run]", "module = 3: must be the name of a Python module"),
+        ("[run]", 'module = "no.such"\n[run]', "module = 'no.such': cannot be imported: No module"),
+        ("[run]", 'module = "math"\n[run]', "module = 'math': has no function read_subject"),
+        (
+            '"run-down"',
+            '"drive-train"',
+            "run kind = 'drive-train': must be one of run-down, run-up",
+        ),
         ("solver.tol", "solver.tal", "set solver.talerance: unknown name; did you mean solver.tol"),
         ("= 1e-2", "= 2", "set solver.tolerance = 2: must be from 0 to 1"),
         ("disc[2].e", "disc[4].e", "vary disc[4].e: unknown name; did you mean disc[3].e"),
-        ("[*].clearance", "[*].clearence", "no name is so; did you mean bearing[1].clearance"),
+        (
+            "[*].clearance",
+            "[*].clearence",
+            "no variable matches this pattern; did you mean bearing[1].clearance",
+        ),
         ("disc[2].e", "bearing[1].clearance", "is varied by clearance too"),
-        ("disc[2].e", "solver.tolerance", "solver.tolerance stands in [set] too"),
+        ("disc[2].e", "solver.tolerance", "solver.tolerance is also fixed in [set]"),
         ("disc[2].e", "run.rat", "vary run.rat: unknown name; did you mean run.rate"),
         ("40e-6", "-40e-6", "vary clearance = -4e-05: must be >= 0"),
         (", values = [40e-6, 60e-6]", "", "must have one of values, grid, distribution"),
@@ -127,7 +139,7 @@ def test_ids_follow_what_decides_a_run_and_nothing_else(tmp_path):
         ("disc[3].x_amp", "disc[3].x_map", "keep X: disc[3].x_map: unknown name; did you mean"),
         ("peak", "peek", "keep X: peek: unknown name; did you mean peak"),
         ("X = 400e-6", "Z = 400e-6", "limits Z: unknown name; did you mean X"),
-        ("X = {", "clearance = {", "keep clearance: is the name of something varied"),
+        ("X = {", "clearance = {", "keep clearance: is the name of a varied parameter"),
         (
             VALUES,
             'distribution = "normal", mean = 5e-5',

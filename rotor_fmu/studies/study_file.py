@@ -1,54 +1,71 @@
-"""STUDY.toml -> `Study`: every name and number is checked before anything is written or run."""
+"""STUDY.toml -> `Study`: every name and number is checked before anything is written or run.
+
+What runs is the business of the subject, whose reader is handed the tables: the one of the caller,
+or that of the module that the file names.
+"""
 
 from __future__ import annotations
 
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from ..errors import InputError, read_text
 from ..model.quantities import QuantityError
-from ..studies.design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
-from ..studies.study import Column, Model, Study
-from ..studies.study_tables import Tables, known_name, nearest, table_of
-from .machine_runs import MachineRuns, machine_of
-from .machine_tables import check_values, read_machine, with_keeps
+from .design import DESIGNS, GRID, Axis, Design, axis_of, number, whole
+from .study import Column, Model, Study
+from .study_tables import Tables, known_name, nearest, table_of
 
-TABLES = ("name", "machine", "run", "set", "vary", "design", "keep", "limits", "quick", "verify")
-# Tables of a study and its folder -> the model, without columns, and the unit of all that can be
-# varied, by its name.
-ReadModel = Callable[[Tables, Path], tuple[Model, Mapping[str, str]]]
+_GENERAL = ("name", "module", "vary", "design", "limits", "quick")
+_OF_THE_SUBJECT = ("machine", "run", "set", "keep", "verify")
+TABLES = (*_GENERAL, *_OF_THE_SUBJECT)
 
 
-def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: bool = False) -> Study:
+class Subject(Protocol):
+    """The subject of a study."""
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Units of all that can be varied, by name."""
+        ...
+
+    @property
+    def display_units(self) -> str:
+        """Units in which it asks to be shown, empty for the usual ones."""
+        ...
+
+    def model(self, axes: tuple[Axis, ...]) -> Model:
+        """Return the model of its runs; axes: the varied parameters. Raises `InputError`."""
+        ...
+
+
+# Of the tables of a study and the folder of its file. A module that a file names has one of the
+# name `read_subject`.
+ReadSubject = Callable[[Tables, Path], Subject]
+
+
+def read_study_file(path: Path, read_subject: ReadSubject, *, is_quick: bool = False) -> Study:
     """Read a study's file; paths in it are relative to its folder. Raises `InputError` in one line.
 
-    read_model: reads another subject than a machine; is_quick: whether the entries of the table
-    [quick] replace the same ones elsewhere.
+    read_subject: reads the subject, unless the file names a module that does; is_quick: whether the
+    entries of the table [quick] replace the same ones elsewhere.
     """
     text = read_text("study", path)
     try:
-        tables = tomllib.loads(text)
+        given = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: is not valid TOML: {error}") from error
     try:
-        for key in tables:
-            known_name("", key, TABLES)
-        quick = table_of(tables, "quick")
-        for key in quick:
-            known_name("quick", key, (t for t in TABLES if t != "quick"))
-        if is_quick:
-            if not quick:
-                raise InputError("--quick: the study has no table [quick]")
-            tables = _merged(tables, quick)
-        model, units = (read_model or read_machine)(tables, path.parent)
-        axes = tuple(_axes(table_of(tables, "vary"), units))
+        tables = _chosen(given, is_quick)
+        if "module" in tables:
+            read_subject = _reader_of(tables["module"])
+        subject = read_subject(tables, path.parent)
+        axes = tuple(_axes(table_of(tables, "vary"), subject.units))
         design = _design(table_of(tables, "design"), axes)
-        if isinstance(model, MachineRuns):
-            model = with_keeps(model, tables, axes)
-            check_values(model, axes)
+        model = subject.model(axes)
         _check_columns(model.columns, axes)
         limits = {}
         numbers = {c.name: c.unit for c in model.columns if not c.dimension}
@@ -57,8 +74,35 @@ def read_study(path: Path, read_model: ReadModel | None = None, *, is_quick: boo
             limits[name] = number(f"limits {name}", value, unit)
     except (InputError, QuantityError) as error:
         raise InputError(f"{path}: {error}") from error
-    shown = machine_of(model.toml, False).rotor.units if isinstance(model, MachineRuns) else ""
-    return Study(str(tables.get("name", path.stem)), model, design, limits, text, shown)
+    name = str(tables.get("name", path.stem))
+    return Study(name, model, design, limits, text, subject.display_units)
+
+
+def _chosen(tables: Tables, is_quick: bool) -> Tables:
+    """Return the tables, whose names are known, those of [quick] merged into them if asked for."""
+    for key in tables:
+        known_name("", key, TABLES)
+    quick = table_of(tables, "quick")
+    for key in quick:
+        known_name("quick", key, (t for t in TABLES if t != "quick"))
+    if not is_quick:
+        return tables
+    if not quick:
+        raise InputError("--quick: the study has no table [quick]")
+    return _merged(tables, quick)
+
+
+def _reader_of(module: object) -> ReadSubject:
+    """Return the function `read_subject` of an installed module."""
+    where = f"module = {module!r}"
+    if not isinstance(module, str) or not all(part.isidentifier() for part in module.split(".")):
+        raise InputError(f"{where}: must be the name of a Python module")
+    try:
+        return import_module(module).read_subject
+    except ModuleNotFoundError as error:
+        raise InputError(f"{where}: cannot be imported: {error}") from error
+    except AttributeError:
+        raise InputError(f"{where}: has no function read_subject") from None
 
 
 def _merged(base: Tables, over: Tables) -> dict[str, Any]:
@@ -74,7 +118,7 @@ def _merged(base: Tables, over: Tables) -> dict[str, Any]:
 
 def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
     if not table:
-        raise InputError("[vary] is empty; a study varies something")
+        raise InputError("[vary] is empty: at least one parameter must be varied")
     taken: dict[str, str] = {}
     for name, given in table.items():
         if not isinstance(given, dict):
@@ -94,7 +138,7 @@ def _axes(table: dict[str, Any], units: Mapping[str, str]) -> Iterable[Axis]:
 
 
 def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
-    """Return the names that a pattern stands for, whose [*] is any number."""
+    """Return the names that match a pattern, in which [*] is any number."""
     if not isinstance(pattern, str):
         raise InputError(f"vary {where}: names = {pattern!r}: must be names")
     if "[*]" not in pattern:
@@ -103,7 +147,7 @@ def _matching(where: str, pattern: object, names: Iterable[str]) -> list[str]:
     result = [name for name in names if re.fullmatch(expression, name)]
     if not result:
         one = nearest(pattern.replace("[*]", "[1]"), names)
-        raise InputError(f"vary {where}: {pattern}: no name is so; {one}")
+        raise InputError(f"vary {where}: {pattern}: no variable matches this pattern; {one}")
     return result
 
 
@@ -123,8 +167,6 @@ def _design(table: dict[str, Any], axes: tuple[Axis, ...]) -> Design:
 
 def _check_columns(columns: tuple[Column, ...], axes: tuple[Axis, ...]) -> None:
     taken = {"run", "id", "status", *(axis.name for axis in axes)}
-    for retained in columns:
-        if retained.name in taken:
-            raise InputError(
-                f"keep {retained.name}: is the name of something varied, or of the study's"
-            )
+    for column in columns:
+        if column.name in taken:
+            raise InputError(f"keep {column.name}: is the name of a varied parameter, or reserved")

@@ -1,0 +1,116 @@
+"""A metric: what is kept of a run as a cell of its row.
+
+A quantity is an output by its name, or PART.r, the distance of PART.x and PART.y from zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InputError
+from ..studies.study import Column
+from .run_excitation import Excitation
+
+
+class ListAxis(NamedTuple):
+    """The dimension of a list, the coordinates along it, empty where they only count, and their
+    unit."""
+
+    dimension: str
+    coordinate: tuple[float, ...] = ()
+    unit: str = "1"
+
+
+@dataclass(frozen=True)
+class MetricKind:
+    """A kind of metric.
+
+    text: its meaning, to be filled in with the options and `of`; make: returns the cell, or what a
+    window adds to it; needed, optional: names of its options, the optional ones with defaults;
+    unit: of its values, empty where they have that of the quantity; axis: of its lists; check:
+    raises `InputError` for options that do not suit the runs.
+
+    Of runs in time: outputs: those of the part that is its quantity, None where nothing is sampled;
+    also: further outputs; held: kinds of runs of whose whole turns at constant speed it is made,
+    empty where it is made of any time; varying: whether the speed must vary continuously; is_fine:
+    whether it needs the solver's own steps.
+    """
+
+    name: str
+    text: str
+    make: Callable[[Metric, Any], Any]
+    needed: tuple[str, ...] = ()
+    optional: Mapping[str, Any] = field(default_factory=dict)
+    unit: str = ""
+    axis: Callable[[Metric, Excitation], ListAxis] | None = None
+    check: Callable[[Metric, Excitation], None] | None = None
+    outputs: tuple[str, ...] | None = ()
+    also: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()
+    varying: bool = False
+    is_fine: bool = False
+
+    def samples(self, of: str) -> tuple[str, ...]:
+        """Return the outputs that must be sampled; of: the metric's quantity or part."""
+        if self.outputs is None:
+            return ()
+        if self.outputs:
+            return (*(f"{of}.{output}" for output in self.outputs), *self.also)
+        if of.endswith(".r"):
+            part = of.removesuffix(".r")
+            return (f"{part}.x", f"{part}.y", *self.also)
+        return (of, *self.also)
+
+
+def declared(kinds: dict[str, MetricKind], text: str, *needed: str, **fields: Any) -> Any:
+    """Declare a function as the kind of metric of its name, in a table of kinds."""
+
+    def decorate(make: Callable[[Metric, Any], Any]) -> Callable[[Metric, Any], Any]:
+        name = make.__name__.lstrip("_")
+        kinds[name] = MetricKind(name, text, make, needed, **fields)
+        return make
+
+    return decorate
+
+
+@dataclass(frozen=True)
+class Metric:
+    """A cell of a row: the column's name, the kind, the quantity or part, and the kind's options.
+
+    radius: of the journal, which the work of friction needs [m].
+    """
+
+    name: str
+    kind: MetricKind
+    of: str
+    options: tuple[tuple[str, Any], ...] = ()
+    radius: float = 0.0
+
+    def option(self, name: str) -> Any:
+        """Return an option, its default where it was not given, None where it has none."""
+        return dict(self.options).get(name, self.kind.optional.get(name))
+
+    def column(self, unit: str, axis: ListAxis | None) -> Column:
+        """Return its column; unit: the quantity's; axis: of a list."""
+        options = {**self.kind.optional, **dict(self.options), "of": self.of}
+        text = self.kind.text.format(**options)
+        return Column(self.name, self.kind.unit or unit, text, *(axis or ()))
+
+    def refusal(self, reason: str) -> InputError:
+        """Return the error that says why the metric cannot be."""
+        return InputError(f"keep {self.name}: {reason}")
+
+
+def edges_of(bins: Mapping[str, Any]) -> np.ndarray:
+    """Return the edges of bins."""
+    return np.linspace(bins["from"], bins["to"], int(bins["count"]) + 1)
+
+
+def bin_middles(bins: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the middles of bins."""
+    edges = edges_of(bins)
+    return tuple((0.5 * (edges[1:] + edges[:-1])).tolist())

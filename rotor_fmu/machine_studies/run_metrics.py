@@ -1,0 +1,330 @@
+"""The metrics of a run in time, a function a kind: what its windows come to."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+
+from ..studies.study import Cell
+from ..vibration import TooFewTurns, order_track
+from .metric import ListAxis, Metric, MetricKind, bin_middles, declared, edges_of
+from .monitor import LEAST_TURNS, Samples, Window
+from .run_excitation import Excitation
+from .run_kinds import CONSTANT, STEPS
+
+KINDS: dict[str, MetricKind] = {}
+_kind = partial(declared, KINDS)
+DIRECTIONS = ("up", "down")
+_LARGEST = "largest"  # what a Lyapunov exponent is of: the whole machine
+_ANY_LEVEL = (CONSTANT.name, STEPS.name)
+_AFTER = {"after": 0.0}
+_MOST_PASSED = 32  # orders are passed in turns resampled at 64 angles at least
+
+
+def cell(metric: Metric, windows: list[Window], how: Excitation) -> Cell:
+    """Return the cell of a finished run."""
+    if metric.kind.name == "jump":
+        return metric.kind.make(metric, windows)
+    made = [metric.kind.make(metric, window) for window in windows]
+    if metric.kind.axis is not None:
+        return np.concatenate(made).tolist()
+    numbers = [float(number) for number in made]
+    return numbers if how.kind.name == STEPS.name else numbers[0]
+
+
+def axis_of(metric: Metric, how: Excitation, is_varied: bool) -> ListAxis | None:
+    """Return the axis of the cell's list, None of a number; is_varied: whether the held speeds
+    differ from run to run."""
+    if metric.kind.axis is not None:
+        return metric.kind.axis(metric, how)
+    if metric.kind.name == "jump" or how.kind.name != STEPS.name:
+        return None
+    return ListAxis("held speed", () if is_varied else tuple(how.speeds.tolist()), "rad/s")
+
+
+def check(metric: Metric, how: Excitation) -> None:
+    """Raise `InputError` for a metric that does not suit the excitation of the runs."""
+    kind = metric.kind
+    if kind.held and (how.kind.name not in kind.held or how.numbers["measure"]):
+        raise metric.refusal(f"{kind.name} needs runs at constant speed in whole turns")
+    if kind.varying and how.kind.holds_speeds:
+        raise metric.refusal(f"{kind.name} needs runs whose speed varies continuously")
+    if (after := metric.option("after")) and after < 0:
+        raise metric.refusal(f"after = {after:g} s: must be >= 0")
+    if kind.check is not None:
+        kind.check(metric, how)
+
+
+def _quantity(metric: Metric, seen: Samples) -> np.ndarray:
+    columns = seen.columns
+    if metric.of.endswith(".r") and metric.of not in columns:
+        part = metric.of.removesuffix(".r")
+        return np.hypot(columns[f"{part}.x"], columns[f"{part}.y"])
+    return columns[metric.of]
+
+
+def _late(metric: Metric, window: Window) -> slice:
+    """Return the rows from `after` on, counted from the window's beginning; none where it ends
+    before."""
+    t = window.steps.t
+    return slice(int(np.searchsorted(t, t[0] + metric.option("after"))), None)
+
+
+def _late_values(metric: Metric, window: Window) -> tuple[np.ndarray, np.ndarray]:
+    late = _late(metric, window)
+    return window.steps.t[late], _quantity(metric, window.steps)[late]
+
+
+def _averaged(t: np.ndarray, values: np.ndarray) -> float:
+    """Return the average by the trapezoidal rule over all steps; nan if there are none."""
+    return float(np.trapezoid(values, t) / (t[-1] - t[0])) if len(t) > 1 else math.nan
+
+
+def _is_whole(number: float) -> bool:
+    return abs(number - round(number)) < 1e-9
+
+
+@_kind("largest absolute value of {of}", optional=_AFTER)
+def _peak(metric: Metric, window: Window) -> float:
+    values = np.abs(_late_values(metric, window)[1])
+    return float(values.max()) if len(values) else math.nan
+
+
+@_kind("root of the mean square over time of {of}", optional=_AFTER)
+def _rms(metric: Metric, window: Window) -> float:
+    t, values = _late_values(metric, window)
+    return math.sqrt(_averaged(t, values**2))
+
+
+@_kind("mean over time of {of}", optional=_AFTER)
+def _mean(metric: Metric, window: Window) -> float:
+    return _averaged(*_late_values(metric, window))
+
+
+@_kind("value at the end of {of}")
+def _last(metric: Metric, window: Window) -> float:
+    return float(_quantity(metric, window.steps)[-1])
+
+
+@_kind(
+    "value when the speed first passes {speed:g} rad/s, of {of}", "speed", also=("w",), varying=True
+)
+def _value(metric: Metric, window: Window) -> float:
+    """Return the value at a speed, linear between two steps; nan if it is never passed."""
+    w, values = window.steps.columns["w"] - metric.option("speed"), _quantity(metric, window.steps)
+    passed = np.flatnonzero(w[1:] * w[:-1] <= 0)
+    if not len(passed):
+        return math.nan
+    at = passed[0]
+    share = w[at] / (w[at] - w[at + 1]) if w[at] != w[at + 1] else 0.0
+    return float(values[at] + share * (values[at + 1] - values[at]))
+
+
+def _bin_axis(metric: Metric, how: Excitation) -> ListAxis:
+    return ListAxis(f"{metric.name} speed", bin_middles(metric.option("bins")), "rad/s")
+
+
+@_kind(
+    "largest absolute value in each bin of the speed of {of}",
+    "bins",
+    axis=_bin_axis,
+    also=("w",),
+    varying=True,
+)
+def _amplitude(metric: Metric, window: Window) -> np.ndarray:
+    edges = edges_of(metric.option("bins"))
+    values, w = np.abs(_quantity(metric, window.steps)), window.steps.columns["w"]
+    at = np.digitize(w, edges) - 1
+    at[w == edges[-1]] = len(edges) - 2  # the last bin has both of its ends
+    largest = np.full(len(edges) - 1, math.nan)
+    inside = (at >= 0) & (at < len(largest))
+    np.fmax.at(largest, at[inside], values[inside])
+    return largest
+
+
+def _turn_axis(metric: Metric, how: Excitation) -> ListAxis:
+    return ListAxis("turn")
+
+
+@_kind("value once a turn, at the keyphasor's mark of {of}", axis=_turn_axis, held=_ANY_LEVEL)
+def _poincare(metric: Metric, window: Window) -> np.ndarray:
+    return _quantity(metric, window.turns)[window.per_turn - 1 :: window.per_turn]
+
+
+def _check_order(metric: Metric, how: Excitation) -> None:
+    order, turns, per_turn = metric.option("order"), how.numbers["turns"], how.numbers["per_turn"]
+    if not 0 < order < per_turn / 2:
+        raise metric.refusal(
+            f"order = {order:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
+        )
+    if not _is_whole(order * turns):
+        raise metric.refusal(f"order = {order:g}: must make whole periods in run.turns = {turns:g}")
+
+
+@_kind(
+    "amplitude of order {order:g} of the speed, of {of}",
+    "order",
+    check=_check_order,
+    held=_ANY_LEVEL,
+)
+def _order(metric: Metric, window: Window) -> float:
+    """Return twice the modulus of the mean of x exp(-i order phi), over whole turns."""
+    values = _quantity(metric, window.turns)
+    angle = math.tau * np.arange(1, len(values) + 1) / window.per_turn
+    return float(2 * abs(np.mean(values * np.exp(-1j * metric.option("order") * angle))))
+
+
+def _check_passing(metric: Metric, how: Excitation) -> None:
+    order = metric.option("order")
+    if not 0 < order < _MOST_PASSED or not _is_whole(2 * order):
+        raise metric.refusal(
+            f"order = {order:g}: must be a multiple of 0.5 from 0.5 to {_MOST_PASSED - 0.5:g}"
+        )
+
+
+@_kind(
+    "amplitude of order {order:g} where {speed:g} rad/s is first passed, of {of}",
+    "order",
+    "speed",
+    check=_check_passing,
+    also=("phi",),
+    varying=True,
+    is_fine=True,
+)
+def _passing(metric: Metric, window: Window) -> float:
+    """Return the amplitude of an order by revolution-synchronous resampling, from the block of
+    turns nearest to the first passage of the speed; nan where it is not passed, or in steps too
+    long for the order."""
+    phi, order = window.steps.columns["phi"], metric.option("order")
+    try:
+        track = order_track(window.steps.t, phi, _quantity(metric, window.steps), [order])
+    except TooFewTurns:
+        return math.nan
+    apart = track.speed - metric.option("speed")
+    is_one_way = track.speed[1:] * track.speed[:-1] > 0
+    passed = np.flatnonzero((apart[1:] * apart[:-1] <= 0) & is_one_way)
+    if not len(passed):
+        return math.nan
+    at = passed[0] + int(abs(apart[passed[0] + 1]) < abs(apart[passed[0]]))
+    return float(abs(track.x(order)[at]))
+
+
+def _check_lyapunov(metric: Metric, how: Excitation) -> None:
+    if metric.of != _LARGEST:
+        raise metric.refusal(f"lyapunov = {metric.of!r}: must be {_LARGEST!r}")
+    turns = how.numbers["turns"]
+    if turns < LEAST_TURNS:
+        raise metric.refusal(f"lyapunov needs run.turns >= {LEAST_TURNS}, not {turns:g}")
+
+
+@_kind(
+    "largest Lyapunov exponent", unit="1/s", check=_check_lyapunov, outputs=None, held=_ANY_LEVEL
+)
+def _lyapunov(metric: Metric, window: Window) -> float:
+    return window.exponent
+
+
+def _spectrum_orders(highest: float, turns: int) -> np.ndarray:
+    """Return the orders of a full spectrum over so many turns, from -highest to highest."""
+    most = round(highest * turns)
+    return np.arange(-most, most + 1) / turns
+
+
+def _spectrum_axis(metric: Metric, how: Excitation) -> ListAxis:
+    orders = _spectrum_orders(metric.option("orders"), int(how.numbers["turns"]))
+    return ListAxis(f"{metric.name} order", tuple(orders.tolist()))
+
+
+def _check_spectrum(metric: Metric, how: Excitation) -> None:
+    orders, per_turn = metric.option("orders"), how.numbers["per_turn"]
+    if not 0 < orders < per_turn / 2:
+        raise metric.refusal(
+            f"orders = {orders:g}: must be > 0 and below half of run.per_turn = {per_turn:g}"
+        )
+
+
+@_kind(
+    "full spectrum, negative orders backward, of {of}",
+    "orders",
+    unit="m",
+    axis=_spectrum_axis,
+    check=_check_spectrum,
+    outputs=("x", "y"),
+    held=(CONSTANT.name,),
+)
+def _spectrum(metric: Metric, window: Window) -> np.ndarray:
+    """Return the amplitudes of the orders of x + i y; the mean is subtracted."""
+    columns = window.turns.columns
+    z = columns[f"{metric.of}.x"] + 1j * columns[f"{metric.of}.y"]
+    if window.speed < 0:  # seen from behind, forward stays forward
+        z = z.conj()
+    turns = len(z) // window.per_turn
+    result = np.abs(np.fft.fft(z - z.mean())) / len(z)
+    lines = np.rint(_spectrum_orders(metric.option("orders"), turns) * turns).astype(int)
+    return result[lines]
+
+
+@_kind("time in contact of {of}", optional=_AFTER, unit="s", outputs=("contact",), is_fine=True)
+def _contact(metric: Metric, window: Window) -> float:
+    late = _late(metric, window)
+    closed = window.steps.columns[f"{metric.of}.contact"][late]
+    return float(np.trapezoid(closed, window.steps.t[late]))
+
+
+@_kind(
+    "work of friction at a contact of {of}",
+    unit="J",
+    outputs=("ft", "x", "y"),
+    also=("phi",),
+    is_fine=True,
+)
+def _dissipated(metric: Metric, window: Window) -> float:
+    """Return friction times the sliding distance: that of the journal's surface, R dphi, and of its
+    centre along the wall, (x dy - y dx) / r."""
+    force, x, y = (window.steps.columns[f"{metric.of}.{name}"] for name in ("ft", "x", "y"))
+    mid_x, mid_y = 0.5 * (x[1:] + x[:-1]), 0.5 * (y[1:] + y[:-1])
+    r = np.hypot(mid_x, mid_y)
+    along = (mid_x * np.diff(y) - mid_y * np.diff(x)) / np.where(r > 0, r, 1.0)
+    slid = metric.radius * np.diff(window.steps.columns["phi"]) + along
+    return float(np.sum(0.5 * (force[1:] + force[:-1]) * slid))
+
+
+@_kind(
+    "mean rate at which PART.x, PART.y turn about zero of {of}",
+    unit="rad/s",
+    outputs=("x", "y"),
+    is_fine=True,
+)
+def _whirl(metric: Metric, window: Window) -> float:
+    x, y = (window.steps.columns[f"{metric.of}.{axis}"] for axis in "xy")
+    angle = np.unwrap(np.arctan2(y, x))
+    span = window.steps.t[-1] - window.steps.t[0]
+    return float((angle[-1] - angle[0]) / span) if span > 0 else math.nan
+
+
+def _check_jump(metric: Metric, how: Excitation) -> None:
+    if how.kind.name != STEPS.name:
+        raise metric.refusal("jump needs runs in steps of the speed")
+
+
+@_kind(
+    "speed of the largest jump {way} of the mean of {of}",
+    "way",
+    optional={"least": 0.2},
+    unit="rad/s",
+    check=_check_jump,
+)
+def _jump(metric: Metric, windows: list[Window]) -> float:
+    """Return the mean of the two neighbouring speeds between which the mean changes most, by at
+    least the share `least` of the larger of both; nan where it does not."""
+    means = np.array([_averaged(w.steps.t, _quantity(metric, w.steps)) for w in windows])
+    speeds = np.array([window.speed for window in windows])
+    rises = np.diff(speeds) > 0
+    chosen = rises if metric.option("way") == "up" else ~rises
+    change = np.where(chosen, np.abs(np.diff(means)), 0.0)
+    at = int(np.argmax(change))
+    if not change[at] > metric.option("least") * np.abs(means[at : at + 2]).max():
+        return math.nan
+    return float(0.5 * (speeds[at] + speeds[at + 1]))
