@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.kernels.library import here
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.cosimulation.coupling import Coupling
-from rotor_fmu.cosimulation.partner import example_folder
 from rotor_fmu.cosimulation.system import OSP_NAME, Bond, Component, System
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.archive import xml_bytes

@@ -17,10 +17,10 @@ import typer
 from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
+from rotor_fmu.examples import copy_system_files
 from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
-from rotor_fmu.cosimulation.partner import lay_out
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
 from rotor_fmu.output_options import with_output_options
@@ -78,7 +78,7 @@ def drive_train(
         raise InputError(f"--step {step:g} s: must lie between 0.0001 and 0.02")
     clear(writable_folder(out), RESULTS)
     fmus = COUPLING.build(out), fmu_in(out, rig_toml())
-    lay_out(HERE, out)
+    copy_system_files(HERE, out)
     cases = {
         "ample": RunUp(f"{ample:g} N.m", AMPLE_STOP, step, {"tau_max": ample}, {}),
         "small": RunUp(f"{small:g} N.m", SMALL_STOP, step, {"tau_max": small}, {}),

@@ -19,10 +19,10 @@ import typer
 from matplotlib.figure import Figure
 from rich.console import Console
 from rich.progress import Progress, TimeRemainingColumn
+from rotor_fmu.examples import copy_system_files
 from rotor_fmu.model.machine.toml import parse_rotor
 
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
-from rotor_fmu.cosimulation.partner import lay_out
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
 from rotor_fmu.fmi.packing.machine_files import fmu_identifier
@@ -78,7 +78,7 @@ def magnetic_bearing(
         raise InputError(f"--volts {volts:g} V: must be > 0 and at most 1000")
     clear(writable_folder(out), RESULTS)
     fmus = COUPLING.build(out), rotor_in(out)
-    lay_out(HERE, out)
+    copy_system_files(HERE, out)
     off = RUN + speed / RAMP + SETTLED
     parameters = {
         "t_lift": LIFT, "t_run": RUN, "t_off": off, "w_target": speed, "ramp": RAMP, "u_max": volts

@@ -17,8 +17,6 @@ from .fmus import Native
 from .shared import RotorFile
 from .speeds import one_speed
 
-_DRIVE = "drive_train"
-
 
 @with_output_options
 def ssp(
@@ -56,8 +54,9 @@ def ssp(
     Writes both FMUs, System.ssp and OspSystemStructure.xml in the folder.
     """
     # imported when it is called: the help needs none of it
-    from ..cosimulation.coupling import example_coupling
+    from ..cosimulation.coupling import Coupling
     from ..cosimulation.system import Component, drive_system
+    from ..examples import example_folder
     from ..fmi.packing.machine_files import machine_of
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import build as build_python
@@ -86,7 +85,7 @@ def ssp(
     if is_native and platform is None:
         raise InputError("--native: there is no library for this machine")
     folder = writable_folder(out)
-    coupling = example_coupling(_DRIVE)
+    coupling = Coupling(example_folder("drive_train") / "drive_train.py")
     fmu = (
         build_native(folder, toml, platforms=[str(platform)])
         if is_native

@@ -15,23 +15,17 @@ import numpy as np
 from ..files import unfinished
 from ..fmi.variables import Variable
 from ..model.message_templates import Message
-from .master import Connection, Side, march
+from .master import Connection, Side, run_jacobi
 from .member import Member
-from .partner import build_partner, example_folder, listed_variables
+from .partner import build_partner, listed_variables
 
 PARTNER, ROTOR = "partner", "rotor"
 
 
 @dataclass(frozen=True)
 class CoupledRun:
-    """A coupled run at its communication points.
-
-    Attributes
-    ----------
-        t: Communication points [s], shape (n,).
-        partner: Recorded variables of the partner by name, shape (n,) each.
-        rotor: Recorded variables of the rotor by name, shape (n,) each.
-    """
+    """A coupled run at its communication points t [s]: the recorded variables of the partner and of
+    the rotor by name; each of shape (n,)."""
 
     t: np.ndarray
     partner: Mapping[str, np.ndarray]
@@ -65,8 +59,8 @@ class Coupling:
 
     The source is a Python script with a slave of `rotor_fmu.cosimulation.partner_slave`, its table
     `VARIABLES`, and two lists of pairs (output, input), each named `partner.NAME` or `rotor.NAME`:
-    `CONNECTIONS` holds at every communication point, `INITIAL` is carried out in turn while both
-    FMUs are in the initialization mode.
+    `CONNECTIONS` are those at every communication point, `INITIAL` are made one after another while
+    both FMUs are in the initialization mode.
     """
 
     source: Path
@@ -100,23 +94,11 @@ class Coupling:
         of_partner: Sequence[str],
         of_rotor: Sequence[str],
     ) -> Iterator[tuple[Side, Side]]:
-        """Both FMUs in the initialization mode with their initial values exchanged.
+        """Yield partner and rotor in the initialization mode, with their initial values exchanged.
 
-        Args:
-            partner_fmu: File of the partner's FMU, or the folder it was extracted into.
-            rotor_fmu: The same of the rotor's.
-            partner_parameters: Values by name, set before the initialization.
-            rotor_parameters: The same of the rotor.
-            of_partner: Variables to record beside those that are exchanged.
-            of_rotor: The same of the rotor.
-
-        Yields
-        ------
-            The partner and the rotor, as `cosimulation.master` takes them.
-
-        Raises
-        ------
-            RunFailed: A call of one of the FMUs failed.
+        partner_fmu, rotor_fmu: files, or the folders into which they were extracted; parameters by
+        name, set before the initialization; of_partner, of_rotor: variables to record beside those
+        that are exchanged. Raises `RunFailed` where a call of one of the FMUs fails.
         """
         messages: list[Message] = []
         with (
@@ -148,37 +130,20 @@ class Coupling:
     ) -> CoupledRun:
         """Run both FMUs with a Jacobi master and return the recorded variables.
 
-        Args:
-            partner_fmu: See `open`, as all that is not named here.
-            rotor_fmu: See `open`.
-            stop: End of the run [s].
-            step: Communication step [s].
-            partner_parameters: See `open`.
-            rotor_parameters: See `open`.
-            of_partner: See `open`.
-            of_rotor: See `open`.
-            progress: Called with the time at each communication point; what it raises ends the run.
-
-        Raises
-        ------
-            RunFailed: A call of one of the FMUs failed.
+        stop: end of the run [s]; step: communication step [s]; progress: called with the time at
+        each communication point, ends the run by raising; all else as in `open`. Raises `RunFailed`
+        where a call of one of the FMUs fails.
         """
         with self.open(
             partner_fmu, rotor_fmu, partner_parameters, rotor_parameters, of_partner, of_rotor
         ) as sides:
-            return CoupledRun(*march(*sides, stop, step, progress))
+            return CoupledRun(*run_jacobi(*sides, stop, step, progress))
 
     def _connections(self, side: str) -> tuple[Connection, ...]:
-        """Return the outputs of one side, each with the input of the other that gets it."""
+        """Return the outputs of one side, each with the connected input of the other."""
         start = f"{side}."
         return tuple(
             (output.removeprefix(start), variable.partition(".")[2])
             for output, variable in self._declared["CONNECTIONS"]
             if output.startswith(start)
         )
-
-
-def example_coupling(name: str) -> Coupling:
-    """Return the coupling of an installed example: the source with the example's name in its
-    folder."""
-    return Coupling(example_folder(name) / f"{name}.py")

@@ -1,5 +1,5 @@
-"""A Jacobi master in its plainest form: at each communication point either of two FMUs gets the
-other's last outputs, then both step."""
+"""A Jacobi master: at each communication point each of two FMUs gets the other's last outputs, then
+both step."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 
 from .member import Member
 
-# (output of the one FMU, input of the other that gets its value)
+# (output of one FMU, connected input of the other)
 Connection = tuple[str, str]
 
 
 @dataclass(frozen=True)
 class Side:
-    """One of the two FMUs: its outputs to the other, and its further recorded variables."""
+    """One of the two FMUs: its connections to the other, and its further recorded variables."""
 
     member: Member
     connections: Sequence[Connection]
@@ -30,7 +30,7 @@ class Side:
 
 
 class Point(NamedTuple):
-    """A communication point [s], and what was read of either FMU there, in the order of its
+    """A communication point t [s], and the values read from both FMUs, in the order of their
     `outputs`."""
 
     t: float
@@ -39,8 +39,8 @@ class Point(NamedTuple):
 
 
 def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
-    """Take two initialized FMUs to `stop` [s] with the communication step `step` [s], point by
-    point; both leave the initialization mode at the first. Raises `RunFailed`."""
+    """Yield the communication points of two initialized FMUs to `stop` [s], `step` [s] apart; both
+    leave the initialization mode at the first. Raises `RunFailed`."""
     sides = (one, other)
     read = [side.member.references(*side.outputs) for side in sides]
     inputs = [
@@ -64,27 +64,19 @@ def points(one: Side, other: Side, stop: float, step: float) -> Iterator[Point]:
         yield point
 
 
-def march(
+def run_jacobi(
     one: Side, other: Side, stop: float, step: float, progress: Callable[[float], None]
 ) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Take two initialized FMUs to `stop` [s] with the communication step `step` [s].
+    """Run two initialized FMUs to `stop` [s] with the communication step `step` [s].
 
-    Returns the communication points, shape (n,) [s], and what was read of either, by name, shape
-    (n,). Both leave the initialization mode here. `progress` gets the time at each communication
-    point; what it raises ends the run. Raises `RunFailed`.
+    Returns the communication points, shape (n,) [s], and the values read from each by name, shape
+    (n,). Both leave the initialization mode. `progress` gets the time at each communication point,
+    and ends the run by raising. Raises `RunFailed`.
     """
     seen = []
     for point in points(one, other, stop, step):
         seen.append(point)
         progress(point.t)
-    return columns(seen, one, other)
-
-
-def columns(
-    seen: Sequence[Point], one: Side, other: Side
-) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return the communication points as times, shape (n,) [s], and as what was read of either FMU,
-    by name, shape (n,)."""
     recorded = [
         dict(zip(side.outputs, np.array(rows).reshape(len(seen), -1).T, strict=True))
         for side, rows in ((one, [p.one for p in seen]), (other, [p.other for p in seen]))

@@ -1,4 +1,4 @@
-"""One FMU of a coupled system, as a master of ours drives it through FMPy."""
+"""One FMU of a coupled system, driven through FMPy."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from ..model.message_templates import Message
 
 
 class Member:
-    """One FMU of a coupled system, extracted and instantiated; a context that tidies up.
+    """One FMU of a coupled system, extracted and instantiated; a context that frees it.
 
-    fmu: its file, or the folder it was extracted into, which stays: every new place from which its
-    library is loaded costs a process half a megabyte for good.
-    parameters: values by name; messages: of all FMUs together, since FMPy hands those of every FMU
-    to the logger made last. Raises `RunFailed` with the FMU's own words when a call fails.
+    fmu: its file, or the folder into which it was extracted, which is kept: every new place from
+    which its library is loaded costs a process half a megabyte that is never freed. parameters:
+    values by name; messages: those of all FMUs, since FMPy hands them to the logger made last.
+    Raises `RunFailed` with the FMU's own message when a call fails.
     """
 
     def __init__(self, fmu: Path, parameters: Mapping[str, float], messages: list[Message]) -> None:
@@ -35,8 +35,8 @@ class Member:
         self._fmu = fmpy.instantiate_fmu(
             self._folder, description, "CoSimulation", debug_logging=True, logger=self._log
         )
-        # where the FMU's scripts have just been found: a process that is made later would take
-        # the FMU's copy of pythonfmu for the one installed
+        # without the folder of the FMU's scripts: a process that is started later would import
+        # the FMU's copy of pythonfmu instead of the installed one
         sys.path[:] = search_path
         self._parameters = parameters
 

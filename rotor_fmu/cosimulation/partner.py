@@ -1,4 +1,4 @@
-"""FMUs that the rotor is coupled with: each made from one script, which lists its variables."""
+"""FMUs that are coupled with the rotor's: each built from one script, which lists its variables."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import shutil
 import tempfile
 from collections.abc import Sequence
 from hashlib import sha256
-from importlib.resources import files
 from pathlib import Path
 
 from ..about import RELEASED
@@ -15,21 +14,6 @@ from ..fmi.packing.archive import repack, wrap
 from ..fmi.python import wrapper
 from ..fmi.variables import Variable
 from . import partner_slave
-
-
-def example_folder(name: str = "") -> Path:
-    """Return the folder of an installed example; without a name that of all examples."""
-    return Path(str(files("rotor_fmu.examples") / name))
-
-
-def lay_out(folder: Path, out: Path) -> None:
-    """Copy into the folder `out` the files that other masters need to run an example's system: its
-    system files and the scripts that run them."""
-    systems = [
-        file for file in folder.iterdir() if file.suffix in (".xml", ".ssd", ".json", ".toml")
-    ]
-    for file in (*systems, *folder.glob("with_*.py"), *example_folder().glob("with_*.py")):
-        shutil.copyfile(file, out / file.name)
 
 
 def listed_variables(table: Sequence[partner_slave.Listed]) -> tuple[Variable, ...]:
@@ -48,7 +32,7 @@ def build_partner(source: Path, table: tuple[Variable, ...], target: Path) -> Pa
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="rotor_fmu_") as scratch:
         folder = Path(scratch)
-        # named after its content, so that two versions can live in one process
+        # named after its content, so that two versions can be loaded in one process
         script = folder / f"{source.stem}_{sha256(text.encode()).hexdigest()[:12]}.py"
         script.write_text(text, encoding="utf-8")
         beside = {"rotor_fmu_wrapper.py": wrapper, "rotor_fmu_slave.py": partner_slave}

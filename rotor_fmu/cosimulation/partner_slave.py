@@ -18,7 +18,7 @@ try:
 except ImportError:
     from rotor_fmu.fmi.python.wrapper import hold, settle_exit  # in the source tree
 
-# name, causality, unit, start, lowest value allowed, what it is
+# name, causality, unit, start, lowest value allowed, description
 Listed = tuple[str, str, str, float | None, float | None, str]
 BEGUN: Listed = ("begun", "local", "1", None, None, "1 once the initialization has ended")
 
@@ -27,7 +27,7 @@ class Refused(ValueError):
     """An invalid input, parameter or call; the message names it and says what is allowed."""
 
     def __repr__(self) -> str:
-        """Return the sentence alone, which pythonfmu's wrapper logs."""
+        """Return the message alone, which pythonfmu's wrapper logs."""
         return str(self)
 
 
@@ -48,8 +48,8 @@ def described(call: Callable[..., Any]) -> Callable[..., Any]:
 
 
 class TableSlave(Fmi2Slave):
-    """A slave whose variables are the attributes that its table `VARIABLES` lists, `BEGUN` among
-    them. A wrong call or value is a `Refused`, changes nothing and ends nothing."""
+    """A slave whose variables are the attributes listed in its table `VARIABLES`, `BEGUN` among
+    them. A wrong call or value raises `Refused` and changes nothing."""
 
     VARIABLES: ClassVar[tuple[Listed, ...]]
     begun: float
@@ -59,7 +59,7 @@ class TableSlave(Fmi2Slave):
     def __init__(self, **kwargs: object) -> None:
         super().__init__(**kwargs)
         settle_exit(self.resources)
-        # in the FMU it follows the content
+        # the module's name in the FMU follows its content
         self.guid = uuid.uuid5(uuid.NAMESPACE_URL, type(self).__module__)
         for name, causality, _, start, _, text in self.VARIABLES:
             setattr(self, name, start or 0.0)

@@ -1,7 +1,7 @@
 """A rotor's FMU and a drive as one system, for masters: an SSP package (SSD with connectors,
 terminals and units, parameters as SSV), and OSP's system structure with power bonds.
 
-The solver's choices are in neither: libcosim knows no enumerations, and ends itself at one.
+Neither holds the solver's enumerations: libcosim does not support them and aborts.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ _SPACES = {
 }
 _OSP = "http://opensimulationplatform.com/MSMI/OSPSystemStructure"
 _EXTENSION = "application/x-ssp-parameter-set"
-_TERMINALS = "rotor-fmu.terminals"  # of the annotation with them, which SSP has no element for
-_LOST = 1e-8  # of a machine's kinetic energy, that a step of ECCO may lose
+_TERMINALS = "rotor-fmu.terminals"  # type of the annotation; SSP has no element for terminals
+_LOST = 1e-8  # share of a machine's kinetic energy that a step of ECCO may lose
 SSP_NAME, OSP_NAME = "System.ssp", "OspSystemStructure.xml"
-# Of libcosim's ECCO, relative to the communication step: the shortest and the longest step; and how
-# fast the step changes, by which gains. Slowly: the error of the power passes through 0 twice in an
-# oscillation of the joint, where the step is not to grow. libcosim takes the relative tolerance of
-# the error itself, which would hide large errors from the step.
+# Of libcosim's ECCO: the shortest and the longest step, relative to the communication step, and the
+# rates and gains by which the step changes. They are low because the error of the power passes
+# through 0 twice in an oscillation of the joint, where the step must not grow. libcosim relates the
+# relative tolerance to the error itself, which would hide large errors; so it is close to 0.
 _SHORTEST, _LONGEST = 0.01, 10.0
 _ECCO = {
     "SafetyFactor": 1.0,
@@ -48,8 +48,8 @@ _ECCO = {
 
 @dataclass(frozen=True)
 class Component:
-    """An FMU of a system: its name there, its file, its variables, the parameters and inputs to be
-    set before it starts, and its terminals."""
+    """An FMU of a system: its name in the system, its file, its variables, the values of parameters
+    and inputs at the start, and its terminals."""
 
     name: str
     fmu: Path
@@ -57,29 +57,28 @@ class Component:
     values: Mapping[str, float] = field(default_factory=dict)
     terminals: Sequence[Terminal] = ()
 
-    def shown(self) -> list[Variable]:
+    def connectable(self) -> list[Variable]:
         """Return the variables that a system may connect or set."""
         return [v for v in self.variables if v.causality != "local" and v.kind != "Enumeration"]
 
-    def started(self) -> dict[str, Variable]:
+    def settable(self) -> dict[str, Variable]:
         """Return the inputs and parameters by name."""
-        return {v.name: v for v in self.shown() if v.causality in ("input", "parameter")}
+        return {v.name: v for v in self.connectable() if v.causality in ("input", "parameter")}
 
 
 class Bond(NamedTuple):
-    """Connections between two components whose product is a power: (component, output, component,
-    input) each way."""
+    """A power bond: two connections between two components, whose variables' product is a power;
+    each is (component, output, component, input)."""
 
     name: str
-    there: tuple[str, str, str, str]
+    forth: tuple[str, str, str, str]
     back: tuple[str, str, str, str]
 
 
 @dataclass(frozen=True)
 class System:
-    """Components and what connects them; step: communication step [s]; stop: end [s];
-    algorithm: of libcosim, one of `ALGORITHMS`; tolerance: energy [J] that ECCO lets a bond lose in
-    a step."""
+    """Components and their connections; step: communication step [s]; stop: end [s]; algorithm: of
+    libcosim, one of `ALGORITHMS`; tolerance: energy [J] that a bond may lose in a step of ECCO."""
 
     name: str
     components: Sequence[Component]
@@ -90,10 +89,8 @@ class System:
     tolerance: float = 1e-6
 
     def write(self, out: Path) -> tuple[Path, Path]:
-        """Write the SSP package and OSP's file into a folder that holds the FMUs; returns both.
-
-        Raises `OSError` if one cannot be written.
-        """
+        """Write the SSP package and OSP's file into a folder that holds the FMUs, and return their
+        paths. Raises `OSError` if one cannot be written."""
         contents = {"SystemStructure.ssd": xml_bytes(self.ssd())}
         for component in self.components:
             contents[f"resources/{component.fmu.name}"] = component.fmu.read_bytes()
@@ -112,7 +109,7 @@ class System:
             _add_component(elements, component)
         connections = _sub(system, "ssd:Connections")
         for bond in self.bonds:
-            for start, output, end, taken in (bond.there, bond.back):
+            for start, output, end, taken in (bond.forth, bond.back):
                 _sub(
                     connections,
                     "ssd:Connection",
@@ -121,7 +118,7 @@ class System:
                     endElement=end,
                     endConnector=taken,
                 )
-        used = (unit(v.unit) for c in self.components for v in c.shown() if v.kind == "Real")
+        used = (unit(v.unit) for c in self.components for v in c.connectable() if v.kind == "Real")
         units = _sub(root, "ssd:Units")
         for each in dict.fromkeys(u.name for u in used):
             _add_unit(units, unit(each))
@@ -152,12 +149,12 @@ class System:
             )
             values = SubElement(simulator, "InitialValues")
             for name, value in component.values.items():
-                of = component.started()[name]
+                of = component.settable()[name]
                 entry = SubElement(values, "InitialValue", variable=name)
-                SubElement(entry, of.kind, value=_spelled(of, value))
+                SubElement(entry, of.kind, value=_xml_value(of, value))
         connections = SubElement(root, "Connections")
         for bond in self.bonds:
-            for start, output, end, taken in (bond.there, bond.back):
+            for start, output, end, taken in (bond.forth, bond.back):
                 connection = SubElement(connections, "VariableConnection", powerBond=bond.name)
                 given = {"simulator": start, "name": output, "causality": "output"}
                 SubElement(connection, "Variable", given)
@@ -179,23 +176,23 @@ def ssv(component: Component) -> Element:
     """Return the parameter set of a component: all inputs and parameters, with their units."""
     root = _element("ssv:ParameterSet", version="1.0", name=component.name)
     parameters = _sub(root, "ssv:Parameters")
-    for name, variable in component.started().items():
+    for name, variable in component.settable().items():
         if variable.start is None and name not in component.values:
             continue
         value = component.values.get(name, variable.start)
         entry = _sub(parameters, "ssv:Parameter", name=name)
-        attributes = {"value": _spelled(variable, value)}
+        attributes = {"value": _xml_value(variable, value)}
         if variable.kind == "Real":
             attributes["unit"] = unit(variable.unit).name
         _sub(entry, f"ssv:{variable.kind}", **attributes)
     units = _sub(root, "ssv:Units")
-    used = (v.unit for v in component.started().values() if v.kind == "Real")
+    used = (v.unit for v in component.settable().values() if v.kind == "Real")
     for each in dict.fromkeys(used):
         _add_unit(units, unit(each))
     return root
 
 
-def _spelled(variable: Variable, value: float | None) -> str:
+def _xml_value(variable: Variable, value: float | None) -> str:
     if variable.kind == "Boolean":
         return "true" if value else "false"
     return repr(float(value or 0.0)) if variable.kind == "Real" else str(int(value or 0))
@@ -210,7 +207,7 @@ def _add_component(elements: Element, component: Component) -> None:
         type="application/x-fmu-sharedlibrary",
     )
     connectors = _sub(element, "ssd:Connectors")
-    for variable in component.shown():
+    for variable in component.connectable():
         connector = _sub(connectors, "ssd:Connector", name=variable.name, kind=variable.causality)
         attributes = {"unit": unit(variable.unit).name} if variable.kind == "Real" else {}
         _sub(connector, f"ssc:{variable.kind}", **attributes)
@@ -247,17 +244,17 @@ def _sub(parent: Element, tag: str, /, **attributes: str) -> Element:
 
 
 def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, stop: float) -> System:
-    """Return a machine's FMU on the drive train of the examples, which holds its inertia."""
+    """Return a machine's FMU on a drive that holds its inertia, `J_rotor`."""
     inertia = float(assemble(machine.rotor).numbers[0].inertia)
     load = {"tau_load": "tau_load"}
-    held = replace(
+    drive = replace(
         drive,
         values={"J_rotor": inertia, **drive.values},
         terminals=[shaft_terminal({"w": "w"} | load)],
     )
     shaft, *bodies = terminals_of(machine.table)
     terminals = [shaft_terminal({**shaft.members, **load}), *bodies]
-    speed = {"speed": held.values.get("w_start", 0.0)}
+    speed = {"speed": drive.values.get("w_start", 0.0)}
     rotor = Component("rotor", fmu, machine.table, speed, terminals)
     bond = Bond(
         SHAFT,
@@ -265,6 +262,6 @@ def drive_system(machine: Machine, drive: Component, fmu: Path, step: float, sto
         ("rotor", "tau_load", drive.name, "tau_load"),
     )
     name = machine.rotor.name or "rotor"
-    energy = 0.5 * inertia * held.values.get("w_target", 0.0) ** 2
-    system = System(name, (held, rotor), (bond,), step, stop)
+    energy = 0.5 * inertia * drive.values.get("w_target", 0.0) ** 2
+    system = System(name, (drive, rotor), (bond,), step, stop)
     return replace(system, tolerance=_LOST * energy) if energy else system

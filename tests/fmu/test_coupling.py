@@ -6,9 +6,9 @@ import sys
 
 import numpy as np
 import pytest
+from rotor_fmu.examples import example_folder
 
 from rotor_fmu.cosimulation.coupling import Coupling
-from rotor_fmu.cosimulation.partner import example_folder
 from rotor_fmu.errors import RunFailed
 
 SOURCE = """

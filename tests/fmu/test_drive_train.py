@@ -11,19 +11,19 @@ import time
 
 import numpy as np
 import pytest
+from rotor_fmu.examples import copy_system_files, example_folder
 from rotor_fmu.model.machine.toml import rig
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.cosimulation.coupling import CoupledRun, example_coupling
+from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.cosimulation.member import Member
-from rotor_fmu.cosimulation.partner import example_folder, lay_out
 from rotor_fmu.errors import RunFailed
 
 from ..test_command_line import input_error_by
 from .coupled import last_row, through_libcosim
 
 FOLDER = example_folder("drive_train")
-COUPLING = example_coupling("drive_train")
+COUPLING = Coupling(example_folder("drive_train") / "drive_train.py")
 _EXAMPLE = runpy.run_path(str(FOLDER / "run_up.py"))
 couple, hz_of, mean_load, orders, peak_hz = (
     _EXAMPLE[name] for name in ("couple", "hz_of", "mean_load", "orders", "peak_hz")
@@ -42,7 +42,7 @@ def drive_fmu(tmp_path_factory):
 def system(tmp_path_factory, drive_fmu, fmu):
     """The example's folder with both FMUs in it, as the script leaves it."""
     folder = tmp_path_factory.mktemp("system")
-    lay_out(FOLDER, folder)
+    copy_system_files(FOLDER, folder)
     shutil.copy(drive_fmu, folder)
     shutil.copy(fmu, folder)
     return folder

@@ -9,12 +9,12 @@ import sys
 import numpy as np
 import pytest
 import scipy.linalg
+from rotor_fmu.examples import copy_system_files, example_folder
 from rotor_fmu.model.linear.linear_machine import LinearMachine
 from rotor_fmu.model.machine.toml import parse_rotor
 
-from rotor_fmu.cosimulation.coupling import example_coupling
+from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.member import Member
-from rotor_fmu.cosimulation.partner import example_folder, lay_out
 from rotor_fmu.errors import RunFailed
 from rotor_fmu.fmi.packing.python_fmu import build
 
@@ -22,7 +22,7 @@ from ..test_command_line import input_error_by
 from .coupled import through_libcosim
 
 FOLDER = example_folder("magnetic_bearing")
-COUPLING = example_coupling("magnetic_bearing")
+COUPLING = Coupling(example_folder("magnetic_bearing") / "magnetic_bearing.py")
 _EXAMPLE = runpy.run_path(str(FOLDER / "lift_and_drop.py"))
 couple, rotor_in, work_lost = (_EXAMPLE[name] for name in ("couple", "rotor_in", "work_lost"))
 STEP = 1e-4
@@ -233,7 +233,7 @@ def through_fmpy(control, compressor):
 def test_libcosim_gives_the_same_from_the_system_files(
     tmp_path, control, compressor, through_fmpy, file
 ):
-    lay_out(FOLDER, tmp_path)
+    copy_system_files(FOLDER, tmp_path)
     for fmu in (control, compressor):
         shutil.copy(fmu, tmp_path)
     shown = ("control.left_fy", "control.tau", "rotor.w", "rotor.left_sensor.y")

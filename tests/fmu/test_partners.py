@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
+from rotor_fmu.examples import example_folder
 
-from rotor_fmu.cosimulation.coupling import Coupling, example_coupling
+from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.cosimulation.member import Member
 
 
@@ -27,7 +28,7 @@ class Partner:
 
 PARTNERS = {
     "drive train": Partner(
-        example_coupling("drive_train"),
+        Coupling(example_folder("drive_train") / "drive_train.py"),
         "kp",
         "w_motor",
         ("tau_load",),
@@ -36,7 +37,7 @@ PARTNERS = {
         1e-3,
     ),
     "magnetic bearing": Partner(
-        example_coupling("magnetic_bearing"),
+        Coupling(example_folder("magnetic_bearing") / "magnetic_bearing.py"),
         "kp",
         "left_fx",
         ("left_x", "left_dx"),

@@ -7,9 +7,10 @@ from pathlib import Path
 import fmpy
 import pytest
 from lxml import etree
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.machine.toml import rig_toml
 
-from rotor_fmu.cosimulation.coupling import example_coupling
+from rotor_fmu.cosimulation.coupling import Coupling
 from rotor_fmu.fmi.packing.native_fmu import build_native
 from rotor_fmu.fmi.packing.python_fmu import build
 from rotor_fmu.machine_file.loading import machine_text
@@ -78,7 +79,7 @@ def test_all_of_an_fmu_is_valid(tmp_path, kind, machine, is_free):
 
 def test_partners_are_described_as_their_schema_wants(tmp_path):
     for name in ("drive_train", "magnetic_bearing"):
-        fmu = example_coupling(name).build(tmp_path)
+        fmu = Coupling(example_folder(name) / f"{name}.py").build(tmp_path)
         (content,) = xml_of(fmu).values()
         assert mistakes(content, FMI2) == []
 

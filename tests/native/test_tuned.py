@@ -4,11 +4,11 @@ with the new value, the ledger counts what it does, what cannot be is refused, a
 import re
 
 import pytest
+from rotor_fmu.examples import example_folder
 from rotor_fmu.model.machine.toml import parse_rotor, rig_toml
 from rotor_fmu.model.quantities import QuantityError
 from rotor_fmu.model.structure.assembly import assemble
 
-from rotor_fmu.cosimulation.partner import example_folder
 from rotor_fmu.machine_file.loading import machine_text
 
 from ..fmu.skins import Discarded, Extracted, Refused
