@@ -20,7 +20,7 @@ import typer
 
 from rotor_fmu import studies
 from rotor_fmu.errors import run, writable_folder
-from rotor_fmu.runs.job import write_text
+from rotor_fmu.files import write_text
 
 from .report import table
 from .store import machine_name

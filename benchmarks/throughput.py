@@ -20,9 +20,10 @@ from rich.console import Console
 
 from rotor_fmu import studies
 from rotor_fmu.errors import run, writable_folder
+from rotor_fmu.files import write_text
 from rotor_fmu.machine_studies.machine_runs import MachineRuns
 from rotor_fmu.machine_studies.machine_tables import read_study
-from rotor_fmu.runs.job import write_json, write_text
+from rotor_fmu.output_options import write_json
 from rotor_fmu.studies.executors import ExecutorConfig, engine
 from rotor_fmu.studies.runner import Progress, run_study
 from rotor_fmu.studies.study import Study

@@ -15,6 +15,7 @@ from typing import Annotated, Any, get_type_hints
 
 from .display import restored
 from .errors import RunFailed
+from .files import write_text
 from .run_status import FAILED
 
 
@@ -79,6 +80,11 @@ def _options() -> dict[str, Any]:
 def json_text(figures: Mapping[str, Any]) -> str:
     """Return figures as JSON, which has no infinity: null where a number is not finite."""
     return dumps(as_json_value(figures), indent=2, allow_nan=False) + "\n"
+
+
+def write_json(figures: Mapping[str, Any], path: Path) -> None:
+    """Write figures as a JSON file, whole or not at all."""
+    write_text(json_text(figures), path)
 
 
 def as_json_value(value: Any) -> Any:

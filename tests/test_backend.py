@@ -25,7 +25,7 @@ import hashlib, json, sys
 from pathlib import Path
 from rotor_fmu.model.backend import selected_backend
 from rotor_fmu.model.machine.toml import rig
-from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.model.settings import choose
 from rotor_fmu.model.time_loop.recorder import Record, recordable
 from rotor_fmu.model.simulation import Simulation
@@ -59,7 +59,7 @@ from rotor_fmu.model import backend
 from rotor_fmu.model.linear import LinearMachine
 from rotor_fmu.model.periodic import entry_points
 from rotor_fmu.model.periodic.linear_structure import Condensed
-from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.machine_file.loading import load_rotor
 
 random = np.random.default_rng(3)
 seen = {}

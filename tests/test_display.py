@@ -27,12 +27,12 @@ from rotor_fmu.linear.frequency_answers import frequency_response
 from rotor_fmu.linear.linear_plots import deflection
 from rotor_fmu.linear.mode_shapes import mode_shapes_figure
 from rotor_fmu.live.live_page import page_data
+from rotor_fmu.machine_file.loading import load_rotor
 from rotor_fmu.plotting.figure_style import new_figure, save
 from rotor_fmu.report.run_page import runs_page
 from rotor_fmu.run_pictures import run_folder, signal_plots
 from rotor_fmu.run_pictures.signal_plots import bode, orbit
 from rotor_fmu.run_pictures.view import View
-from rotor_fmu.runs.job import load_rotor
 from rotor_fmu.trial_balancing import Balancing, CorrectionPlane, Vibration
 
 from .recordings import recorded, write_study

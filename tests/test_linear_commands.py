@@ -16,8 +16,7 @@ from rotor_fmu.cli import app
 from rotor_fmu.cli.speeds import one_speed, speed_range
 from rotor_fmu.errors import InputError
 from rotor_fmu.linear import answers
-from rotor_fmu.machine_file.loading import machine_text
-from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.machine_file.loading import load_rotor, machine_text
 
 ROSS = Path(__file__).parent / "reference" / "ross"
 PNG = b"\x89PNG"

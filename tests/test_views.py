@@ -9,11 +9,12 @@ from rotor_fmu.model.time_loop.recorder import Record
 
 from rotor_fmu import vibration
 from rotor_fmu.runs.input_signals import Signals
-from rotor_fmu.runs.job import clear, execute_recorded, prepare
+from rotor_fmu.runs.job import execute_recorded, prepare
 from rotor_fmu.runs.measuring_points import probe_that_moves_most
 from rotor_fmu.runs.peaks import is_constant, peak_index
 from rotor_fmu.runs.recording import Recording
 from rotor_fmu.runs.run_down import run_recorded
+from rotor_fmu.runs.run_files import clear
 from rotor_fmu.runs.summary import summary
 from rotor_fmu.runs.summary_sentences import sentences
 

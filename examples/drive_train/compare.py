@@ -42,8 +42,7 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
 from rotor_fmu.fmi.packing.native_fmu import build_native
-from rotor_fmu.output_options import with_output_options
-from rotor_fmu.runs.job import write_json
+from rotor_fmu.output_options import with_output_options, write_json
 
 STEPS = (1e-5, 1e-4, 5e-4, 3e-3, 1.5e-2, 2e-2)  # communication steps [s]
 EVERY = 6e-2  # a multiple of each, at which speeds are compared [s]

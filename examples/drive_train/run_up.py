@@ -23,10 +23,11 @@ from rotor_fmu.model.machine.toml import rig_toml
 from rotor_fmu.cosimulation.coupling import CoupledRun, Coupling
 from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
-from rotor_fmu.output_options import with_output_options
+from rotor_fmu.output_options import with_output_options, write_json
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_panels, save
-from rotor_fmu.runs.job import clear, fmu_in, write_json
+from rotor_fmu.runs.job import fmu_in
 from rotor_fmu.runs.run_down import interrupts_noted
+from rotor_fmu.runs.run_files import clear
 
 HERE = Path(__file__).resolve().parent
 COUPLING = Coupling(HERE / "drive_train.py")

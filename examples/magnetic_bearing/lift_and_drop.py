@@ -27,9 +27,9 @@ from rotor_fmu.errors import InputError, writable_folder
 from rotor_fmu.errors import run as run_app
 from rotor_fmu.fmi.packing.machine_files import fmu_identifier
 from rotor_fmu.fmi.packing.python_fmu import build, is_current
-from rotor_fmu.output_options import with_output_options
+from rotor_fmu.output_options import with_output_options, write_json
 from rotor_fmu.plotting.figure_style import BLUE, GREEN, GREY, ORANGE, new_figure, new_panels, save
-from rotor_fmu.runs.job import clear, write_json
+from rotor_fmu.runs.run_files import clear
 
 HERE = Path(__file__).resolve().parent
 COUPLING = Coupling(HERE / "magnetic_bearing.py")

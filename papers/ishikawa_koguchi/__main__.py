@@ -124,7 +124,7 @@ def bearings(
     out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("out/bearings"),
 ) -> dict[str, Any]:
     """Paper B's impact option on a rotor whose bearings are hard stops."""
-    from rotor_fmu.runs.job import load_rotor
+    from rotor_fmu.machine_file.loading import load_rotor
 
     from .bearings_cases import present
 

@@ -9,12 +9,12 @@ from typing import Any
 from rotor_fmu.errors import writable_folder
 from rotor_fmu.files import write_text
 from rotor_fmu.plotting.figure_style import save
-from rotor_fmu.runs.report import Column, Report
 
 from . import impact_plots as pictures
 from .cases import FIGURE_8_OPENING, PAPER_BARS, ImpactCase, carried_out, console, finish
 from .impact.bars import WINDOWS, Bars, BarsRun, build, run_bars
 from .impact.stepping.state import Line
+from .result_table import Column, ResultTable
 
 COLUMNS = (
     Column("label", "scheme"),
@@ -65,9 +65,9 @@ def present(
     results = carried_out("bars", jobs)
     runs = [(case, dt, run) for (case, _, dt), (run, _) in zip(plan, results, strict=True)]
     rows = [_row(*result, wall) for result, (_, wall) in zip(runs, results, strict=True)]
-    Report(COLUMNS, rows).write(out / "bars.csv", out / "bars.md")
+    ResultTable(COLUMNS, rows).write(out / "bars.csv", out / "bars.md")
     reports = [
-        Report(
+        ResultTable(
             COLUMNS,
             [row for row in rows if row["opening"] == opening],
             f"Velocity of the left bar's end against the wave solution, opening {opening:g} m",

@@ -14,10 +14,10 @@ from rotor_fmu.model.schemes.family import MODERATE_DISSIPATION
 from rotor_fmu.cells import markdown_table
 from rotor_fmu.errors import writable_folder
 from rotor_fmu.files import write_text
-from rotor_fmu.runs.report import Column, Report
 
 from .cases import IMPACTS, ImpactCase, carried_out, finish
 from .impact.journals import JournalRun, RunDown, run_journals
+from .result_table import Column, ResultTable
 
 COLUMNS = (
     Column("label", "scheme"),
@@ -95,7 +95,7 @@ def present(
         for trial, (run, wall) in zip(trials, results, strict=True)
     ]
     title = f"Rotor in hard stops, {speed[0]:g} rad/s and {speed[1]:g} rad/s2, {stop:g} s"
-    report = Report(COLUMNS, rows, title)
+    report = ResultTable(COLUMNS, rows, title)
     report.write(out / "bearings.csv", out / "bearings.md")
     write_text(_outcomes(trials, rows, fine, stop), out / "outcomes.md")
     return finish([report], chosen, [], out)

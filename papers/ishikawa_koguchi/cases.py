@@ -15,10 +15,10 @@ from rotor_fmu.model.schemes import family, spectral
 from rotor_fmu.model.schemes.family import Scheme
 
 from rotor_fmu.errors import InputError
-from rotor_fmu.runs.report import Report
 
 from ..integrators.schemes_command import Row, parse_scheme, remarks
 from .impact.stepping.march import IMPACTS
+from .result_table import ResultTable
 
 # Paper B's sections 3.1.1 to 3.1.5, whose results are its Figures 3 to 7, and 3.2.
 PAPER_BARS = ("newmark", "newmark=0.5,0.5", "hht=0.5", "moderate-dissipation", "transient-fidelity")
@@ -110,7 +110,7 @@ def carried_out(
 
 
 def finish(
-    reports: Sequence[Report], chosen: Sequence[ImpactCase], failures: Sequence[str], out: Path
+    reports: Sequence[ResultTable], chosen: Sequence[ImpactCase], failures: Sequence[str], out: Path
 ) -> dict[str, Any]:
     """Print the tables, what is to be said of the parameters, and where things are.
 

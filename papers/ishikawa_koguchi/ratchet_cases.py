@@ -12,12 +12,12 @@ import numpy as np
 from rotor_fmu.errors import writable_folder
 from rotor_fmu.files import write_text
 from rotor_fmu.plotting.figure_style import save
-from rotor_fmu.runs.report import Column, Report
 
 from . import impact_plots as pictures
 from .cases import PAPER_RATCHET, ImpactCase, carried_out, finish
 from .impact.ratchet import RatchetRun, parse_ratchet, ratchet_toml, run_ratchet
 from .ratchet_drawing import animate, drawing, frame_interval
+from .result_table import Column, ResultTable
 
 COLUMNS = (
     Column("label", "scheme"),
@@ -73,7 +73,7 @@ def present(
         f"Ratchet; a rigid pawl slides with {ratchet.acceleration:.0f} rad/s2 "
         f"and locks at {1e3 * ratchet.t_locking:.2f} ms"
     )
-    report = Report(COLUMNS, rows, title)
+    report = ResultTable(COLUMNS, rows, title)
     report.write(out / "ratchet.csv", out / "ratchet.md")
     _write_pictures(runs, out)
     for case, result in runs.items():

@@ -15,7 +15,8 @@ from rotor_fmu.model.machine.toml import rig_toml
 
 from rotor_fmu.files import unfinished, write_text
 from rotor_fmu.fmi.packing.python_fmu import package_name
-from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare, write_json
+from rotor_fmu.output_options import write_json
+from rotor_fmu.runs.job import Job, execute, execute_recorded, fmu_in, prepare
 from rotor_fmu.runs.recording import Recording, load_recording
 from rotor_fmu.runs.run_down import Run
 from rotor_fmu.runs.summary import summary

@@ -9,8 +9,8 @@ from pathlib import Path
 from ..errors import InputError
 from ..model.simulation import warn
 from ..run_status import messages_and_codes
-from ..runs.job import parse_starts
 from ..runs.recording import Recording
+from ..runs.settings_text import parse_starts
 from .machine import Machine, parse
 from .result import Result
 from .simulate import Signal, plan

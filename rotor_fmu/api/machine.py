@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InputError
-from ..machine_file.loading import si_text
+from ..machine_file.loading import load_rotor, si_text
 from ..model.machine.toml import parse_rotor
 from ..model.quantities import QuantityError
 from ..model.simulation import RotorWarning
 from ..model.time_loop.recorder import recordable
-from ..runs.job import load_rotor
 from .linear_analyses import LinearAnalyses
 from .pictures import png, shown
 

@@ -15,9 +15,11 @@ from ..model.settings import PRESETS
 from ..model.simulation import warn
 from ..model.time_loop.recorder import Record
 from ..runs.input_signals import Signals
-from ..runs.job import Job, make_job, parse_settings, verified
+from ..runs.job import Job, make_job
 from ..runs.recording import Recording
 from ..runs.run_down import Run, run_recorded, usual
+from ..runs.settings_text import parse_settings
+from ..runs.verify_run import verified
 from .machine import Machine
 from .result import Result
 

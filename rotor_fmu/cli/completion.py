@@ -28,7 +28,7 @@ def settable(ctx: typer.Context, incomplete: str) -> list[str]:
 def _table(ctx: typer.Context) -> Any:
     from ..errors import InputError
     from ..fmi.interface import interface
-    from ..runs.job import load_rotor
+    from ..machine_file.loading import load_rotor
 
     given = ctx.params.get("rotor")
     try:

@@ -94,7 +94,8 @@ def build(
     # imported when it is called: the help needs none of it
     from ..fmi.packing.fmu_kinds import FmuKind
     from ..linear.machine_warnings import machine_warnings
-    from ..runs.job import load_rotor, parse_starts
+    from ..machine_file.loading import load_rotor
+    from ..runs.settings_text import parse_starts
 
     toml, machine = load_rotor(rotor)
     kind = FmuKind(is_native, is_source, fmi)

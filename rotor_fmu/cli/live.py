@@ -25,7 +25,7 @@ def page(
     from ..fmi.packing.machine_files import machine_of
     from ..linear.machine_warnings import machine_warnings
     from ..live.live_page import solver_page
-    from ..runs.job import load_rotor
+    from ..machine_file.loading import load_rotor
 
     toml, machine = load_rotor(rotor)
     choose(units, machine.units, rotor or "")

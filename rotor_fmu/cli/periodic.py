@@ -14,8 +14,8 @@ from rich.console import Console
 
 from ..display import Shown, choose, current
 from ..errors import InputError, writable_folder
-from ..output_options import with_output_options
-from ..runs.job import load_rotor, write_json
+from ..machine_file.loading import load_rotor
+from ..output_options import with_output_options, write_json
 from ..screen import progress_of
 from ..units import in_si
 from .shared import RotorFile, Units

@@ -11,9 +11,8 @@ import typer
 from ..display import choose
 from ..errors import InputError, writable_folder
 from ..files import write_text
-from ..output_options import with_output_options
+from ..output_options import with_output_options, write_json
 from ..runs import PLOTS
-from ..runs.job import write_json
 from ..units import in_si
 from .completion import one_of, places
 from .nodes import Clearances, CrossCouplings, Stages, check_nodes, clearances_of, cross_couplings

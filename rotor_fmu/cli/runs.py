@@ -13,7 +13,7 @@ import typer
 from ..display import choose
 from ..errors import writable_folder
 from ..model.settings import PRESETS
-from ..output_options import with_options_of, with_output_options
+from ..output_options import with_options_of, with_output_options, write_json
 from ..units import in_si
 from .completion import one_of, settable
 from .shared import Free, RotorFile, Units
@@ -114,6 +114,7 @@ def _run(
     """Make a run, write its results and return its figures."""
     from ..runs import job as jobs
     from ..runs.ramp import RampGiven
+    from ..runs.run_files import clear
     from ..runs.verify_run import finer_job
 
     begun = time.perf_counter()
@@ -129,11 +130,11 @@ def _run(
         finer_job(job)  # refused before anything is run
     writable_folder(out)
     fmu = None if direct else jobs.fmu_in(out, job.toml, job.settings.reduction)
-    jobs.clear(out)
+    clear(out)
     outcome = _carry_out(job, fmu, f"{kind}, {preset or 'default'}", verify)
     report = _write(outcome, preset, out, name)
     report["wall_s"] = time.perf_counter() - begun
-    jobs.write_json(report, out / "summary.json")
+    write_json(report, out / "summary.json")
     _print(outcome, report, out)
     return report | {"out": str(out)}
 
@@ -151,6 +152,7 @@ class _Outcome(NamedTuple):
 def _carry_out(job: Job, fmu: Path | None, label: str, verify: bool) -> _Outcome:
     """Make the run through the FMU, if there is one, and recorded without it."""
     from ..runs import job as jobs
+    from ..runs.verify_run import verified
 
     driven = None if fmu is None else jobs.execute(job, fmu, label)
     recorded, recording = jobs.execute_recorded(
@@ -159,7 +161,7 @@ def _carry_out(job: Job, fmu: Path | None, label: str, verify: bool) -> _Outcome
     # an FMU holds its loads between two communication points
     result = driven if driven is not None and job.signals.is_held else recorded
     if verify:
-        recorded, recording = jobs.verified(job, recorded, recording, f"{label}, finer")
+        recorded, recording = verified(job, recorded, recording, f"{label}, finer")
         if "verification" in recording.about:
             result = replace(result, status=recorded.status)
     apart = None if driven is None else jobs.difference(driven, recorded)
@@ -170,7 +172,7 @@ def _write(outcome: _Outcome, preset: str | None, out: Path, name: str) -> dict[
     """Write CSV file, recording, pictures and page, and return the figures of the run."""
     from ..report.run_page import write_report
     from ..run_pictures.run_folder import write_run_pictures
-    from ..runs.job import write_csv
+    from ..runs.run_files import write_csv
     from ..runs.summary import summary
 
     job, result, recording, apart = outcome
@@ -232,7 +234,7 @@ def variables(rotor: RotorFile = None, is_free: Free = False) -> dict[str, Any]:
     """Print the FMU's variables as a Markdown table."""
     from ..fmi.interface import interface
     from ..fmi.packing.variable_table import markdown
-    from ..runs.job import load_rotor
+    from ..machine_file.loading import load_rotor
 
     table = interface(load_rotor(rotor)[1], is_free)
     typer.echo(markdown(table), nl=False)

@@ -10,7 +10,8 @@ import typer
 
 from ..display import choose
 from ..errors import writable_folder
-from ..runs.job import load_rotor, write_json
+from ..machine_file.loading import load_rotor
+from ..output_options import write_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -216,7 +216,7 @@ def _print_table(rows: list[dict[str, Any]]) -> None:
 
 
 def _analyse(definition: Study, out: Path) -> dict[str, Any]:
-    from ..runs.job import write_json
+    from ..output_options import write_json
     from ..studies.analysis import analyse
 
     report = analyse(out)
@@ -288,7 +288,7 @@ def _counted(result: dict[str, Any]) -> str:
 
 def _select(definition: Study, select: str, out: Path) -> dict[str, Any]:
     """Make one run again with all its signals, in a folder of its own."""
-    from ..runs.job import write_json
+    from ..output_options import write_json
 
     model = definition.model
     if not isinstance(model, MachineRuns):

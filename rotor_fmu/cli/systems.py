@@ -60,8 +60,8 @@ def ssp(
     from ..fmi.packing.machine_files import machine_of
     from ..fmi.packing.native_fmu import build_native
     from ..fmi.packing.python_fmu import build as build_python
+    from ..machine_file.loading import load_rotor
     from ..operating_speeds import operating_speeds
-    from ..runs.job import load_rotor
 
     toml, machine = load_rotor(rotor)
     speeds = operating_speeds(machine)

@@ -20,6 +20,7 @@ from typing import Any, ClassVar
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..machine_file.loading import load_rotor
 from ..model import linear
 from ..model.machine.rotor import Rotor
 from ..model.one_thread import on_one_thread
@@ -27,7 +28,6 @@ from ..model.parts.shaft import Section
 from ..model.structure.beam import shaft_element
 from ..operating_speeds import operating_speeds
 from ..plotting.machine_drawing import machine_figure
-from ..runs.job import load_rotor
 from . import bearing_plots, bearing_tables, linear_plots, linear_tables
 
 Machine = Rotor | Path | str

@@ -7,15 +7,19 @@ tables are added to, its numbers and words replaced, its lists of parts continue
 from __future__ import annotations
 
 import json
+import sys
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, read_text
 from ..model.machine.ross import Imported, is_ross, parse_ross
-from ..model.machine.toml import parse_rotor
+from ..model.machine.rotor import Rotor
+from ..model.machine.toml import parse_rotor, rig_toml
 from ..model.machine.writing import toml_text
 from ..model.quantities import QuantityError
+from .plausibility import questions
 from .units_in_files import in_si_units
 
 _EXTENDS = "extends"
@@ -108,3 +112,21 @@ def _merged(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
 
 def _has_tables(value: list[Any]) -> bool:
     return all(isinstance(item, dict) for item in value)
+
+
+def _to_screen(question: str) -> None:
+    print(f"rotor-fmu: warning: {question}", file=sys.stderr, flush=True)
+
+
+def load_rotor(path: Path | None, ask: Callable[[str], None] = _to_screen) -> tuple[str, Rotor]:
+    """Return TOML text and rotor of a file, or of the paper's rig; `InputError` for an impossible
+    one; ask: takes the questions about values that nobody means."""
+    text = rig_toml() if path is None else machine_text("--rotor", path)
+    try:
+        rotor = parse_rotor(text)
+        asked = questions(rotor)
+    except QuantityError as error:
+        raise InputError(f"{path}: {error}" if path else str(error)) from error
+    for question in asked:
+        ask(f"{path}: {question}" if path else question)
+    return text, rotor

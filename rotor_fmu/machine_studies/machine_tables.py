@@ -12,9 +12,9 @@ from typing import Any
 from ..errors import InputError
 from ..fmi.binding import load_names
 from ..fmi.variables import Variable
+from ..machine_file.loading import load_rotor
 from ..operating_speeds import operating_speeds
 from ..runs.input_signals import read_signals
-from ..runs.job import load_rotor
 from ..studies.design import Axis, number, whole
 from ..studies.study import Column, Study
 from ..studies.study_file import read_study_file

@@ -16,9 +16,11 @@ import numpy as np
 from ..errors import InputError
 from ..fmi.solver_parameters import PREFIX, settings_of
 from ..model.settings import Settings, SettingsError
-from ..run_status import OK
+from ..run_status import FAILED, OK, with_doubt
 from .job import Job
-from .run_down import Run
+from .progress import shown
+from .recording import Recording
+from .run_down import Run, run_direct
 
 CONFIRMED, SENSITIVE, NOT_CONFIRMED = "confirmed", "sensitive", "not confirmed"
 NOT_CONFIRMED_CODE = "not-confirmed"  # in the status of a run
@@ -123,6 +125,23 @@ def compare(run: Run, other: Run, settings: Settings) -> Verification:
     return Verification(
         finer(settings), other.status, tuple(peaks), tuple(final), allowed(settings)
     )
+
+
+def verified(job: Job, run: Run, recording: Recording, label: str) -> tuple[Run, Recording]:
+    """Make a run and compare it with the same run, solved more finely; the comparison is added to
+    the recording, and the run is doubtful if it is not confirmed. Raises `InputError` if there is
+    no finer run."""
+    if run.status.startswith(FAILED):
+        return run, recording
+    finer = finer_job(job)
+    with shown(label, finer.stop, finer.step, finer.settings) as progress:
+        other = run_direct(finer.rotor, finer, progress, is_silent=True)
+    verification = compare(run, other, job.settings)
+    status = run.status
+    if verification.conclusion == NOT_CONFIRMED:
+        status = with_doubt(status, NOT_CONFIRMED_CODE)
+    about = {**recording.about, "status": status, "verification": verification.figures}
+    return replace(run, status=status), replace(recording, about=about)
 
 
 def _compared(name: str, value: float, other: float, size: float) -> Comparison:

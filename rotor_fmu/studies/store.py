@@ -19,7 +19,7 @@ import numpy as np
 
 from ..errors import InputError, RunFailed, optional, writable_folder
 from ..files import at_work
-from ..runs.job import write_json
+from ..output_options import write_json
 from .study import Result, Study, read_about
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from rotor_fmu.model.settings import METHODS, choose
 from rotor_fmu.model.simulation import Simulation
 
 from rotor_fmu.fmi.packing.python_fmu import build
-from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.machine_file.loading import load_rotor
 
 from .machine import Machine, observed
 

@@ -13,7 +13,7 @@ from rotor_fmu.model.simulation import EquilibriumError, Simulation, StepFailure
 
 from rotor_fmu.fmi.log import with_code
 from rotor_fmu.fmi.packing.python_fmu import build
-from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.machine_file.loading import load_rotor
 
 from .machine import Machine, observed
 

@@ -12,7 +12,7 @@ from rotor_fmu.fmi.packing.machine_files import machine_of
 from rotor_fmu.library.build import library
 from rotor_fmu.library.platforms import WASM
 from rotor_fmu.live import live_page
-from rotor_fmu.runs.job import load_rotor
+from rotor_fmu.machine_file.loading import load_rotor
 
 from .wasm import Native, Wasmtime, rows_of
 

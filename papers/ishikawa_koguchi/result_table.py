@@ -9,9 +9,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from ..cells import cell, markdown_table
-from ..files import unfinished, write_text
-from ..screen import text_table
+from rotor_fmu.cells import cell, markdown_table
+from rotor_fmu.files import unfinished, write_text
+from rotor_fmu.screen import text_table
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Column:
     on_screen: bool = True
 
 
-class Report:
+class ResultTable:
     """Rows of values by column name; a missing value is shown as a dash."""
 
     def __init__(
