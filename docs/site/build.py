@@ -40,8 +40,8 @@ SECTIONS = {
     "Reference": ["docs/reference/*.md"],
     "Explanation": ["docs/explanation/*.md"],
     "Working on it": [
-        *("CONTRIBUTING.md", "ARCHITECTURE.md", "docs/how_to/add_*.md"),
-        *("docs/how_to/debug_a_kernel.md", "docs/decisions/*.md"),
+        *("CONTRIBUTING.md", "ARCHITECTURE.md"),
+        *("docs/development/*.md", "docs/decisions/*.md"),
     ],
 }
 _COPIED = "copied"  # to the site as it is
