@@ -19,9 +19,6 @@ _TEN_MINUTES = ("beginner", "compressor", "drive_train")
 _HOW_TO = (
     *(
         "studies",
-        "oil_films",
-        "rolling_bearings",
-        "heat_of_a_rub",
         "check_by_api_617",
         "native",
         "real_time",
