@@ -1,7 +1,7 @@
 """Tables of a benchmark's results, as a page of Markdown, with its pictures.
 
-python -m benchmarks.report FOLDER --docs writes them anew from kept results, and puts the tables
-that docs/explanation/performance.md shows into it.
+python -m benchmarks.report FOLDER --docs writes them anew from saved results, and puts the tables
+that docs/explanation/performance.md and docs/development/benchmarks.md show into these pages.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from .goals import goals
 from .pictures import draw
 from .store import Store, median
 
-PAGE = Path(__file__).parents[1] / "docs" / "explanation" / "performance.md"
+_DOCS = Path(__file__).parents[1] / "docs"
+PAGES = (_DOCS / "explanation" / "performance.md", _DOCS / "development" / "benchmarks.md")
 _TITLES = {
     "run-down": "The run-down",
     "beginning": "Its first 0.2 s, for programs too slow for the whole",
@@ -40,10 +41,13 @@ def write_report(store: Store, folder: Path) -> list[Path]:
     return [store.path, page, *draw(store, folder)]
 
 
-def filled_page(store: Store, text: str) -> str:
-    """A page whose parts between `<!-- NAME -->` and `<!-- end -->` are the tables so named, and
-    whose pictures are those of the results' day."""
-    text = re.sub(r"(benchmarks/results/)[^/]+/", rf"\g<1>{store.about['date']}/", text)
+def filled_pages(store: Store, texts: Sequence[str]) -> list[str]:
+    """Return pages whose parts between `<!-- NAME -->` and `<!-- end -->` are the tables so named,
+    and whose figures are those of the results' day. Each table must have one place among them."""
+    texts = [
+        re.sub(r"(benchmarks/results/)[^/]+/", rf"\g<1>{store.about['date']}/", text)
+        for text in texts
+    ]
     parts = {
         "head": _measured_on(store),
         "goals": _goals_table(store),
@@ -54,15 +58,15 @@ def filled_page(store: Store, text: str) -> str:
         "hosting": _hosting_table(store),
     }
     for name, part in parts.items():
-        pattern = rf"(<!-- {name} -->\n).*?(<!-- end -->)"
-        text, count = re.subn(
-            pattern, lambda m, part=part: f"{m[1]}\n{part}\n\n{m[2]}", text, flags=re.S
-        )
+        place = re.compile(rf"(<!-- {name} -->\n).*?(<!-- end -->)", re.S)
+        count = sum(len(place.findall(text)) for text in texts)
         if count != 1:
-            raise ValueError(
-                f"docs/explanation/performance.md: {count} places for {name!r}, must be one"
-            )
-    return text
+            names = ", ".join(page.name for page in PAGES)
+            raise ValueError(f"{names}: {count} places for {name!r}, must be one")
+        texts = [
+            place.sub(lambda m, part=part: f"{m[1]}\n{part}\n\n{m[2]}", text) for text in texts
+        ]
+    return texts
 
 
 def table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
@@ -119,8 +123,8 @@ def _race_table(store: Store, problem: str) -> str:
         "Y [%]",
         "CPU [s]",
         "steps",
-        "simulated s a s",
-        "CPU to this project's",
+        "simulated s per s of CPU",
+        "CPU relative to this project",
     ]
     if truth["x_peak"] is None:
         lines, head = ([[*x[:3], *x[5:]] for x in lines], [*head[:3], *head[5:]])
@@ -136,7 +140,7 @@ def _race(store: Store, problem: str) -> str:
         f"## {_TITLES[problem]}\n\n"
         f"{truth['stop']:g} s, last disc. Errors against CVODE of order 5 at rtol = 1e-8 "
         f"({truth['cpu_s']:.1f} s of CPU, {truth['steps']} steps{peaks}): the largest and the root "
-        "mean square of the orbit's, and those of the peaks. Last column: CPU time in terms of "
+        "mean square of the orbit's, and those of the peaks. Last column: CPU time relative to "
         "this project's at the same orbit error.\n\n" + _race_table(store, problem)
     )
 
@@ -221,7 +225,7 @@ app = typer.Typer(add_completion=False)
 def main(
     folder: Annotated[Path, typer.Argument(help="Folder of a benchmark's results.")],
     docs: Annotated[
-        bool, typer.Option("--docs", help="Put them into docs/explanation/performance.md.")
+        bool, typer.Option("--docs", help="Put them into the pages of docs/ that show them.")
     ] = False,
 ) -> None:
     """Write table and pictures anew from kept results."""
@@ -232,8 +236,10 @@ def main(
     for path in write_report(store, folder):
         print(path)
     if docs:
-        PAGE.write_text(filled_page(store, PAGE.read_text(encoding="utf-8")), encoding="utf-8")
-        print(PAGE)
+        texts = filled_pages(store, [page.read_text(encoding="utf-8") for page in PAGES])
+        for page, text in zip(PAGES, texts, strict=True):
+            page.write_text(text, encoding="utf-8")
+            print(page)
 
 
 if __name__ == "__main__":

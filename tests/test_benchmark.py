@@ -14,7 +14,7 @@ from rotor_fmu.model.structure.assembly import assemble
 from benchmarks import compare, growth, race
 from benchmarks.peers import cvode, exudyn_peer, ida, project, ross_peer, scipy_peer
 from benchmarks.problem import Diverged, Method, Missing, beginning, orbit, peaks
-from benchmarks.report import PAGE, filled_page, write_report
+from benchmarks.report import PAGES, filled_pages, write_report
 from benchmarks.store import Store
 
 from .machines import disc_dofs
@@ -124,10 +124,12 @@ def test_a_stopped_race_goes_on_where_it_was(tmp_path, monkeypatch):
 
 
 def test_the_tables_of_the_page_are_those_of_the_newest_results():
-    results = sorted((PAGE.parents[2] / "benchmarks" / "results").glob("????-??-??/results.json"))
+    results = sorted(
+        (PAGES[0].parents[2] / "benchmarks" / "results").glob("????-??-??/results.json")
+    )
     assert json.loads(results[-1].read_text(encoding="utf-8"))["about"]["kind"] == "full"
-    page = PAGE.read_text(encoding="utf-8")
-    assert filled_page(Store.read(results[-1].parent), page) == page
+    pages = [page.read_text(encoding="utf-8") for page in PAGES]
+    assert filled_pages(Store.read(results[-1].parent), pages) == pages
 
 
 @pytest.mark.parametrize(
