@@ -42,7 +42,7 @@ def test_a_link_to_nothing_is_an_error(tmp_path, capfd):
 
 def test_every_page_of_the_project_is_in_the_site():
     globs = (
-        *("ARCHITECTURE.md", "CONTRIBUTING.md", "examples/*/README.md"),
+        *("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "examples/*/README.md"),
         *("docs/*.md", "docs/*/*.md", "docs/*/*.ipynb"),
     )
     written = {path for glob in globs for path in ROOT.glob(glob)}

@@ -1,8 +1,8 @@
 """Make the site: python docs/site/build.py [FOLDER]; default: build/site.
 
-README, ARCHITECTURE, CONTRIBUTING, docs/ and the examples' pages are copied into a tree as the
-repository's, so that their links hold; Sphinx makes HTML of it. A warning, such as a link to
-nothing, is an error.
+README, ARCHITECTURE, CONTRIBUTING, CHANGELOG, docs/ and the examples' pages are copied into a tree
+with the repository's layout, so that their links hold, and Sphinx makes HTML from it. A warning,
+such as a broken link, is an error.
 """
 
 from __future__ import annotations
@@ -14,39 +14,37 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-_TUTORIALS = ("run_down", "own_machine", "coupling", "study")  # in the order to read them
-_TEN_MINUTES = ("beginner", "compressor", "drive_train")
+# the order to read them in
+_TUTORIALS = ("beginner.md", "compressor.md", "drive_train.md")
+_NOTEBOOKS = ("run_down.ipynb", "own_machine.ipynb", "coupling.ipynb", "study.ipynb")
 _HOW_TO = (
-    *(
-        "studies",
-        "check_by_api_617",
-        "native",
-        "real_time",
-        "page",
-        "couple_an_fmu",
-    ),
-    *("choose_a_coupling", "from_ross", "from_xltrc2"),
+    *("studies.md", "check_by_api_617.md", "from_ross.md", "from_xltrc2.md", "page.md"),
+    *("native.md", "webassembly.md", "real_time.md", "couple_an_fmu.md", "choose_a_coupling.md"),
 )
+_EXPLANATION = (
+    *("limitations.md", "validation.md", "performance.md", "integrators.md", "response.md"),
+    *("signals.md", "oil_films.md", "rolling_bearings.md", "thermal_bow.md", "rub_laws.md"),
+    "six_studies.md",
+)
+_PAPERS = ("reproduction.md", "impact.md")
 SECTIONS = {
-    "Tutorials": [
-        *(f"docs/tutorials/{name}.md" for name in _TEN_MINUTES),
-        *(f"docs/tutorials/{name}.ipynb" for name in _TUTORIALS),
-    ],
-    "How to": [f"docs/how_to/{name}.md" for name in _HOW_TO],
+    "Tutorials": [f"docs/tutorials/{name}" for name in (*_TUTORIALS, *_NOTEBOOKS)],
+    "How to": [f"docs/how_to/{name}" for name in _HOW_TO],
     "Examples": ["examples/*/README.md"],
     "Reference": ["docs/reference/*.md"],
-    "Explanation": ["docs/explanation/*.md"],
-    "Working on it": [
-        *("CONTRIBUTING.md", "ARCHITECTURE.md"),
+    "Explanation": [f"docs/explanation/{name}" for name in _EXPLANATION],
+    "Reproduced papers": [f"docs/explanation/{name}" for name in _PAPERS],
+    "Development": [
+        *("CONTRIBUTING.md", "ARCHITECTURE.md", "CHANGELOG.md"),
         *("docs/development/*.md", "docs/decisions/*.md"),
     ],
 }
-_COPIED = "copied"  # to the site as it is
-# Machines that run on pages of the site: in words, the page's name, the machine file.
+_COPIED = "copied"  # folder whose contents are copied to the site unchanged
+# Machines that run on pages of the site: title, page name, machine file, run.
 TRIED = (
-    ("the rig that runs down", "rig", "examples/paper_rig/rig.toml", {}),
+    ("the run-down of the rig", "rig", "examples/paper_rig/rig.toml", {}),
     (
-        "a compressor that drops into its touchdown bearings",
+        "the drop of a compressor into its touchdown bearings",
         "drop",
         "examples/drop/compressor.toml",
         {"course.from": 400.0, "course.to": 380.0, "course.rate": 10.0},
@@ -56,14 +54,14 @@ _SHOWN = (".png", ".gif", ".svg", ".csv.gz", ".html")
 
 
 def pages() -> list[Path]:
-    """Every page of the site but the first, in the order of its sections."""
+    """Return every page of the site except the first, in the order of its sections."""
     return [
         page for globs in SECTIONS.values() for glob in globs for page in sorted(ROOT.glob(glob))
     ]
 
 
 def assemble(tree: Path) -> None:
-    """Copy pages and what they show into a tree as the repository's, with an index."""
+    """Copy the pages and their figures into a tree with the repository's layout; add an index."""
     shown = [
         path
         for folder in ("docs", "examples", "benchmarks")
@@ -84,7 +82,7 @@ def assemble(tree: Path) -> None:
 
 
 def add_machines(tree: Path) -> None:
-    """Add pages on which the rig and the drop run, and links to them on the first page."""
+    """Add pages that simulate the rig and the drop, and links to them on the first page."""
     from rotor_fmu.files import write_text
     from rotor_fmu.fmi.packing.machine_files import machine_of
     from rotor_fmu.live.live_page import solver_page
@@ -98,13 +96,13 @@ def add_machines(tree: Path) -> None:
     index = tree / "index.md"
     before, heading, after = index.read_text("utf-8").partition("\n## ")
     tried = (
-        f"\n**Try it in your browser**: {links}; move a slider, and the run is computed again.\n"
+        f"\n**Try it in your browser**: {links}. Move a slider, and the run is computed again.\n"
     )
     index.write_text(before + tried + heading + after, encoding="utf-8")
 
 
 def render(tree: Path, site: Path) -> int:
-    """Make the site of a tree; returns Sphinx' status."""
+    """Make the site from a tree; return Sphinx' exit status."""
     sphinx = [sys.executable, "-m", "sphinx", "--quiet", "--fail-on-warning", "--keep-going"]
     copied = ["-D", f"html_extra_path={_COPIED}"] if (tree / _COPIED).is_dir() else []
     return subprocess.run([*sphinx, *copied, str(tree), str(site)], check=False).returncode

@@ -1,4 +1,4 @@
-"""The page of all commands, from the commands."""
+"""Make the page of all commands from the commands themselves."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from rotor_fmu.cli import COMMANDS
 
 HEAD = """# Commands
 
-Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` says the same. Input
-that cannot be is refused in one line, with status 2. Status 1 is a run that failed, 130 one that
-Ctrl-C stopped; neither leaves anything unfinished.
+Made from the commands themselves (`make pages`); `rotor-fmu COMMAND --help` shows the same.
+Invalid input is refused in one line, with exit status 2. Status 1 is a failed run, 130 a run
+interrupted by Ctrl-C; neither leaves incomplete files.
 
-Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to the
-motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4 ms),
-`paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms),
-`realtime` (0.2, 0.05 ms, at most 4 iterations). `--set
-solver.tolerance=1e-4`, or `--preset robust --set solver.h=1e-4`, and the like change a preset;
-`solver.reduction=4` keeps four component modes of the shaft, which pays where it has many elements.
-A warning names the modes that too few of them would move.
+Presets of the solver: `controlled` (the default: Chung-Hulbert, spectral radius 0.3, fitted to
+the motion, steps by tolerance), `robust` (spectral radius 0.2, 0.5 ms), `paper` (0.1 / 0.08, 4
+ms), `paper-adaptive` (4 to 20 ms), `moderate` (HHT, sqrt(2) - 1, 0.5 ms), `realtime` (0.2, 0.05
+ms, at most 4 iterations). Change single settings with `--set solver.tolerance=1e-4`, or `--preset
+robust --set solver.h=1e-4`. `--set solver.reduction=4` keeps four component modes of the shaft,
+which saves time for a shaft of many elements; a warning names the modes that too few of them
+would shift.
 """
 
 
 def _functions(name: str, place: str) -> Iterator[tuple[str, Callable[..., Any]]]:
-    """A command, or those of a group, and the functions behind them."""
+    """Yield a command, or those of a group, with their functions."""
     module, _, attribute = place.partition(":")
     result = getattr(import_module(f"rotor_fmu.cli.{module}"), attribute)
     if isinstance(result, typer.Typer):
@@ -39,7 +39,7 @@ def _functions(name: str, place: str) -> Iterator[tuple[str, Callable[..., Any]]
 
 
 def _entry(name: str, function: Callable[..., Any]) -> list[str]:
-    """A command with what it takes."""
+    """Return the section of a command, with its options."""
     paragraphs = inspect.cleandoc(function.__doc__ or "").split("\n\n")
     lines = [f"### `rotor-fmu {name}`", ""]
     lines += [line for text in paragraphs for line in (" ".join(text.split()), "")]
@@ -52,10 +52,10 @@ def _entry(name: str, function: Callable[..., Any]) -> list[str]:
 
 
 def _row(parameter: inspect.Parameter, hint: Any) -> str:
-    """An option or an argument: its name, its kind, what it is for with its default."""
+    """Return the table row of an option or an argument: name, type, help with default."""
     kind, about = get_args(hint) if get_origin(hint) is Annotated else (hint, None)
     is_argument = isinstance(about, typer.models.ArgumentInfo)
-    # an annotated option's first name stands where else its default does
+    # typer stores an annotated option's first name in place of its default
     names = [n for n in (about.default, *(about.param_decls or ())) if str(n).startswith("--")]
     option = names[0] if names else f"--{parameter.name.replace('_', '-')}"
     name = (about.metavar or parameter.name.upper()) if is_argument else option
@@ -73,7 +73,7 @@ def _cell(text: str) -> str:
 
 
 def page() -> str:
-    """The whole page."""
+    """Return the whole page."""
     lines = [HEAD]
     for panel, places in COMMANDS.items():
         lines += [f"## {panel}", ""]

@@ -1,4 +1,4 @@
-"""How Sphinx makes the site: of Markdown, in a theme that loads nothing from a network."""
+"""Sphinx' configuration of the site: Markdown, in a theme that loads nothing from a network."""
 
 from rotor_fmu.about import __version__
 

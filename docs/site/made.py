@@ -1,4 +1,4 @@
-"""Write the pages and the picture that are made from the code: `make pages`."""
+"""Write the pages and the figure that are made from the code: `make pages`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ DOCS = Path(__file__).parents[1]
 
 
 def made() -> dict[Path, str]:
-    """The text of each file as the code makes it now."""
+    """Return the text of each generated file as the code makes it now."""
     commands = runpy.run_path(str(Path(__file__).with_name("commands.py")))
     variables = DOCS / "reference" / "variables.md"
     head, bar, _ = variables.read_text(encoding="utf-8").partition("| variable |")
