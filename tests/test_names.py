@@ -121,8 +121,8 @@ def test_probes_bodies_and_linear_bearings_are_recorded_and_the_one_that_moves_m
     )
     result = rf.simulate(rf.parse(toml), speed=60.0, stop=1.0)
     assert {"hub.x", "tip.x", "linear_bearing[1].x"} <= set(result.names)
-    places = result._seen.places
-    assert result._seen.place().name == "tip"
+    places = result.recording.places
+    assert result.recording.place().name == "tip"
     assert [p.name for p in places] == ["hub", "linear_bearing[1]", "tip"]
     result.plot("orbit", "hub")
     assert result.orbit("linear_bearing[1]").z.size > 0
